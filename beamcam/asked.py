@@ -94,13 +94,13 @@ def check_flags(**flags: object) -> None:
 
 
 def check_choice(name: str, value: object, choices: Collection[str]) -> None:
-    """Raise AskError for what is none of the choices."""
+    """Raise AskError for what is not one of the choices."""
     if value not in choices:
         raise AskError(ask_type(name, value, " or ".join(map(repr, choices))))
 
 
 def check_text(name: str, value: object, *others: type) -> None:
-    """Raise AskError for what is no text, nor one of `others`."""
+    """Raise AskError for what is neither text nor one of `others`."""
     if not isinstance(value, (str, *others)):
         raise AskError(
             ask_type(name, value, " or ".join(("a text", *(t.__name__ for t in others))))

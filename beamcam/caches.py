@@ -105,7 +105,7 @@ def cached(name: str) -> Callable[[Callable[Asked, Value]], Callable[Asked, Valu
 
 
 class BoundedCache(dict[Key, Value], Generic[Key, Value]):
-    """A table of what was worked out before; full, it begins anew.
+    """A table of what was worked out before; full, it begins again.
 
     `get` looks, `keep` notes. It needs no lock: a look, a note and a clearing are one step each.
     """
@@ -122,7 +122,7 @@ class BoundedCache(dict[Key, Value], Generic[Key, Value]):
 
 
 class PerObject(Generic[Key, Value]):
-    """Calls `make` once for each object, and gives what came of it from then on.
+    """Calls `make` once for each object, and gives the result from then on.
 
     Objects are told apart by identity: a machine holds tables and has no hash.
     """

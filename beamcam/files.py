@@ -32,10 +32,12 @@ def write_whole(
     if mode is not None and not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
         _write_to_device(target, data)
         return
-    if os.path.islink(target):
-        # A link is written through, as a shell's redirection does.
-        target = os.path.realpath(target)
-        mode = _mode(target)
+    # A link is written through, as a shell's redirection does.
+    _replace(os.path.realpath(target) if os.path.islink(target) else target, mode, data, durable)
+
+
+def _replace(target: str, mode: int | None, data: bytes | Iterable[bytes], durable: bool) -> None:
+    """Write a new file and give it the name `target`; `mode` is that of the file there, if any."""
     folder, name = os.path.split(target)
     # The process's number keeps two writers apart; a name left by a dead one is used again.
     part = os.path.join(folder, f".{name[:40]}.{os.getpid()}.part")

@@ -40,6 +40,7 @@ from beamcam.texts_told import other_places, stand_ins
 from beamcam.verify.bar_rules import BAR_NEEDED, BAR_TOLD
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.by_hand import TEXT_MOVED as MOVED
+from beamcam.verify.head import head_faults, head_of
 from beamcam.verify.left_out import LEDGER
 from beamcam.verify.left_out import LEFT_OUT as MISSING
 from beamcam.verify.uncut import UNCUT, UNCUT_TOLD
@@ -75,7 +76,7 @@ class Posted(Struct, frozen=True):
 
     @property
     def text(self) -> str:
-        """The whole program; of bytes that are no text, each as the letter of its number."""
+        """The whole program; of bytes that are not text, each as the letter of its number."""
         if isinstance(self.written, str):
             return self.written
         return b"".join(self.written()).decode("latin-1")
@@ -124,10 +125,14 @@ def read_file(path: str, strict: bool = False, **options: object) -> Reading:
     name, data = shown_name(path), content(path)
     if isinstance(data, Diagnostic):
         return Reading("unknown", (), (data,))
-    reading = readers.read(data, name, **options)
-    if strict:
-        reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
-    return reading
+    return judged(readers.read(data, name, **options), strict)
+
+
+def judged(reading: Reading, strict: bool) -> Reading:
+    """A reading, under `strict` with its warnings as errors."""
+    if not strict:
+        return reading
+    return replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
 
 
 def as_error(said: Diagnostic) -> Diagnostic:
@@ -228,9 +233,7 @@ def posting(
     kind = post_of(asked.machine)
     plan = kind.plan(asked)
     yield f"planned {len(plan.operations)} operation(s)"
-    remarks = (*plan.remarks, *told(plan))
-    if strict and errors_in(refused := tuple(map(as_error, remarks))):
-        raise PlanError(refused)
+    remarks = remarks_on(plan, strict)
     program = kind.motion(plan, asked.machine, asked.name)
     by_hand = sum(1 for _ in by_hand_sources(plan))
     if asked.date and isinstance(program, Program):
@@ -250,6 +253,21 @@ def posting(
     return Posted(written, plan, (*remarks, *said), program)
 
 
+def remarks_on(plan: Plan | SheetPlan, strict: bool) -> tuple[Diagnostic, ...]:
+    """All that is said of a plan. Raises PlanError under `strict` if there is a warning."""
+    remarks = (*plan.remarks, *told(plan))
+    if strict:
+        refuse_warnings(remarks)
+    return remarks
+
+
+def refuse_warnings(remarks: Iterable[Diagnostic]) -> None:
+    """Raises PlanError with all remarks if there is a warning among them."""
+    refused = tuple(map(as_error, remarks))
+    if errors_in(refused):
+        raise PlanError(refused)
+
+
 def _other_than_planned(
     plan: Plan | SheetPlan, found: Iterable[Diagnostic], asked: Job
 ) -> Iterator[Diagnostic]:
@@ -257,7 +275,7 @@ def _other_than_planned(
 
     The features that it found missing, and that may be, are those that the plan left out by name;
     the marks that it found to be manual work are those on the plan's list; the contours with waste
-    that no beam reaches are those that the plan tells of; the bar that it needs where nobody gave
+    that no beam reaches are those that the plan reports; the bar that it needs where nobody gave
     its length is no longer than the plan's.
     """
     missing: Counter[tuple[str, Source]] = Counter()
@@ -300,7 +318,7 @@ def _of_the_first(
 
 
 def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
-    """An error for waste that stays in a corner of a contour, unless the plan tells of it."""
+    """An error for waste that stays in a corner of a contour, unless the plan reports it."""
     from beamcam.planning.contours.rules import LEFT
 
     told = [d for d in plan.remarks if d.code == LEFT.code]
@@ -320,8 +338,6 @@ def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnosti
     """Differences of a program's head from the job and its read-back."""
     if not carries_head(job):
         return ()
-    from beamcam.verify.head import head_faults, head_of
-
     text = written if isinstance(written, str) else next(iter(written())).decode("latin-1")
     return head_faults(head_of(text), job.machine, job.skips, job.name, by_hand)
 

@@ -264,5 +264,5 @@ def _with_remarks(program: Any, lines: Sequence[str]) -> Any:
 
 
 def _text(program: Written) -> str:
-    """Of bytes that are no text, `\\ufffd` for each that is none."""
+    """A program as text; each byte that is not text becomes `\\ufffd`."""
     return program if isinstance(program, str) else b"".join(program()).decode("utf-8", "replace")

@@ -1,4 +1,4 @@
-"""Places of texts that a plan tells of, held against those that the read-back found.
+"""Places of texts that a plan reports, compared with those that the read-back found.
 
 Texts that are alike may stand in for each other: a program does not say which of them is which, so
 that plan and read-back may each share out their places by its own lights.

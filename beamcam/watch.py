@@ -3,7 +3,7 @@
     seen     size and time of change as before?   for long enough?   has its end?   handed over?
     M58.nc1  no: it is being written -> wait      no -> wait         no -> wait     yes -> leave it
 
-A file that changes after it was handed over is complete anew some time later.
+A file that changes after it was handed over is complete again some time later.
 """
 
 import os

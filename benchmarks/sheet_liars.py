@@ -5,8 +5,9 @@ that is mapped away, a line that is drawn twice, lettering. Each operation of th
 under every reason that there is, moved by a millimetre and by twice the tolerance, doubled, cut
 short, bridged and cut again otherwise, and made by another process or with other settings than
 asked for; the work is put elsewhere and in another order, and driven along arcs that the controller
-does not take. The program of each goes through the
-pipeline as any other, and all have to be refused.
+does not take. Drawings of many lines at equal distances get the plan of one that has a ring or a
+line across them too, and broken lines that of a line; and the other way round. The program of each
+goes through the pipeline as any other, and all have to be refused.
 """
 
 from collections import Counter
@@ -18,7 +19,7 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.machine import load
+from beamcam.machine import Machine, load
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings, Torch
@@ -131,6 +132,28 @@ def plate() -> Part:
         TextMark("v", 6.0, 6.0, 0.0, 5.0, "P1", SOURCE),
     )  # fmt: skip
     return _part(features, None)
+
+
+def across() -> Iterator[tuple[str, Part, Part]]:
+    """Drawings of lines at equal distances, and others that have more on places of theirs."""
+    blue = "#0000ff"
+    outline = contour(lines((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)), "#ff0000")
+    grid = [
+        contour(lines((20.0 + k, 6.0), (20.0 + k, 34.0), closed=False), blue) for k in range(13)
+    ]
+    ring = contour(lines((20.0, 20.0), (26.0, 26.0), (32.0, 20.0), (26.0, 14.0)), blue)
+    line = contour(lines((20.0, 20.0), (32.0, 20.0), closed=False), blue)
+    dashes = [
+        contour(lines((10.0 + 4 * k, 20.0), (12.0 + 4 * k, 20.0), closed=False), blue)
+        for k in range(7)
+    ]
+    whole = contour(lines((10.0, 20.0), (36.0, 20.0), closed=False), blue)
+    for name, few, many in (
+        ("a ring across lines", grid, [*grid, ring]),
+        ("a line across lines", grid, [*grid, line]),
+        ("a broken line joined", dashes, [whole]),
+    ):
+        yield name, _part((outline, *few), Measures()), _part((outline, *many), Measures())
 
 
 def _part(features: Sequence[object], measures: Measures | None) -> Part:
@@ -260,32 +283,51 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
     """Every lie (or each `every`-th) about sheets of all machines, posted through the pipeline."""
     result = Lies(Counter(), Counter(), [])
     count = 0
+
+    def tell(machine: str, lie: str, caught: bool) -> None:
+        result.made[lie] += 1
+        result.caught[lie] += caught
+        if not caught:
+            result.missed.append((machine, lie))
+
     for name, values in machines:
+        shown = _shown(name, values)
         machine = with_torch(load(name), colours=COLOURS, **values)  # type: ignore[arg-type]
         assert machine.torch is not None
         is_filled = any(own.hatch for own in machine.torch.settings.values())
         for part in (filled(),) if is_filled else (drawing(), plate()):
-            job = Job((part,), machine, skips=tuple(SKIP_NAMES))
-            plan = post_of(machine).plan(job)
-            assert isinstance(plan, SheetPlan)
+            job, plan = _planned(part, machine)
             truth = _text(plan, job)
             if machine.controller not in TABLE_CONTROLLERS:
                 for lie, caught in _out_of_radius(job):
-                    result.made[lie] += 1
-                    result.caught[lie] += caught
-                    if not caught:
-                        result.missed.append((_shown(name, values), lie))
+                    tell(shown, lie, caught)
             for lie, false in lies(plan, machine.torch):
                 if lie.endswith("slower") and machine.controller in TABLE_CONTROLLERS:
                     continue  # a chord may take as long as the cycles of the controller need
                 count += 1
                 if count % every == 0 and _text(false, job) != truth:
-                    caught = _is_refused(false, job)
-                    result.made[lie] += 1
-                    result.caught[lie] += caught
-                    if not caught:
-                        result.missed.append((_shown(name, values), lie))
+                    tell(shown, lie, _is_refused(false, job))
+        for lie, job, false in () if is_filled else _drawn_otherwise(machine):
+            count += 1
+            if count % every == 0:
+                tell(shown, lie, _is_refused(false, job))
     return result
+
+
+def _planned(part: Part, machine: Machine) -> tuple[Job, SheetPlan]:
+    """The job of a part and its plan."""
+    job = Job((part,), machine, skips=tuple(SKIP_NAMES))
+    plan = post_of(machine).plan(job)
+    assert isinstance(plan, SheetPlan)
+    return job, plan
+
+
+def _drawn_otherwise(machine: Machine) -> Iterator[tuple[str, Job, SheetPlan]]:
+    """Jobs whose plan has the operations of another drawing."""
+    for name, few, many in across():
+        (less, less_plan), (more, more_plan) = _planned(few, machine), _planned(many, machine)
+        yield name, less, replace(less_plan, operations=more_plan.operations)
+        yield f"{name}: not made", more, replace(more_plan, operations=less_plan.operations)
 
 
 def _out_of_radius(job: Job) -> Iterator[tuple[str, bool]]:

@@ -18,7 +18,7 @@ import pytest
 
 from beamcam.batch import Here, Shop, cluster, find_inputs, processes, run
 from beamcam.batch.head_start import MOST_BYTES, HeadStart
-from beamcam.batch.work import Made, Task, make_all
+from beamcam.batch.work import FileResult, Task, make_all
 from beamcam.machine import load
 from tests.conftest import ROOT
 from tests.runs import batch, counts, fill, programs, report
@@ -48,7 +48,7 @@ def test_the_cluster_makes_the_same(tmp_path: Path, scheduler: str) -> None:
     assert programs(tmp_path / "here") == programs(tmp_path / "there")
 
 
-def make_or_die(frozen: bytes, chunk: tuple[Task, ...]) -> list[Made]:
+def make_or_die(frozen: bytes, chunk: tuple[Task, ...]) -> list[FileResult]:
     """What a cluster says of a chunk that has cost it several workers, said at once."""
     if any(task.name.endswith("P003.nc1") for task in chunk):
         raise distributed.KilledWorker("make_or_die", SimpleNamespace(address="tcp://x"), 3)
@@ -95,7 +95,7 @@ def test_files_lost_with_the_process_here_go_to_the_cluster(
 ) -> None:
     fill(tmp_path / "in", 40)
 
-    def die(chunk: tuple[Task, ...], shop: Shop) -> list[Made]:
+    def die(chunk: tuple[Task, ...], shop: Shop) -> list[FileResult]:
         os._exit(1)
 
     monkeypatch.setattr(processes, "make_all", die)

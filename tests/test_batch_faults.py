@@ -19,7 +19,7 @@ import pytest
 from beamcam.batch import Shop, find_inputs, processes, work
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.record import RECORD_NAME
-from beamcam.batch.work import Made, Task
+from beamcam.batch.work import FileResult, Task
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine import load
 from beamcam.pipeline import Posted
@@ -28,7 +28,7 @@ from tests.conftest import ROOT
 from tests.runs import BAD, batch, counts, fill, part, programs, report
 
 
-def made_of(task: Task, shop: Shop) -> Made:
+def made_of(task: Task, shop: Shop) -> FileResult:
     """What comes of one file by itself."""
     (made,) = work.make_all((task,), shop)
     return made
@@ -292,7 +292,7 @@ def test_a_worker_that_dies_is_told_for_its_file(
 ) -> None:
     fill(tmp_path / "in", 40)
 
-    def make_all(tasks: tuple[Task, ...], shop: Shop) -> list[Made]:
+    def make_all(tasks: tuple[Task, ...], shop: Shop) -> list[FileResult]:
         if any(task.name.endswith("P013.nc1") for task in tasks):
             os.kill(os.getpid(), signal.SIGKILL)
         return work.make_all(tasks, shop)
@@ -471,7 +471,7 @@ def test_a_run_that_is_killed_is_finished_by_the_next(tmp_path: Path, jobs: int)
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_leaves_whole_files(tmp_path: Path, how: signal.Signals) -> None:
-    fill(tmp_path / "in", 400)
+    fill(tmp_path / "in", 1500)
     process = start(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 2)
     wait_for_outputs(tmp_path / "out", 5)
     os.killpg(process.pid, how)  # as a terminal does: the workers get it too

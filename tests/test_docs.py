@@ -20,7 +20,9 @@ from tests.conftest import ROOT, Golden
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 MARK = "<!-- of the command itself -->\n"
+PACKAGE = ROOT / "beamcam"
 _LINK = re.compile(r"\]\(([^)#:]+\.md)\)")
+_FILE = re.compile(r"`([\w/]+\.py)`")
 
 
 def every_command() -> Iterator[tuple[str, click.Command]]:
@@ -98,6 +100,24 @@ def test_the_index_leads_to_every_page() -> None:
 def test_links_lead_somewhere(page: Path) -> None:
     for link in _LINK.findall(page.read_text(encoding="utf-8")):
         assert (page.parent / link).is_file(), link
+
+
+def test_files_that_the_architecture_names_are_there() -> None:
+    named = _FILE.findall((DOCS / "architecture.md").read_text("utf-8"))
+    there = {f"/{path.relative_to(ROOT).as_posix()}" for path in ROOT.glob("[!.]*/**/*.py")}
+    assert [name for name in named if not any(path.endswith(f"/{name}") for path in there)] == []
+
+
+def test_files_of_the_large_rooms_are_in_their_rooms() -> None:
+    text = (DOCS / "architecture.md").read_text("utf-8")
+    table = text.partition("## Inside the large rooms")[2].partition("\n## ")[0]
+    rows = [line.split("|")[1:3] for line in table.splitlines() if line.startswith("| `")]
+    for names, files in rows:
+        paths = re.findall(r"`([\w/]+)/`", names)
+        rooms = [*paths, *(f"{paths[0].rpartition('/')[0]}/{name}" for name in paths[1:]), ""]
+        for file in _FILE.findall(files):
+            assert any((PACKAGE / room / file).is_file() for room in rooms), file
+    assert len(rows) > 9
 
 
 def test_the_version() -> None:

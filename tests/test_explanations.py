@@ -47,7 +47,7 @@ def test_explanations_are_those_of_samples_and_docs(
     examples, ways = of_samples(monkeypatch), of_the_page()
     known = {rule.code for rule in codes.all_rules()}
     found = {
-        code: codes.Explanation(examples.get(code, ""), ways.get(code, ""))
+        code: codes.CodeExplanation(examples.get(code, ""), ways.get(code, ""))
         for code in sorted({*examples, *ways} & known)
     }
     text = msgspec.json.format(msgspec.json.encode(found), indent=1).decode() + "\n"

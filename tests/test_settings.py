@@ -84,7 +84,7 @@ CASES = {
     ),
     "sheet": Case(
         "sheet.thickness = 2", "sheet.thickness = 3", "--thickness 4",
-        ("as 6 mm", "as 2 mm", "as 3 mm", "as 4 mm"), MAKING, "d.dxf",
+        ("is 6 mm", "is 2 mm", "is 3 mm", "is 4 mm"), MAKING, "d.dxf",
     ),
     "map": Case(
         'map.ETCH = "ignore"', 'map.CUT = "ignore"', "--map CUT=mark --map ETCH=mark",

@@ -24,16 +24,15 @@ from beamcam.asked import (
     parts_asked,
 )
 from beamcam.conversion import PositiveCount
-from beamcam.errors import Diagnostic, PlanError, ReadError, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
 from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.machine.tables import STEP_FORMS
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
-from beamcam.pipeline import Posted, as_error, read_file
+from beamcam.pipeline import Posted, judged, read_file, remarks_on
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
-from beamcam.planning.left_out import told
 from beamcam.planning.rules import named_skips
 from beamcam.posts import Job, Request, post_of
 from beamcam.readers import read as read_bytes
@@ -158,9 +157,7 @@ def read(
     if data is None:
         reading = read_file(os.fspath(source), strict, **asked)  # type: ignore[arg-type]
     else:
-        reading = read_bytes(data, name, **asked)
-        if strict:
-            reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
+        reading = judged(read_bytes(data, name, **asked), strict)
     if reading.refused:
         raise ReadError(reading.diagnostics)
     return reading
@@ -229,8 +226,7 @@ def plan(
     loaded = machine_of(machine)
     job = Job(parts_asked(parts), loaded, bar=bar, skips=named_skips(skips), order=order, turn=turn)
     made = post_of(loaded).plan(job)
-    if strict and errors_in(said := tuple(map(as_error, (*made.remarks, *told(made))))):
-        raise PlanError(said)
+    remarks_on(made, strict)
     return made
 
 
@@ -319,7 +315,7 @@ def verify(
 
 
 def check_style(style: object, machine: Machine) -> None:
-    """Raise AskError for what is no form of a program of the machine's controller."""
+    """Raise AskError for what is not a form of a program of the machine's controller."""
     known = {"simotion": ("chain", "table"), "stepper": STEP_FORMS}
     forms = known.get(machine.controller, ())
     if style is not None and style not in forms:

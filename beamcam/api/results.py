@@ -20,6 +20,7 @@ from beamcam.asked import (
     parts_asked,
 )
 from beamcam.errors import VerifyError, errors_in
+from beamcam.machine import Machine
 from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from beamcam.pictures.program import ReadProgram
     from beamcam.pictures.scene import Scene
     from beamcam.recovery import Recovered
+    from beamcam.setup_sheet.content import SheetSources
     from beamcam.simulate.program import Simulated
 
 Picture = Literal["svg", "png", "pdf"]
@@ -88,7 +90,7 @@ def recover(
     profile: str | Part | None = None,
     name: str = "program",
 ) -> "Recovered":
-    """The parts that a program makes, and what there is to say; none where an error is said.
+    """The parts that a program makes, and remarks; none where an error is said.
 
     `profile` is the section of the bar: a name such as "IPE200", or a part that has it. The program
     was read back against what was found.
@@ -164,17 +166,12 @@ def report(
     check_choice("to", to, ("html", "pdf"))
     check_choice("unit", unit, get_args(Unit))
     loaded, wanted, left_out = machine_of(machine), parts_asked(parts), tuple(skips)
-    posted = program
     if program is None:
-        posted = post(wanted, loaded, bar=bar, skips=left_out)
-    if isinstance(posted, Posted):
-        plan = posted.plan
-        length = plan.bar.length if isinstance(plan, Plan) else None
-        data: FileInput = b"".join(posted.pieces())
-        read = _read_program(data, loaded, f"{name}{loaded.suffix}", length, wanted)
-        source = SheetSources(read, plan, posted.remarks)
+        program = post(wanted, loaded, bar=bar, skips=left_out)
+    if isinstance(program, Posted):
+        source = _posted_source(program, wanted, loaded, name)
     else:
-        read = _read_program(posted, loaded, name, bar, wanted)
+        read = _read_program(program, loaded, name, bar, wanted)
         request = Request(wanted, loaded, left_out, name, bar=bar, style=read.style)
         source = SheetSources(read, None, (), read_back(read.data, request))
     content = content_of(source, unit)
@@ -185,6 +182,18 @@ def report(
     from beamcam.setup_sheet.page import setup_page
 
     return setup_page(content)
+
+
+def _posted_source(
+    posted: Posted, parts: tuple[Part, ...], machine: Machine, name: str
+) -> "SheetSources":
+    """What the setup sheet of a posted program is made of; its plan is known, and its remarks."""
+    from beamcam.setup_sheet.content import SheetSources
+
+    bar = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
+    data = b"".join(posted.pieces())
+    read = _read_program(data, machine, f"{name}{machine.suffix}", bar, parts)
+    return SheetSources(read, posted.plan, posted.remarks)
 
 
 def _is_parts(value: object) -> bool:

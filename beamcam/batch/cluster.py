@@ -11,7 +11,7 @@ from typing import Any
 
 from beamcam.batch import rules
 from beamcam.batch.pool import Chunk, Result
-from beamcam.batch.work import Made, Shop, Task, make_all, thaw
+from beamcam.batch.work import FileResult, Shop, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
 
 ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
@@ -162,7 +162,7 @@ def distributed_alone() -> Any:
     return distributed
 
 
-def make_there(frozen: bytes, chunk: tuple[Task, ...]) -> list[Made]:
+def make_there(frozen: bytes, chunk: tuple[Task, ...]) -> list[FileResult]:
     """`make_all` on a worker. Raises RuntimeError if its beamcam is another than the shop's."""
     from beamcam.version import __version__
 

@@ -35,15 +35,15 @@ class Input(Struct, frozen=True):
     tree: str  #: its path below the folder that all inputs share, with "/"
 
 
-class Found(Struct, frozen=True):
-    """The inputs in order, and what is to be said about where they were looked for."""
+class FoundInputs(Struct, frozen=True):
+    """The inputs in order, and remarks on where they were looked for."""
 
     inputs: tuple[Input, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
     configurations: tuple[str, ...] = ()  #: that lie in the folders looked through
 
 
-def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> Found:
+def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundInputs:
     """The files that `names` stand for, below folders without those below `leave_out`."""
     said: list[Diagnostic] = []
     configurations: list[str] = []
@@ -65,7 +65,7 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> Found:
                     places.append((path, root))
         if (len(places), len(said)) == before:
             said.append(rules.NOTHING.at(Source(name), found=name))
-    return Found(tuple(_inputs(places)), tuple(said), tuple(dict.fromkeys(configurations)))
+    return FoundInputs(tuple(_inputs(places)), tuple(said), tuple(dict.fromkeys(configurations)))
 
 
 def _inputs(places: Iterable[tuple[str, str]]) -> Iterator[Input]:

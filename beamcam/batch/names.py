@@ -72,7 +72,7 @@ def output_name(
     """
     mark = cleaned(part.mark) or "part"
     if template is None:
-        template = "{stem}_{mark}{suffix}" if several else "{stem}{suffix}"
+        return free_of_devices((f"{stem}_{mark}" if several else stem) + machine.suffix)
     values: dict[str, str | int] = {
         "stem": stem,
         "mark": mark,
@@ -89,7 +89,7 @@ def output_name(
     return "/".join(map(free_of_devices, template.format_map(values).split("/")))
 
 
-class Names:
+class FileNames:
     """Names of files that were given out, no two of which read the same on any system."""
 
     def __init__(self) -> None:

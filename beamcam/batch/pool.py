@@ -1,4 +1,4 @@
-"""Workers: chunks of files in, what came of them out, in any order.
+"""Workers: chunks of files in, results out, in any order.
 
 `Here` is this process; others are in `processes` and `cluster`, which are loaded if they are asked
 for.
@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 
 from msgspec import Struct
 
-from beamcam.batch.work import Made, Shop, Task, make_all
+from beamcam.batch.work import FileResult, Shop, Task, make_all
 
 Chunk = tuple[Task, ...]
 CHUNK_FILES = 16  #: most files that a process of this machine gets at once
@@ -21,7 +21,7 @@ class Result(Struct, frozen=True):
 
     chunk: Chunk
     how: Literal["made", "lost", "suspected"]
-    made: Sequence[Made] = ()
+    made: Sequence[FileResult] = ()
 
 
 class Workers(Protocol):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from msgspec import Struct
 
 from beamcam.batch.pool import CHUNK_FILES, Chunk, Result
-from beamcam.batch.work import Made, Shop, make_all, thaw
+from beamcam.batch.work import FileResult, Shop, make_all, thaw
 from beamcam.collector import collector_seldom
 from beamcam.processes import Died, Pool
 
@@ -21,7 +21,7 @@ class Making(Struct, frozen=True):
         gc.freeze()  # what is there now stays, and need not be looked through again and again
         collector_seldom()
 
-    def __call__(self, chunk: Chunk) -> list[Made]:
+    def __call__(self, chunk: Chunk) -> list[FileResult]:
         return make_all(chunk, thaw(self.frozen))
 
 
@@ -32,7 +32,7 @@ class Processes:
 
     def __init__(self, shop: Shop, jobs: int) -> None:
         making = Making(shop.freeze)
-        self._pool = Pool[Chunk, list[Made]](making, jobs, making.begin)
+        self._pool = Pool[Chunk, list[FileResult]](making, jobs, making.begin)
         self.at_once = self._pool.at_once
 
     def has_room(self) -> bool:

@@ -106,7 +106,7 @@ class Record:
     def find(self, key: bytes, found: Input) -> Row | None:
         """What was made of the input with that key, if all of it still stands as it was made.
 
-        It is noted anew where the run that made it was asked otherwise for the same.
+        It is noted again where the run that made it was asked otherwise for the same.
         """
         place = self._places.get(key)
         if place is None:

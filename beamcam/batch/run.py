@@ -22,7 +22,7 @@ from beamcam.batch.names import folded
 from beamcam.batch.pool import Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import RECORD_NAME, Record, partly
-from beamcam.batch.work import Made, Shop, Task
+from beamcam.batch.work import FileResult, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
@@ -46,7 +46,7 @@ class _Slot(Struct):
     key: bytes = b""
     size: int = 0  #: bytes of the input, while workers have it; then of its programs
     row: Row | None = None  #: of an input that needs no work
-    made: Made | None = None
+    made: FileResult | None = None
 
     @property
     def is_done(self) -> bool:
@@ -237,7 +237,7 @@ class _Run:
                 return {**_row(row["file"], "refused", clash), "format": row["format"]}
         return row
 
-    def _write_all(self, slot: _Slot, made: Made, row: Row) -> None:
+    def _write_all(self, slot: _Slot, made: FileResult, row: Row) -> None:
         """Write the outputs of an input; keep in its row those that stand."""
         below = "" if self._flat else slot.input.tree.rpartition("/")[0]
         written: list[PartRow] = []
@@ -269,7 +269,7 @@ class _Run:
     def _write_list(
         self, output: str, part: PartRow, path: str
     ) -> tuple[Diagnostic | None, Status]:
-        """Write the list of manual work beside an output, or take away an older one."""
+        """Write the list of manual work beside an output, or remove an older one."""
         name = output + LIST_SUFFIX
         if not part["by_hand"]:
             remove_made(os.path.join(self._folder, name), LIST_BEGIN)

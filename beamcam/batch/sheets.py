@@ -41,7 +41,7 @@ class Programs(Struct, frozen=True):
     outputs: tuple[tuple[str, str], ...]  #: output and hash of each
 
 
-class Sheet(Struct, frozen=True):
+class SetupSheet(Struct, frozen=True):
     """Setup sheet and picture of one program."""
 
     output: str
@@ -57,7 +57,7 @@ class SheetMaker(Struct, frozen=True):
     def begin(self) -> None:
         thaw(self.frozen)
 
-    def __call__(self, programs: Programs) -> tuple[Sheet, ...]:
+    def __call__(self, programs: Programs) -> tuple[SetupSheet, ...]:
         """The sheets of an input's programs; none where it cannot be read any more."""
         with suppress(OSError, BeamcamError):
             return tuple(_sheets(programs, thaw(self.frozen)))
@@ -87,14 +87,14 @@ def sheets_beside(report: str, rows: Iterable[Row], shop: Shop, jobs: int) -> di
     return found
 
 
-def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[Sheet]:
+def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[SetupSheet]:
     maker = SheetMaker(shop.freeze)
     tasks = (
         Programs(row["file"], tuple((p["output"], p["sha256"]) for p in row["parts"]))
         for row in rows
         if row["parts"]
     )
-    pool = Pool[Programs, tuple[Sheet, ...]](maker, max(jobs, 1), maker.begin)
+    pool = Pool[Programs, tuple[SetupSheet, ...]](maker, max(jobs, 1), maker.begin)
     try:
         left = 0
         for task in tasks:
@@ -115,7 +115,7 @@ def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[Sheet]:
         pool.close()
 
 
-def _sheets(programs: Programs, shop: Shop) -> Iterator[Sheet]:
+def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
     """Sheets of the parts whose programs are those that were written."""
     with open(programs.path, "rb") as file:
         reading = read(file.read(), programs.path, **shop.reading)
@@ -145,7 +145,7 @@ def _posted(planned: PlannedJob, shop: Shop) -> Posted:
             return posted
 
 
-def _sheet(job: BarJob, posted: Posted, output: str, machine: Machine, shop: Shop) -> Sheet:
+def _sheet(job: BarJob, posted: Posted, output: str, machine: Machine, shop: Shop) -> SetupSheet:
     bar = getattr(getattr(posted.plan, "bar", None), "length", None)
     program = ReadProgram(
         b"".join(posted.pieces()),
@@ -157,4 +157,4 @@ def _sheet(job: BarJob, posted: Posted, output: str, machine: Machine, shop: Sho
     )
     source = SheetSources(program, posted.plan, posted.remarks, compared=shop.read_back)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
-    return Sheet(output, page, inline_svg(small_scene(job.parts[0])))
+    return SetupSheet(output, page, inline_svg(small_scene(job.parts[0])))

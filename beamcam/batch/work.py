@@ -16,9 +16,9 @@ from msgspec import Struct, field, json
 from msgspec.structs import replace
 
 from beamcam.batch import rules
-from beamcam.batch.names import Names, output_name
+from beamcam.batch.names import FileNames, output_name
 from beamcam.caches import cached
-from beamcam.errors import BeamcamError, PlanError, ReadError, Source, errors_in
+from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
@@ -27,10 +27,11 @@ from beamcam.model.plan import ContourOp, Plan
 from beamcam.pipeline import (
     Posted,
     RefusedProgram,
-    as_error,
     counted,
+    judged,
     parts_of,
     posting,
+    refuse_warnings,
     sound,
     stock_of,
 )
@@ -114,7 +115,7 @@ class Task(Struct, frozen=True):
     data: bytes
 
 
-class Made(Struct, frozen=True):
+class FileResult(Struct, frozen=True):
     """Result of one file: its programs by name, and its row in the account."""
 
     index: int
@@ -123,7 +124,7 @@ class Made(Struct, frozen=True):
     refused: tuple[tuple[str, bytes], ...] = ()  #: programs that the read-back refused, likewise
 
 
-def make_all(tasks: Sequence[Task], shop: Shop) -> list[Made]:
+def make_all(tasks: Sequence[Task], shop: Shop) -> list[FileResult]:
     """The programs of several files; any fault is reported in its file's row, never raised.
 
     All of them are read, then all are planned, and so on: a processor that does the same for many
@@ -131,7 +132,7 @@ def make_all(tasks: Sequence[Task], shop: Shop) -> list[Made]:
     """
     clock = shop.clock or _no_clock
     seconds = [0.0] * len(tasks)
-    made: dict[int, Made] = {}
+    made: dict[int, FileResult] = {}
     under_way = {place: making(task, shop) for place, task in enumerate(tasks)}
     while under_way:
         for place, stages in tuple(under_way.items()):
@@ -147,7 +148,7 @@ def make_all(tasks: Sequence[Task], shop: Shop) -> list[Made]:
     return [made[place] for place in range(len(tasks))]
 
 
-def making(task: Task, shop: Shop) -> Generator[str, None, Made]:
+def making(task: Task, shop: Shop) -> Generator[str, None, FileResult]:
     """The programs of one file, stage by stage."""
     row: Row = {
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
@@ -171,7 +172,7 @@ def making(task: Task, shop: Shop) -> Generator[str, None, Made]:
         )
         row["messages"].append(as_message(said))
         row["parts"], outputs = [], []
-    return Made(task.index, row, tuple(outputs), tuple(refused))
+    return FileResult(task.index, row, tuple(outputs), tuple(refused))
 
 
 def _no_clock() -> float:
@@ -189,11 +190,9 @@ def _post_all(
 
     Programs that the read-back refuses are added to `refused`.
     """
-    reading = read(task.data, task.name, **shop.reading)
+    reading = judged(read(task.data, task.name, **shop.reading), shop.strict)
     yield "read the file"
     row["format"] = reading.format
-    if shop.strict:
-        reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
     if reading.format == "ifc" and reading.refused:
         # The members of a model are parts of their own: those that cannot be read stop no other.
         row["status"], parts, said = "refused", counted(sound(reading)), reading.diagnostics
@@ -203,7 +202,7 @@ def _post_all(
     if not parts:
         raise ReadError(rules.NO_PART.at(Source(task.name)))
     stem = os.path.splitext(os.path.basename(task.name))[0]
-    names = Names()
+    names = FileNames()
     for number, part in enumerate(parts, 1):
         try:
             machine, planned, choice = first_that_makes(
@@ -259,7 +258,7 @@ def _post_job(
     machine: Machine,
     shop: Shop,
     row: Row,
-    names: Names,
+    names: FileNames,
     outputs: list[tuple[str, bytes]],
     refused: list[tuple[str, bytes]],
 ) -> Generator[str, None, None]:
@@ -293,9 +292,7 @@ def posted_job(planned: PlannedJob, shop: Shop) -> Generator[str, None, Posted]:
     """
     posted = yield from planned.stages
     if shop.strict:
-        remarks = tuple(map(as_error, posted.remarks))
-        if errors_in(remarks):
-            raise PlanError(remarks)
+        refuse_warnings(posted.remarks)
     return posted
 
 
@@ -347,7 +344,7 @@ def _of_each_tool(operations: Iterable[object]) -> Iterable[object]:
 
 
 def _tool_name(operation: object) -> str:
-    if isinstance(operation, ContourOp):
-        return operation.row.process
     tool = getattr(operation, "tool", None)
-    return f"{tool.kind} {tool.diameter:g}" if tool is not None else "saw"
+    if tool is not None:
+        return f"{tool.kind} {tool.diameter:g}"
+    return operation.row.process if isinstance(operation, ContourOp) else "saw"

@@ -29,17 +29,17 @@ def all_rules() -> Iterator[Rule]:
                 yield rule
 
 
-class Explanation(Struct, frozen=True):
+class CodeExplanation(Struct, frozen=True):
     """What `beamcam codes CODE` says of a code beside its rule."""
 
     example: str = ""  #: the message as a sample of beamcam has it
     do: str = ""  #: as docs/refused.md has it
 
 
-def explanations() -> dict[str, Explanation]:
+def explanations() -> dict[str, CodeExplanation]:
     """The explanations by code, of those codes that a sample has or that refuse a file."""
     data = files("beamcam.commands").joinpath("explanations.json").read_bytes()
-    return msgspec.json.decode(data, type=dict[str, Explanation])
+    return msgspec.json.decode(data, type=dict[str, CodeExplanation])
 
 
 def as_markdown(rules: list[Rule]) -> str:
@@ -93,7 +93,7 @@ def command(code: str | None, markdown: bool, as_json: bool) -> None:
         explained = explanations() if code is not None else {}
         for rule in rules:
             click.echo(f"{rule.code}  {rule.severity.value}\n    {rule.message}\n    {rule.reason}")
-            more = explained.get(rule.code, Explanation())
+            more = explained.get(rule.code, CodeExplanation())
             if more.example:
                 click.echo(f"example\n    {more.example}")
             if more.do:

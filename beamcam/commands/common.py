@@ -47,7 +47,9 @@ class Voice:
         diagnostics = (*self._new_remarks(), *diagnostics)
         said = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
-            _echo_json([*self._account, *said])
+            from beamcam.report.run import as_message
+
+            say_json([as_message(d) for d in (*self._account, *said)], None, err=True)
             self._account.clear()
         else:
             for one in said:
@@ -139,12 +141,6 @@ def as_json(value: object, indent: int | None = 1) -> str:
 def say_json(value: object, indent: int | None = 1, err: bool = False) -> None:
     """Print a value as JSON."""
     click.echo(as_json(value, indent), err=err)
-
-
-def _echo_json(diagnostics: Iterable[Diagnostic]) -> None:
-    from beamcam.report.run import as_message
-
-    say_json([as_message(d) for d in diagnostics], None, err=True)
 
 
 def read_all(

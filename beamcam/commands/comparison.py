@@ -3,7 +3,6 @@
 from pathlib import PurePath
 
 import click
-from msgspec.structs import replace
 
 from beamcam import readers
 from beamcam.api.comparison import compared
@@ -14,7 +13,7 @@ from beamcam.errors import Diagnostic
 from beamcam.machine import Machine
 from beamcam.machine.defaults import is_of_programs
 from beamcam.model.part import Part
-from beamcam.pipeline import as_error, parts_of
+from beamcam.pipeline import judged, parts_of
 
 
 def differences_of(
@@ -82,7 +81,4 @@ def is_part(name: str, data: bytes) -> bool:
 
 def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
     """The parts of a file and the remarks of its reader. Raises ReadError."""
-    reading = readers.read(data, name)
-    if strict:
-        reading = replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
-    return parts_of([reading])
+    return parts_of([judged(readers.read(data, name), strict)])

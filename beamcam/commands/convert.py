@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from beamcam.batch.names import Names, cleaned
+from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import (
     REFUSED,
@@ -51,7 +51,7 @@ def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diag
     """A name for each part after its mark, and a note for each that another part has already."""
     names: list[str] = []
     said: list[Diagnostic] = []
-    given = Names()
+    given = FileNames()
     for part in parts:
         wanted = (cleaned(part.mark) or "part") + suffix
         other, name = given.owner(wanted), given.take(wanted, part.mark)

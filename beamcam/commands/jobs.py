@@ -49,7 +49,7 @@ def read_program(data: bytes, path: str, config: Config) -> ReadProgram:
     return ReadProgram(data, machine, name, PurePath(name).suffix.lower(), bar=bar)
 
 
-class Job(Struct, frozen=True):
+class PostedJob(Struct, frozen=True):
     """Parts and the program that makes them."""
 
     parts: tuple[Part, ...]
@@ -61,7 +61,7 @@ class Job(Struct, frozen=True):
 def posted_job(
     inputs: Sequence[str], config: Config, asked: Mapping[str, Any], output: str, order: Order,
     turn: bool, voice: Voice,
-) -> Job:  # fmt: skip
+) -> PostedJob:  # fmt: skip
     """Inputs posted as `post` would, and read back. Raises BeamcamError."""
     from beamcam.planning.stock import from_store
 
@@ -84,7 +84,7 @@ def posted_job(
     said += choice
     # One part's program is called after its file, as a batch would; `post` is given a name.
     stem = PurePath(shown_name(inputs[0])).stem if len(inputs) == 1 else config.job
-    return Job(parts, said, posted, _program(posted, machine, parts, stem))
+    return PostedJob(parts, said, posted, _program(posted, machine, parts, stem))
 
 
 def _program(posted: Posted, machine: Machine, parts: Sequence[Part], stem: str) -> ReadProgram:

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from beamcam.api.shop_lists import label_lines
-from beamcam.batch.names import Names, output_name
+from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, write
 from beamcam.commands.listed import counted_parts, refuse_missing
@@ -85,7 +85,7 @@ def command(
 
 def _labels(counts: Sequence[PartCount], config: Config) -> Iterator[Label]:
     """The labels of all pieces, those of one part one behind the other."""
-    names = Names()
+    names = FileNames()
     files = [one.part.source.file for one in counts]
     for number, one in enumerate(counts):
         several = files.count(files[number]) > 1

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from beamcam.batch.find import Found, find_inputs
+from beamcam.batch.find import FoundInputs, find_inputs
 from beamcam.commands.common import Voice, read_all
 from beamcam.commands.members import member_choice
 from beamcam.commands.rules import MISSING_EXTRA, OTHER_CONTENT
@@ -25,7 +25,7 @@ def counted_parts(
     The quantities are those of the files where the job does not say. A part that an error is said
     of is left out, as are files that hold none.
     """
-    found: Found = find_inputs(names)
+    found: FoundInputs = find_inputs(names)
     said: list[Diagnostic] = [*found.diagnostics]
     parts: list[Part] = []
     how = drawing_choice(asked) | member_choice(asked, kernel=False)

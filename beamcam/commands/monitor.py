@@ -18,7 +18,7 @@ from beamcam.machine.machine import Machine
 from beamcam.pipeline import parts_of, read_file, stock_of
 
 if TYPE_CHECKING:
-    from beamcam.setup_sheet.monitor_page import Work
+    from beamcam.setup_sheet.monitor_page import KnownWork
 
 
 @click.command("monitor")
@@ -83,19 +83,21 @@ def command(
         server.serve_forever(poll_interval=0.1)
 
 
-def _work(paths: tuple[str, ...], program: str | None, config: Config) -> "tuple[Machine, Work]":
+def _work(
+    paths: tuple[str, ...], program: str | None, config: Config
+) -> "tuple[Machine, KnownWork]":
     """The machine, and what is known of its work. Raises BeamcamError."""
     from msgspec.structs import replace
 
-    from beamcam.setup_sheet.monitor_page import Work
+    from beamcam.setup_sheet.monitor_page import KnownWork
 
     parts, _ = parts_of(map(read_file, paths))
     if program is not None:
         read = read_program(input_bytes(program), program, config)
-        machine, work = read.machine, Work(program=replace(read, parts=parts))
+        machine, work = read.machine, KnownWork(program=replace(read, parts=parts))
     else:
         machine = machine_of_stock(config, "beam", "")
-        work = Work(parts[0].profile if parts else None)
+        work = KnownWork(parts[0].profile if parts else None)
     if parts and stock_of(parts) != machine.stock:
         raise click.UsageError(f"Found {paths[0]!r}; expected a part for {machine.name}.")
     return machine, work

@@ -16,7 +16,6 @@ from beamcam.planning.bar_jobs import repeated
 
 #: Which parts are meant, and how drawings and sheets are taken.
 part_options = options.group(member_options, drawing_options, torch_options)
-#: Of a command that only looks at the work which parts are: `plan` and `verify`.
 #: What a job is posted by, for commands that show what comes of it.
 job_options = options.group(
     options.skips,
@@ -26,6 +25,7 @@ job_options = options.group(
     options.strict,
     options.json_messages,
 )
+#: Of a command that only looks at the work which parts are: `plan` and `verify`.
 looking_options = options.group(
     quantity, options.skips, part_options, options.strict, options.as_json, options.voiced
 )

@@ -13,19 +13,19 @@ from beamcam.commands.common import as_json as json_of
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import of_kind
 from beamcam.commands.parts import looking_options, read_pieces
+from beamcam.commands.plan_sheet import not_made_lines, sheet_lines, sheet_record
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
-from beamcam.model.plan import NOT_MADE, Order, Plan, SheetPlan, ToolLoad
-from beamcam.pipeline import as_error
+from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
+from beamcam.pipeline import remarks_on
 from beamcam.plain_text import terminal_text
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import Explanation, explain
-from beamcam.planning.left_out import told
 from beamcam.planning.operations.line import line_of
 from beamcam.planning.orientation import Trial, try_turns
 from beamcam.planning.stock import from_store
@@ -96,14 +96,9 @@ def command(
             machines, planned, source, partial(planned, skips=()) if skips else None
         )
         voice.remark(choice)
-        remarks = (*plan.remarks, *told(plan))
-        if config.strict and errors_in(refused := tuple(map(as_error, remarks))):
-            raise PlanError(refused)
-        trials = (
-            [(part, try_turns(part, line_of(machine), skips)) for part in _each(parts)]
-            if turn
-            else []
-        )
+        remarks = remarks_on(plan, config.strict)
+        turned = dict.fromkeys(parts) if turn else ()  # each once, however often it is made
+        trials = [(part, try_turns(part, line_of(machine), skips)) for part in turned]
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
@@ -118,18 +113,14 @@ def _planned_sheet(
     parts: tuple[Part, ...], said: tuple[Diagnostic, ...], machine: Machine, config: Config
 ) -> tuple[Iterable[str], dict[str, object], tuple[Diagnostic, ...]]:
     """The plan of a sheet as lines and as data, and what is said. Raises PlanError."""
-    from beamcam.commands.plan_sheet import sheet_lines, sheet_record
     from beamcam.posts import Job, post_of
 
     kind = post_of(machine)
     plan = kind.plan(Job(parts, machine, skips=config.allow_skips))
     if not isinstance(plan, SheetPlan):
         raise TypeError(f"{machine.name} has a plan for bars")
-    remarks = (*plan.remarks, *told(plan))
-    if config.strict and errors_in(refused := tuple(map(as_error, remarks))):
-        raise PlanError(refused)
+    said = (*said, *remarks_on(plan, config.strict))
     time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
-    said = (*said, *remarks)
     return sheet_lines(plan, time, machine), sheet_record(plan, time, machine, said), said
 
 
@@ -152,21 +143,26 @@ def _print(
 Trials = list[tuple[Part, tuple[Trial, ...]]]
 
 
-def _each(parts: tuple[Part, ...]) -> list[Part]:
-    """Every part once, however often it is made."""
-    seen: list[Part] = []
-    for part in parts:
-        if part not in seen:
-            seen.append(part)
-    return seen
-
-
 def plan_lines(
     plan: Plan, explained: Explanation, machine: Machine, trials: Trials
 ) -> Iterator[str]:
     """The plan as text."""
-    bar = plan.bar
     yield f"machine {machine.name}: {machine.title}"
+    yield from _bar_lines(plan, trials)
+    for loaded in explained.loads:
+        yield _load_line(loaded)
+    yield from _step_lines(explained)
+    yield from not_made_lines(plan)
+    yield (
+        f"{len(plan.operations)} operations, {explained.changes} changes of spindle or tool, "
+        f"bar {explained.forward:.1f} mm forward and {explained.back:.1f} mm back, "
+        f"{explained.total_s:.0f} s"
+    )
+
+
+def _bar_lines(plan: Plan, trials: Trials) -> Iterator[str]:
+    """The account of the bar, where each part lies on it, and how else it was tried."""
+    bar = plan.bar
     yield (
         f"bar {bar.length:.3f} = front trim {bar.front_trim:.3f} + parts {bar.parts:.3f} "
         f"+ kerfs {bar.kerfs:.3f} - nested {bar.nested:.3f} + remnant {bar.remnant:.3f} "
@@ -181,8 +177,10 @@ def plan_lines(
         for trial in tried:
             shown = trial.because if trial.seconds is None else f"{trial.seconds:.1f} s"
             yield f"  {part.mark} {trial.turn.name}: {shown}"
-    for loaded in explained.loads:
-        yield _load_line(loaded)
+
+
+def _step_lines(explained: Explanation) -> Iterator[str]:
+    """The operations with the codes of their reasons, and what the codes mean."""
     width = max(len(step.what) for step in explained.steps)
     place = max(len(step.where) for step in explained.steps)
     for number, step in enumerate(explained.steps, 1):
@@ -196,16 +194,6 @@ def plan_lines(
     codes_used = dict(reason for step in explained.steps for reason in step.reasons)
     for code, text in sorted(codes_used.items()):
         yield f"{code}: {text}"
-    for outcome in plan.outcomes:
-        if outcome.how in NOT_MADE:
-            p, f = outcome.feature
-            source = plan.pieces[p].part.features[f].source
-            yield f"{NOT_MADE[outcome.how]}: {source} ({outcome.by})"
-    yield (
-        f"{len(plan.operations)} operations, {explained.changes} changes of spindle or tool, "
-        f"bar {explained.forward:.1f} mm forward and {explained.back:.1f} mm back, "
-        f"{explained.total_s:.0f} s"
-    )
 
 
 def _load_line(loaded: ToolLoad) -> str:

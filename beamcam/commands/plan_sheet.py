@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.lengths import total_length
-from beamcam.model.plan import NOT_MADE, ContourOp, SheetPlan
+from beamcam.model.plan import NOT_MADE, ContourOp, Plan, SheetPlan
 from beamcam.model.work_time import WorkTime
 from beamcam.report.run import as_message
 
@@ -14,6 +14,15 @@ def path_of(op: ContourOp) -> float:
     """Length that the tool follows, leads included, in mm."""
     passes = ((*one.lead_in, *one.curves, *one.lead_out) for one in op.passes)
     return sum(total_length(curves) for curves in passes)
+
+
+def not_made_lines(plan: Plan | SheetPlan) -> Iterator[str]:
+    """The features that no operation makes, each with the reason."""
+    for outcome in plan.outcomes:
+        if outcome.how in NOT_MADE:
+            piece, feature = outcome.feature
+            source = plan.pieces[piece].part.features[feature].source
+            yield f"{NOT_MADE[outcome.how]}: {source} ({outcome.by})"
 
 
 def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[str]:
@@ -32,11 +41,7 @@ def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[s
             f"{number:4} X {x:10.3f} Y {y:10.3f}  {op.row.process:7}{path_of(op):10.1f} mm at "
             f"{op.row.feed_mm_min:g} mm/min{bridges} {seconds:7.1f} s  {op.source}"
         )
-    for outcome in plan.outcomes:
-        if outcome.how in NOT_MADE:
-            index, feature = outcome.feature
-            source = plan.pieces[index].part.features[feature].source
-            yield f"{NOT_MADE[outcome.how]}: {source} ({outcome.by})"
+    yield from not_made_lines(plan)
     yield (
         f"{len(plan.operations)} contours, {sum(map(path_of, plan.operations)):.1f} mm, home "
         f"{time.home_s:.1f} s, {time.total_s:.0f} s"

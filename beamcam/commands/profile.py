@@ -15,7 +15,7 @@ from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
     from beamcam.geometry.velocity_profile import VelocityProfile
-    from beamcam.report.velocity_profile import Unit
+    from beamcam.report.velocity_profile import VelocityUnit
 
 MOST_ROWS = 1_000_000
 NUMBER = options.Number()
@@ -60,7 +60,7 @@ def row_step(duration_s: float, step_s: float | None) -> float:
     return step_s
 
 
-def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "Unit":
+def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "VelocityUnit":
     """The unit that the options speak of. Raises ValueError where they contradict each other."""
     from beamcam.report.velocity_profile import MM_S, RPM, UNITS
 

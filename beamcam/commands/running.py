@@ -14,7 +14,7 @@ from typing import IO, Any, Self
 import click
 
 from beamcam.asked import check_asked
-from beamcam.batch import Found, Here, Input, Shop, Workers, check_template
+from beamcam.batch import FoundInputs, Here, Input, Shop, Workers, check_template
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
@@ -126,7 +126,7 @@ def _check_suffix(template: str, machine: Machine) -> None:
         )
 
 
-def unused(found: Found, config: Config) -> tuple[Diagnostic, ...]:
+def unused(found: FoundInputs, config: Config) -> tuple[Diagnostic, ...]:
     """A warning for each configuration among the inputs that is not the one of the run."""
     used = config.file and os.path.realpath(config.file)
     others = (path for path in found.configurations if os.path.realpath(path) != used)

@@ -5,13 +5,11 @@ from pathlib import PurePath
 
 import click
 
-from beamcam.commands.common import Voice, write
+from beamcam.commands.common import STANDARD, Voice, write
 from beamcam.config.values import Config
 from beamcam.files import FilesRead, remove_made
 from beamcam.machine import Machine
 from beamcam.pipeline import Posted
-
-STANDARD_OUTPUT = "-"
 
 
 def table_style(machine: Machine, output: str, style: str | None) -> str | None:
@@ -19,20 +17,18 @@ def table_style(machine: Machine, output: str, style: str | None) -> str | None:
 
     Raises click.UsageError where the machine has no styles, or no form of that suffix.
     """
-    if machine.controller == "stepper":
-        from beamcam.emitters.step_table import FORMS
-
-        if style is not None:
-            raise click.UsageError(f"--style is not for {machine.name}.")
-        suffix = PurePath(output).suffix.lower()
-        if output == STANDARD_OUTPUT:
-            return machine.suffix
-        if suffix not in FORMS:
-            raise click.UsageError(f"found {output!r}; expected a name in {', '.join(FORMS)}, or -")
-        return suffix
     if style is not None and machine.controller != "simotion":
         raise click.UsageError(f"--style is not for {machine.name}.")
-    return style
+    if machine.controller != "stepper":
+        return style
+    if output == STANDARD:
+        return machine.suffix
+    from beamcam.emitters.step_table import FORMS
+
+    suffix = PurePath(output).suffix.lower()
+    if suffix not in FORMS:
+        raise click.UsageError(f"found {output!r}; expected a name in {', '.join(FORMS)}, or -")
+    return suffix
 
 
 def job_name(config: Config, machine: Machine, output: str) -> str:
@@ -40,11 +36,7 @@ def job_name(config: Config, machine: Machine, output: str) -> str:
 
     Its units are files and variables of one project, and would be taken for those of another job.
     """
-    if (
-        machine.controller == "simotion"
-        and "job" not in config.sources
-        and output != STANDARD_OUTPUT
-    ):
+    if machine.controller == "simotion" and "job" not in config.sources and output != STANDARD:
         return PurePath(output).stem
     return config.job
 
@@ -57,7 +49,7 @@ def outputs(
     A trigger program of several units becomes a file a unit, the set-points beside the main one
     and before it, so that it never stands there without them.
     """
-    if machine.controller == "simotion" and output != STANDARD_OUTPUT:
+    if machine.controller == "simotion" and output != STANDARD:
         from beamcam.emitters.simotion_units import split_units
 
         (_, main), *more = split_units(posted.text)
@@ -74,7 +66,7 @@ def write_list(posted: Posted, output: str, voice: Voice, read: FilesRead) -> No
 
     Of a program on standard output the messages alone say what is left for manual work.
     """
-    if output == STANDARD_OUTPUT:
+    if output == STANDARD:
         return
     from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv, hand_rows
 

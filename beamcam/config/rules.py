@@ -35,7 +35,8 @@ NO_DRILL = Rule(
 TWO = Rule(
     "config-two",
     Severity.ERROR,
-    "found {found} beside another input of the same job; expected one of both, name it by --config",
+    "found {found} beside another input of the same job; expected one configuration for all of "
+    "them, name it by --config",
     "Which of the two holds for the job would be a guess.",
 )
 UNUSED = Rule(

@@ -18,7 +18,7 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 
 if TYPE_CHECKING:
-    from beamcam.controllers.moves import Run
+    from beamcam.controllers.moves import TableRun
 
 
 def interpreter_of(machine: Machine, name: str) -> Interpreter:
@@ -53,7 +53,9 @@ def cell_events(
     return events, interpreter.said
 
 
-def table_run(text: str, machine: Machine, name: str = "program") -> "tuple[Run, list[Diagnostic]]":
+def table_run(
+    text: str, machine: Machine, name: str = "program"
+) -> "tuple[TableRun, list[Diagnostic]]":
     """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
     from beamcam.controllers import track
 

@@ -31,7 +31,7 @@ from beamcam.model import drill_cycle
 Words = dict[str, float]
 
 
-class Record(Protocol):
+class Recorder(Protocol):
     """Collects the events of a program."""
 
     def event(self, event: Other, /) -> None:
@@ -41,7 +41,7 @@ class Record(Protocol):
         """A move by itself."""
 
 
-class PlainMoves(Record, Protocol):
+class TableRecorder(Recorder, Protocol):
     """Collects the events of a table, and holds its plain moves."""
 
     def lines(self) -> list[int]:
@@ -79,7 +79,7 @@ class Interpreter(ABC):
         self._name = name
         self._event: Callable[[Other], None]
         self._add: Callable[[Move[Any]], None]
-        self._plain: PlainMoves | None = None  #: of plain moves that are carried out together
+        self._plain: TableRecorder | None = None  #: of plain moves that are carried out together
         self._lines: list[float] = [inf]  #: of plain moves
         self._next = 0  #: plain move
         self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
@@ -156,13 +156,12 @@ class Interpreter(ABC):
         clear = drill_cycle.clear_place(self._before_cycle, near, bottom, self._back_to_near)
         place = said.get("X", x), said.get("Y", y)
         peck = said.get("Q", 0.0)
-        for rapid, end in drill_cycle.steps(self._place, place, bottom, near, clear, cycle, peck):
+        for rapid, end in drill_cycle.cycle_moves(
+            self._place, place, bottom, near, clear, cycle, peck
+        ):
             self._go(line, 0 if rapid else 1, dict(zip("XYZ", end, strict=True)), own_feed)
             if not rapid and cycle == drill_cycle.DRILL_AND_DWELL:
                 self._event(Pause(line, said.get("P", 0.0)))
-
-    def _end_cycle(self) -> None:
-        self._cycle = None
 
     @abstractmethod
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
@@ -172,11 +171,11 @@ class Interpreter(ABC):
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
         """The controller's deviation from an arc; None if it makes that arc."""
 
-    def record(self, record: Record) -> None:
+    def record(self, record: Recorder) -> None:
         """Sends the events to a record from here on."""
         self._event, self._add = record.event, record.move
 
-    def follow(self, plain: PlainMoves) -> None:
+    def follow(self, plain: TableRecorder) -> None:
         """Sends the events to where plain moves wait, which are carried out in their turn."""
         self.record(plain)
         self._plain = plain

@@ -23,7 +23,7 @@ from beamcam.controllers.rules import SETTING, SHEET_SETTING
 from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine import rules
 from beamcam.machine.codes import plain_code
-from beamcam.machine.faults import ALONG_A_PATH, TABLE_CONTROLLERS
+from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
 from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part_data import PART_DATA
@@ -130,18 +130,8 @@ def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
 
 def _bar_faults(machine: Machine) -> Iterator[WordFault]:
     stroke = _stroke(machine)
-    lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
-    for tool in _TOOLS:
-        for key in _keys(tool):
-            lines += _filled(machine, key, x="100", **stroke)
     unit = machine.marks.unit if machine.marks.is_told else ""
-    if unit:
-        number = str(next(iter(machine.marks.faces.values())))
-        lines += _filled(machine, unit, x=f"{TEXT_X:g}", y="20", face=number)
-    lines += _filled(machine, "change")
-    if machine.saw is not None:
-        lines += _filled(machine, "saw", x="200")
-    lines += _filled(machine, "footer")
+    lines = list(_bar_lines(machine, unit, stroke))
     dialect = dialect_of(machine)
     events, said = cell_events(_text(lines), machine, "")
     yield from _said(lines, said)
@@ -153,8 +143,8 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
         of.setdefault(lines[event.line - 1][0].removeprefix("words."), []).append(event)
     for tool in _TOOLS:
         if getattr(machine.words, tool):
-            own = [event for key in _keys(tool) for event in of.get(key, [])]
-            first, last = _keys(tool)[0], _keys(tool)[-1]
+            own = [event for key in words_of(tool) for event in of.get(key, [])]
+            first, last = words_of(tool)[0], words_of(tool)[-1]
             for found, expected in _begin_faults(own, dialect, tool in _STANDING, stroke):
                 yield f"words.{first}", "", found, expected
             for found, expected in _end_faults(own, dialect, stroke):
@@ -162,20 +152,41 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
         yield "words.saw", "", "no cut", "an M word with {angle}"
     if unit:
-        texts = [event for event in of.get(unit, []) if isinstance(event, Lettering)]
-        moves = [event for event in of.get(unit, []) if isinstance(event, Move)]
-        if not texts:
-            yield f"words.{unit}", "", "no text", "a line with {string} that is one by itself"
-        elif not moves or moves[-1].line > texts[0].line or moves[-1].end[0] != TEXT_X:
-            yield f"words.{unit}", "", "a text elsewhere", "a move to X{x} before {string}"
+        for found, expected in _text_faults(of.get(unit, [])):
+            yield f"words.{unit}", "", found, expected
     if dialect.feeds:
         yield from _unfed(machine, of)
+
+
+def _bar_lines(machine: Machine, unit: str, stroke: dict[str, str]) -> Iterator[Line]:
+    """The blocks of all templates, as a program of each kind of work has them."""
+    yield from (*_filled(machine, "header"), *_filled(machine, "comment"))
+    for tool in _TOOLS:
+        for key in words_of(tool):
+            yield from _filled(machine, key, x="100", **stroke)
+    if unit:
+        number = str(next(iter(machine.marks.faces.values())))
+        yield from _filled(machine, unit, x=f"{TEXT_X:g}", y="20", face=number)
+    yield from _filled(machine, "change")
+    if machine.saw is not None:
+        yield from _filled(machine, "saw", x="200")
+    yield from _filled(machine, "footer")
+
+
+def _text_faults(events: list[BarEvent]) -> Iterator[tuple[str, str]]:
+    """A stamp's or printer's words that tell it no text, or not where the bar is brought to."""
+    texts = [event for event in events if isinstance(event, Lettering)]
+    moves = [event for event in events if isinstance(event, Move)]
+    if not texts:
+        yield "no text", "a line with {string} that is one by itself"
+    elif not moves or moves[-1].line > texts[0].line or moves[-1].end[0] != TEXT_X:
+        yield "a text elsewhere", "a move to X{x} before {string}"
 
 
 def _unfed(machine: Machine, of: dict[str, list[BarEvent]]) -> Iterator[WordFault]:
     """The templates that feed without an F word, where other templates have one."""
     for name in (*_TOOLS, "saw"):
-        keys = _keys(name)
+        keys = words_of(name)
         moves = [e for key in keys for e in of.get(key, []) if isinstance(e, Move) and not e.rapid]
         says = any("F" in line for key in keys for line in getattr(machine.words, key))
         if moves and not says:
@@ -199,10 +210,6 @@ def _double_words(lines: list[Line]) -> Iterator[WordFault]:
         if number is not None and roles.setdefault(number, said) != said:
             expected = f"another word, as that one stands for {roles[number]} already"
             yield key, text, f"M{number:02} for {said}", expected
-
-
-def _keys(tool: str) -> tuple[str, ...]:
-    return (tool, f"{tool}_to", f"{tool}_end") if tool in ALONG_A_PATH else (tool,)
 
 
 def _with_role(events: list[BarEvent], dialect: Dialect, role: str) -> list[Switch]:

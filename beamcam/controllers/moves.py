@@ -15,7 +15,7 @@ SURE_SWEEP_RAD = 1e-3
 
 
 class Moves(Struct, frozen=True):
-    """Moves one behind the other; a row of `arcs` is 0 where the move is no arc."""
+    """Moves one after the other; a row of `arcs` is 0 where the move is not an arc."""
 
     line: Counts
     rapid: Flags
@@ -53,7 +53,7 @@ class Moves(Struct, frozen=True):
             yield Move(line, rapid, tuple(start), tuple(end), feed, False, curve)
 
 
-class Run(Struct, frozen=True):
+class TableRun(Struct, frozen=True):
     """A program's moves, and the other events between them."""
 
     moves: Moves

@@ -55,7 +55,7 @@ class Scan(Struct, frozen=True):
 
 
 class _Words(Struct):
-    """The words of all good lines, one behind the other."""
+    """The words of all good lines, one after the other."""
 
     letter: NDArray[np.uint8]
     value: Floats

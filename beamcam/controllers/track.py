@@ -11,7 +11,7 @@ import numpy as np
 
 from beamcam.controllers.events import HeadMove, Other
 from beamcam.controllers.interpreter import Interpreter
-from beamcam.controllers.moves import Moves, Run, arcs_between, joined, moves_of, sure_arcs
+from beamcam.controllers.moves import Moves, TableRun, arcs_between, joined, moves_of, sure_arcs
 from beamcam.controllers.scan import PlainMoves, scan
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Floats
@@ -21,7 +21,7 @@ from beamcam.geometry.plane import Point
 ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 
-def table_run(text: str, interpreter: Interpreter) -> tuple[Run, list[Diagnostic]]:
+def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagnostic]]:
     """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
     found = scan(
         text, interpreter.longest_line, interpreter.fed_traverse, interpreter.plain_motions
@@ -105,7 +105,9 @@ class Track:
         self._behind = last, (x, y), feed
         return (x, y), feed
 
-    def finish(self, difference: float, arc_fault: ArcFault) -> tuple[Run, list[tuple[int, str]]]:
+    def finish(
+        self, difference: float, arc_fault: ArcFault
+    ) -> tuple[TableRun, list[tuple[int, str]]]:
         """All of it, and by their lines the arcs that are not valid, which are left out.
 
         `difference` is what the radii at the ends of an arc may always differ by.
@@ -120,7 +122,7 @@ class Track:
             others = [(before - int(lost[before]), event) for before, event in others]
             order = order[~wrong]
         lines = [(int(moves.line[row]), fault) for row, fault in faults]
-        return Run(joined(moves, moves_of(self._moves), order), others), lines
+        return TableRun(joined(moves, moves_of(self._moves), order), others), lines
 
     def _rows(self) -> Counts:
         """The plain rows that were carried out."""

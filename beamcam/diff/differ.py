@@ -4,9 +4,9 @@ Numbering, comments, spacing and the order of holes in a part's file count for n
 difference is a sentence: "hole v at x 1200.0 moved by 2.0 mm, drill 18 to 22".
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import isnan
-from typing import Any, Literal
+from typing import Any, TypeVar
 
 from msgspec import Struct
 from msgspec.structs import astuple, fields, replace
@@ -36,24 +36,16 @@ from beamcam.model.part import (
 )  # fmt: skip
 from beamcam.verify.bars.made import Bore, Cut, Made, ToldText, Trail
 
+Dot = TypeVar("Dot", Bore, ToldText)
+
 
 def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
     """Differences of program B from program A; lengths nearer than `resolution` are
     one."""
     step = resolution / 2 + 1e-9
     found = [*_section(a, b)]
-    kinds: tuple[Kind[Any], ...] = (
-        Kind("cut", "cuts", _cut_place, _cut_name, lambda x, y: _cut(x, y, step), _cut_to),
-        Kind("hole", "holes", _bore_place, _bore_name, lambda x, y: _bore(x, y, step), _bore_to),
-        Kind(
-            "feature", "paths", _trail_place, _trail_name, lambda x, y: _trail(x, y, step),
-            _trail_to,
-        ),
-        Kind("feature", "texts", _text_place, _text_name, lambda x, y: _text(x, y, step), _text_to),
-    )  # fmt: skip
-    pairs = ((a.cuts, b.cuts), (a.bores, b.bores), (a.trails, b.trails), (a.texts, b.texts))
-    for kind, (first, second) in zip(kinds, pairs, strict=True):
-        found += differences_of_kind(kind, first, second, step)
+    for things, kind in _kinds(step).items():
+        found += differences_of_kind(kind, getattr(a, things), getattr(b, things), step)
     if not found and _order(a) != _order(b):
         found.append(Difference("order", "changed", "the same cuts and holes in another order"))
     return tuple(found)
@@ -81,29 +73,22 @@ class Pair(Struct, frozen=True):
 
 def part_pairs(a: Part, b: Part) -> Iterator[Pair]:
     """The features of two parts, each with its like in the other."""
-    for kind in _KINDS:
-        for face in sorted({_face(f) for f in (*a.features, *b.features) if isinstance(f, kind)}):
-            first, second = (
-                [f for f in part.features if isinstance(f, kind) and _face(f) == face]
-                for part in (a, b)
-            )
-            yield from _pairs(first, second, _place, _feature)
+    for _, first, second in _by_face(a, b):
+        yield from _pairs(first, second, _place, _feature)
 
 
 def made_pairs(a: Made, b: Made, resolution: float) -> Iterator[Pair]:
     """The cuts, holes and paths of two programs, each with its like in the other."""
-    step = resolution / 2 + 1e-9
-    yield from _pairs(a.cuts, b.cuts, _cut_place, lambda x, y: _cut(x, y, step))
-    faces = {bore.face for made in (a, b) for bore in made.bores}
-    faces |= {trail.face for made in (a, b) for trail in made.trails}
-    faces |= {text.face for made in (a, b) for text in made.texts}
+    kinds = _kinds(resolution / 2 + 1e-9)
+    cut = kinds.pop("cuts")
+    yield from _pairs(a.cuts, b.cuts, cut.place, cut.changes)
+    faces = {one.face for made in (a, b) for things in kinds for one in getattr(made, things)}
     for face in sorted(faces):
-        old, new = ([bore for bore in made.bores if bore.face == face] for made in (a, b))
-        yield from _pairs(old, new, _bore_place, lambda x, y: _bore(x, y, step))
-        was, now = ([trail for trail in made.trails if trail.face == face] for made in (a, b))
-        yield from _pairs(was, now, _trail_place, lambda x, y: _trail(x, y, step))
-        told, tells = ([text for text in made.texts if text.face == face] for made in (a, b))
-        yield from _pairs(told, tells, _text_place, lambda x, y: _text(x, y, step))
+        for things, kind in kinds.items():
+            old, new = (
+                [one for one in getattr(made, things) if one.face == face] for made in (a, b)
+            )
+            yield from _pairs(old, new, kind.place, kind.changes)
 
 
 def _pairs(
@@ -119,6 +104,22 @@ def _pairs(
 
 
 # Programs
+
+
+def _kinds(step: float) -> dict[str, Kind[Any]]:
+    """The things that a program makes, by the name that they have in `Made`."""
+    return {
+        "cuts": Kind(
+            "cut", "cuts", _cut_place, _cut_name, lambda x, y: _cut(x, y, step),
+            lambda x, y: replace(x, x=y.x),
+        ),
+        "bores": Kind("hole", "holes", _place, _bore_name, lambda x, y: _bore(x, y, step), _put),
+        "trails": Kind(
+            "feature", "paths", _trail_place, _trail_name, lambda x, y: _trail(x, y, step),
+            _trail_to,
+        ),
+        "texts": Kind("feature", "texts", _place, _text_name, lambda x, y: _text(x, y, step), _put),
+    }  # fmt: skip
 
 
 def _section(a: Made, b: Made) -> Iterator[Difference]:
@@ -137,20 +138,18 @@ def _cut_place(cut: Cut) -> tuple[float, float]:
     return cut.x, cut.angle / 10  # of cuts at one place those of like angle belong together
 
 
-def _cut_to(cut: Cut, at: Cut) -> Cut:
-    return replace(cut, x=at.x)
-
-
 def _cut_name(cut: Cut) -> str:
     return f"cut at x {cut.x:.1f}"
 
 
 def _cut(a: Cut, b: Cut, step: float) -> list[str]:
-    changes = moved(b.x - a.x, 0.0, step)
-    for name, old, new in (("angle", a.angle, b.angle), ("tilt", a.tilt, b.tilt)):
-        if abs(old - new) > 1e-9:
-            changes.append(f"{name} {old:g} to {new:g}")
-    return changes + _feed(a, b)
+    turns = ("angle", a.angle, b.angle), ("tilt", a.tilt, b.tilt)
+    return [*moved(b.x - a.x, 0.0, step), *_figures(turns, 1e-9), *_feed(a, b)]
+
+
+def _figures(pairs: Iterable[tuple[str, float, float]], step: float) -> list[str]:
+    """What differs by more than a step: "angle 90 to 45"."""
+    return [f"{name} {old:g} to {new:g}" for name, old, new in pairs if abs(old - new) > step]
 
 
 def _feed(a: Cut | Bore | Trail, b: Cut | Bore | Trail) -> list[str]:
@@ -159,12 +158,8 @@ def _feed(a: Cut | Bore | Trail, b: Cut | Bore | Trail) -> list[str]:
     return []
 
 
-def _bore_place(bore: Bore) -> tuple[float, float]:
-    return bore.x, bore.y
-
-
-def _bore_to(bore: Bore, at: Bore) -> Bore:
-    return replace(bore, x=at.x, y=at.y)
+def _put(one: Dot, at: Dot) -> Dot:
+    return replace(one, x=at.x, y=at.y)
 
 
 def _bore_name(bore: Bore) -> str:
@@ -177,18 +172,15 @@ def _bore(a: Bore, b: Bore, step: float) -> list[str]:
     if (a.kind, a.diameter) != (b.kind, b.diameter):
         other = "" if a.kind == b.kind else f"{b.kind} "
         changes.append(f"{a.kind} {a.diameter:g} to {other}{b.diameter:g}")
-    if abs(a.stroke - b.stroke) > step:
-        changes.append(f"stroke {a.stroke:g} to {b.stroke:g}")
+    changes += _figures([("stroke", a.stroke, b.stroke)], step)
     if a.spindle != b.spindle:
         changes.append(f"spindle {a.spindle} to {b.spindle}")
     if a.turning != b.turning:
         changes.append(f"spindle M{a.turning:02} to M{b.turning:02}")
     if abs(a.begin - b.begin) > step:
         changes.append(f"feed from {a.begin:g} to from {b.begin:g}")
-    for name, old, new in (("pitch", a.pitch, b.pitch), ("speed", a.speed_rpm, b.speed_rpm)):
-        if abs(old - new) > 1e-6:
-            changes.append(f"{name} {old:g} to {new:g}")
-    return changes + _feed(a, b)
+    turns = ("pitch", a.pitch, b.pitch), ("speed", a.speed_rpm, b.speed_rpm)
+    return [*changes, *_figures(turns, 1e-6), *_feed(a, b)]
 
 
 def _trail_place(trail: Trail) -> tuple[float, float]:
@@ -212,21 +204,11 @@ def _trail(a: Trail, b: Trail, step: float) -> list[str]:
         for p, q in zip(a.points, b.points, strict=False)
     ):
         changes.append("another course")
-    if a.diameter != b.diameter:
-        changes.append(f"{a.kind} {a.diameter:g} to {b.diameter:g}")
-    depths = (a.min_depth, b.min_depth), (a.max_depth, b.max_depth)
-    for name, (old, new) in zip(("least depth", "greatest depth"), depths, strict=True):
-        if abs(old - new) > step:
-            changes.append(f"{name} {old:g} to {new:g}")
-    return changes + _feed(a, b)
-
-
-def _text_place(text: ToldText) -> tuple[float, float]:
-    return text.x, text.y
-
-
-def _text_to(text: ToldText, at: ToldText) -> ToldText:
-    return replace(text, x=at.x, y=at.y)
+    depths = (
+        ("least depth", a.min_depth, b.min_depth), ("greatest depth", a.max_depth, b.max_depth),
+    )  # fmt: skip
+    changes += _figures([(a.kind, a.diameter, b.diameter)], 0.0)
+    return [*changes, *_figures(depths, step), *_feed(a, b)]
 
 
 def _text_name(text: ToldText) -> str:
@@ -239,10 +221,8 @@ def _text(a: ToldText, b: ToldText, step: float) -> list[str]:
         changes.append(f"text {a.text!r} to {b.text!r}")
     if a.kind != b.kind:
         changes.append(f"{a.kind} to {b.kind}")
-    for name, old, new in (("height", a.height, b.height), ("angle", a.angle, b.angle)):
-        if abs(old - new) > 1e-9:
-            changes.append(f"{name} {old:g} to {new:g}")
-    return changes
+    turned = ("height", a.height, b.height), ("angle", a.angle, b.angle)
+    return [*changes, *_figures(turned, 1e-9)]
 
 
 # Parts
@@ -259,40 +239,38 @@ _NAMES = {
 
 
 def _part(a: Part, b: Part) -> Iterator[Difference]:
-    for name in _HEADER:
-        yield from _value("part", name.replace("_", " "), getattr(a, name), getattr(b, name))
-    for field in fields(a.profile):
-        name = "profile" if field.name == "name" else field.name.replace("_", " ")
-        yield from _value(
-            "part", name, getattr(a.profile, field.name), getattr(b.profile, field.name)
+    for first, second, names, form in (
+        (a, b, _HEADER, "{}"),
+        (a.profile, b.profile, a.profile.__struct_fields__, "{}"),
+        (a.cuts, b.cuts, a.cuts.__struct_fields__, "{} cut"),
+    ):
+        for name in names:
+            old, new = getattr(first, name), getattr(second, name)
+            if old != new:
+                what = form.format("profile" if name == "name" else name.replace("_", " "))
+                yield Difference("part", "changed", f"{what} {shown(old)} to {shown(new)}")
+    for kind, own, other in _by_face(a, b):
+        yield from differences_one_by_one(
+            "hole" if kind is Hole else "feature", own, other, _place, _name, _feature
         )
-    for field in fields(a.cuts):
-        name = f"{field.name.replace('_', ' ')} cut"
-        yield from _value("part", name, getattr(a.cuts, field.name), getattr(b.cuts, field.name))
+
+
+def _by_face(a: Part, b: Part) -> Iterator[tuple[type[Feature], list[Feature], list[Feature]]]:
+    """The features of two parts, kind by kind and face by face."""
     for kind in _KINDS:
-        for face in sorted({_face(f) for f in (*a.features, *b.features) if isinstance(f, kind)}):
-            yield from differences_one_by_one(
-                "hole" if kind is Hole else "feature",
-                [f for f in a.features if isinstance(f, kind) and _face(f) == face],
-                [f for f in b.features if isinstance(f, kind) and _face(f) == face],
-                _place,
-                _name,
-                _feature,
-            )
-
-
-def _value(what: Literal["part"], name: str, a: object, b: object) -> Iterator[Difference]:
-    if a != b:
-        yield Difference(what, "changed", f"{name} {shown(a)} to {shown(b)}")
+        old, new = ([f for f in part.features if isinstance(f, kind)] for part in (a, b))
+        for face in sorted({_face(f) for f in (*old, *new)}):
+            own, other = ([f for f in some if _face(f) == face] for some in (old, new))
+            yield kind, own, other
 
 
 def _face(feature: Feature) -> str:
     return getattr(feature, "face", "")
 
 
-def _place(feature: Feature) -> tuple[float, float]:
+def _place(feature: Feature | Bore | ToldText) -> tuple[float, float]:
     match feature:
-        case Hole() | Slot() | TextMark() | Camber():
+        case Hole() | Slot() | TextMark() | Camber() | Bore() | ToldText():
             return feature.x, feature.y
         case Contour():
             boxes = [curve.bbox for curve in feature.curves]

@@ -7,6 +7,7 @@ by line, without comments and spacing.
 
 import re
 from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 
 from beamcam.controllers import table_events
 from beamcam.controllers.events import Acceleration, Compensation, Move, Pause, Switch, TableEvent
@@ -30,9 +31,7 @@ def diff_sheets(
     for how, i0, i1, j0, j1 in SequenceMatcher(None, first, second, False).get_opcodes():
         if how == "equal":
             continue
-        for k in range(max(i1 - i0, j1 - j0)):
-            old = first[i0 + k] if i0 + k < i1 else None
-            new = second[j0 + k] if j0 + k < j1 else None
+        for old, new in zip_longest(first[i0:i1], second[j0:j1]):
             if old is None:
                 found.append(Difference("feature", "only in B", f"{new}, only in B"))
             elif new is None:

@@ -27,7 +27,7 @@ from beamcam.model.program import (
 from beamcam.plain_text import comment_text
 
 SECONDS_PER_MINUTE = 60
-NO_BLOCK = ("%", "(")  #: how lines begin that are no blocks and get no number
+NO_BLOCK = ("%", "(")  #: how lines begin that are not blocks and get no number
 
 Values = dict[str, str]  #: a placeholder of a template
 
@@ -37,6 +37,7 @@ class Template(Struct, frozen=True):
 
     text: str
     names: frozenset[str]
+    of_part: frozenset[str]  #: those of them that tell of the part or the job
 
 
 class Templates(Struct, frozen=True):
@@ -54,7 +55,8 @@ def _templates(machine: Machine) -> Templates:
     for name in words.__struct_fields__:
         lines = getattr(words, name)
         if lines and name != "comment":
-            found[name] = Template("\n".join(lines), names_in(words, (name,)))
+            names = names_in(words, (name,))
+            found[name] = Template("\n".join(lines), names, names & PART_NAMES)
     strokes: BoundedCache[SpindleStroke, Values] = BoundedCache("emitters.strokes")
     return Templates(machine.format, tool_numbers(machine.tools), words.comment, found, strokes)
 
@@ -114,8 +116,8 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
 
 def _filled(word: Template, values: Values, about: Mapping[str, str]) -> str:
     """A word with its values and what is known of the part; nothing for what is not."""
-    of_part = {name: comment_text(about.get(name, "")) for name in word.names & PART_NAMES}
-    return word.text.format_map(values | of_part if of_part else values)
+    of_part = {name: comment_text(about.get(name, "")) for name in word.of_part}
+    return word.text.format_map({**values, **of_part})
 
 
 def _bar_values(job: str, command: StartBar, form: NumberFormat) -> Values:

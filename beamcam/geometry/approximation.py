@@ -30,28 +30,30 @@ MAX_HALVINGS = 24
 MOST_CURVES = 1000
 
 
-class Fit(Struct, frozen=True):
+class Approximation(Struct, frozen=True):
     """Consecutive curves, and their distance from the function that they approximate."""
 
     curves: tuple[Curve, ...]
     deviation: float  #: maximum measured distance
 
 
-def curves_of_function(text: str, low: float, high: float, tolerance: float) -> Fit:
+def curves_of_function(text: str, low: float, high: float, tolerance: float) -> Approximation:
     """The graph of y = `text`, a function of x, from x = `low` to x = `high`.
 
     Polynomials of degree three through nodes on the graph, cut in halves until the greatest
     distance in y, measured at `PROBES` places between neighbouring nodes, is at most half of
     `tolerance`. `low` may be above `high`: the graph then runs backwards.
 
-    Raises ValueError where the text is no function of x, has no value, or cannot be followed
+    Raises ValueError where the text is not a function of x, has no value, or cannot be followed
     (a jump, a pole), with the x where that is.
     """
     y = _value_of(text, "x")
     return _followed(lambda x: (x, y(x)), low, high, tolerance, NewtonCurve, f"{text!r}", "x")
 
 
-def curves_of_way(x_text: str, y_text: str, low: float, high: float, tolerance: float) -> Fit:
+def curves_of_way(
+    x_text: str, y_text: str, low: float, high: float, tolerance: float
+) -> Approximation:
     """The way of the point (`x_text`, `y_text`), functions of t, from t = `low` to t = `high`.
 
     As `curves_of_function`, in cubic Bezier curves; the distance is that of the two places at the
@@ -88,39 +90,49 @@ def _followed(
     shape: Callable[[tuple[Point, ...]], Curve],
     text: str,
     name: str,
-) -> Fit:
+) -> Approximation:
     if low == high or not (isfinite(low) and isfinite(high)):
         raise ValueError(f"a graph needs two different ends, found {low:g} and {high:g}")
     if not tolerance > 0.0:
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
     pieces: list[tuple[Curve, float]] = []
-
-    def follow(low: float, high: float, halvings: int) -> None:
-        places = [low + (high - low) * k / (NODES - 1) for k in range(NODES - 1)] + [high]
-        nodes = tuple(map(point, places))
-        curve: Curve = Line(nodes[0], nodes[-1])
-        off = _distance(point, curve, low, high)
-        if off > tolerance / 2 * 1e-3:
-            curve = shape(nodes)
-            off = _distance(point, curve, low, high)
-        elif nodes[0] == nodes[-1]:
+    waiting = [(low, high, MAX_HALVINGS)]
+    while waiting:
+        low, high, halvings = waiting.pop()
+        curve, off = _curve_over(point, low, high, tolerance, shape)
+        if isinstance(curve, Line) and curve.start == curve.end:
             raise ValueError(f"{text} stands still near {name} = {low:g}; expected a way")
         if off <= tolerance / 2:
             pieces.append((curve, off))
-            if len(pieces) > MOST_CURVES:
-                raise ValueError(
-                    f"{text} takes more than {MOST_CURVES} curves up to {name} = {high:g}; "
-                    "expected fewer swings or a greater tolerance"
-                )
-            return
-        if halvings == 0:
+        elif halvings == 0:
             raise ValueError(f"{text} jumps near {name} = {low:g}; expected a smooth function")
-        middle = (low + high) / 2
-        follow(low, middle, halvings - 1)
-        follow(middle, high, halvings - 1)
+        else:
+            middle = (low + high) / 2
+            waiting += [(middle, high, halvings - 1), (low, middle, halvings - 1)]
+        if len(pieces) > MOST_CURVES:
+            raise ValueError(
+                f"{text} takes more than {MOST_CURVES} curves up to {name} = {high:g}; "
+                "expected fewer swings or a greater tolerance"
+            )
+    return Approximation(tuple(c for c, _ in pieces), max(d for _, d in pieces))
 
-    follow(low, high, MAX_HALVINGS)
-    return Fit(tuple(c for c, _ in pieces), max(d for _, d in pieces))
+
+def _curve_over(
+    point: Callable[[float], Point],
+    low: float,
+    high: float,
+    tolerance: float,
+    shape: Callable[[tuple[Point, ...]], Curve],
+) -> tuple[Curve, float]:
+    """The curve through the nodes of a stretch, a line where that is as good, and its distance."""
+    places = [low + (high - low) * k / (NODES - 1) for k in range(NODES - 1)] + [high]
+    nodes = tuple(map(point, places))
+    line = Line(nodes[0], nodes[-1])
+    off = _distance(point, line, low, high)
+    if off <= tolerance / 2 * 1e-3:
+        return line, off
+    curve = shape(nodes)
+    return curve, _distance(point, curve, low, high)
 
 
 def _distance(point: Callable[[float], Point], curve: Curve, low: float, high: float) -> float:

@@ -2,20 +2,22 @@
 
 A controller that knows arcs makes in one block what takes many chords; most cubics of drawing
 programs are arcs in disguise. They become those arcs, neighbours on one circle become one, and the
-rest becomes pairs of arcs with one tangent at their joint. Curves that are no cubics are followed
+rest becomes pairs of arcs with one tangent at their joint. Curves that are not cubics are followed
 by cubics first.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain as concatenated
+from itertools import groupby, repeat
 from math import atan2, ceil, cos, degrees, radians, sin, tan
+from typing import cast
 
 import numpy as np
 from msgspec import Struct
 
 from beamcam.geometry.arrays import rows
 from beamcam.geometry.biarcs import BASIS, MARGIN, MAX_HALVINGS, allowed_off, fit_cubics
-from beamcam.geometry.conics import arc_between
+from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point, distance
@@ -187,49 +189,34 @@ def _assembled(
     chain: Sequence[Curve], fits: Iterator[_Fit], tolerance: float
 ) -> tuple[Line | Arc, ...]:
     """A chain as lines and arcs, neighbours on one circle joined."""
-    found: list[Line | Arc] = []
-    run: list[tuple[Arc, Cubic]] = []
-
-    def finish() -> None:
-        if run:
-            found.extend(_merged_run(run, tolerance))
-            run.clear()
-
+    parts: list[tuple[Line | Arc, Cubic | None]] = []
     for curve in chain:
         if isinstance(curve, Line | Arc):
-            finish()
-            found.append(curve)
-            continue
-        fit = next(fits)
-        if not fit.cubics:
-            finish()
-            found += fit.curves
-            continue
-        for part, cubic in zip(fit.curves, fit.cubics, strict=True):
-            if cubic is not None and isinstance(part, Arc):
-                run.append((part, cubic))
-            else:
-                finish()
-                found.append(part)
-    finish()
+            parts.append((curve, None))
+        else:
+            fit = next(fits)
+            parts += zip(fit.curves, fit.cubics or repeat(None), strict=False)
+    found: list[Line | Arc] = []
+    for is_whole, run in groupby(parts, lambda part: part[1] is not None):
+        if is_whole:
+            found += _merged_run(cast("Iterator[tuple[Arc, Cubic]]", run), tolerance)
+        else:
+            found += [curve for curve, _ in run]
     return tuple(found)
 
 
-def _merged_run(run: _Run, tolerance: float) -> list[Line | Arc]:
+def _merged_run(run: Iterable[tuple[Arc, Cubic]], tolerance: float) -> list[Arc]:
     """Single arcs that follow one another, those on one circle as one."""
-    found: list[Line | Arc] = []
-    k = 0
-    while k < len(run):
-        arc, group = run[k][0], [run[k]]
-        while k + 1 < len(run):
-            wider = _wider(arc, group, run[k + 1], tolerance)
-            if wider is None:
-                break
-            k += 1
-            arc = wider
-            group.append(run[k])
-        found.append(arc)
-        k += 1
+    found: list[Arc] = []
+    group: list[tuple[Arc, Cubic]] = []
+    for single in run:
+        wider = _wider(found[-1], group, single, tolerance) if group else None
+        if wider is None:
+            found.append(single[0])
+            group = [single]
+        else:
+            found[-1] = wider
+            group.append(single)
     return found
 
 
@@ -259,7 +246,7 @@ def _wider(
         wide = Arc(centre, distance(centre, end), turned, 360.0 if sweep > 0 else -360.0)
     else:
         middle = members[len(members) // 2][1][0]
-        through = _through(start, middle, end)
+        through = arc_by_points(start, middle, end)
         if through is None or abs(through.sweep_deg - sweep) > 1.0:
             return None
         wide = through
@@ -271,14 +258,3 @@ def _wider(
         if MARGIN * float(np.max(off)) > allowed:
             return None
     return wide
-
-
-def _through(a: Point, m: Point, b: Point) -> Arc | None:
-    """The arc from `a` over `m` to `b`; None if they lie on a line."""
-    ux, uy, wx, wy = m[0] - a[0], m[1] - a[1], b[0] - a[0], b[1] - a[1]
-    area = 2 * (ux * wy - uy * wx)
-    uu, ww = ux * ux + uy * uy, wx * wx + wy * wy
-    if abs(area) <= 1e-9 * (uu + ww):
-        return None
-    centre = (a[0] + (wy * uu - uy * ww) / area, a[1] + (ux * ww - wx * uu) / area)
-    return arc_between(a, b, centre, area)

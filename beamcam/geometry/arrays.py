@@ -95,7 +95,8 @@ class CurveTable:
         found = np.empty((len(self.curves), 4))
         for kind, which in self._kinds.items():
             if kind is Line:
-                found[which] = _sorted_ends(self.lines)
+                start, end = self.lines[:, :2], self.lines[:, 2:]
+                found[which] = np.hstack((np.minimum(start, end), np.maximum(start, end)))
             elif kind is Arc:
                 centre, radius = self.arcs[:, :2], self.arcs[:, 2:3]
                 found[which] = np.hstack((centre - radius, centre + radius))
@@ -127,11 +128,6 @@ class CurveTable:
                     break
                 found = join_boxes([found, self.curves[k].bbox]) or found
         return found
-
-
-def ends_of(curves: Sequence[Curve]) -> Floats:
-    """Start and end of every curve, (n, 4); those of arcs to the last digits but one or two."""
-    return CurveTable(curves).ends
 
 
 def arc_ends(arcs: Floats) -> Floats:
@@ -169,10 +165,6 @@ def unit_vectors(angles_deg: Floats) -> Floats:
     x = np.choose(quarter, (c, -s, -c, s))
     y = np.choose(quarter, (s, c, -s, -c))
     return np.column_stack((x, y))
-
-
-def _sorted_ends(ends: Floats) -> Floats:
-    return np.hstack((np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])))
 
 
 def _control(curve: Curve) -> Sequence[Point]:

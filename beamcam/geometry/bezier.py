@@ -23,7 +23,7 @@ Homogeneous = tuple[float, float, float]  #: (w x, w y, w)
 
 
 class Bezier(Struct, frozen=True, gc=False):
-    """A curve in Bernstein form: one point is no curve, two are a line, four a cubic."""
+    """A curve in Bernstein form: one point is not a curve, two are a line, four a cubic."""
 
     points: tuple[Point, ...]
     weights: tuple[float, ...] | None = None  #: one above 0 for each point; None is all 1
@@ -53,8 +53,7 @@ class Bezier(Struct, frozen=True, gc=False):
     @property
     def homogeneous(self) -> tuple[Homogeneous, ...]:
         """Points as (w x, w y, w)."""
-        weights = self.weights or (1.0,) * len(self.points)
-        return tuple((w * x, w * y, w) for (x, y), w in zip(self.points, weights, strict=True))
+        return homogeneous(self.points, self.weights)
 
     @property
     def length(self) -> float:
@@ -124,8 +123,6 @@ class Bezier(Struct, frozen=True, gc=False):
         halves = [bernstein.halves(c, t) for c in zip(*self.homogeneous, strict=True)]
         left = from_homogeneous(tuple(zip(*(h[0] for h in halves), strict=True)))
         right = from_homogeneous(tuple(zip(*(h[1] for h in halves), strict=True)))
-        if self.weights is None:
-            left, right = Bezier(left.points), Bezier(right.points)
         middle = left.end
         return (
             Bezier((self.start, *left.points[1:-1], middle), left.weights),
@@ -152,6 +149,14 @@ def _extremes(curve: Bezier) -> tuple[float, ...]:
             slope = [a - b for a, b in zip(up, down, strict=True)]
         found.update(bernstein.roots(slope))
     return tuple(sorted(found))
+
+
+def homogeneous(
+    points: tuple[Point, ...], weights: tuple[float, ...] | None
+) -> tuple[Homogeneous, ...]:
+    """Points as (w x, w y, w); without weights each is 1."""
+    weights = weights or (1.0,) * len(points)
+    return tuple((w * x, w * y, w) for (x, y), w in zip(points, weights, strict=True))
 
 
 def from_homogeneous(points: tuple[Homogeneous, ...]) -> Bezier:

@@ -29,7 +29,7 @@ BASIS = np.stack([(1 - _T) ** 3, 3 * _T * (1 - _T) ** 2, 3 * _T**2 * (1 - _T), _
 
 
 @dataclass(frozen=True, slots=True)
-class Strokes:
+class LinesAndArcs:
     """Lines and arcs, one a row."""
 
     cubic: Counts  #: which cubic each stands for a stretch of
@@ -39,10 +39,10 @@ class Strokes:
     side: Floats  #: above 0 counter-clockwise, below 0 clockwise, 0 for a line
     single: Flags  #: whether an arc stands for the whole of its cubic, being that arc
 
-    def sorted(self) -> "Strokes":
+    def sorted(self) -> "LinesAndArcs":
         """The same, as the cubics follow one another and each from its start to its end."""
         order = np.lexsort((self.begin, self.cubic))
-        return Strokes(
+        return LinesAndArcs(
             self.cubic[order], self.begin[order], self.ends[order],
             self.centre[order], self.side[order], self.single[order],
         )  # fmt: skip
@@ -85,12 +85,12 @@ def allowed_off(radius: Floats, sweep_rad: Floats, tolerance: float) -> Floats:
     return np.clip(MARGIN * MARGIN * known, tolerance, WHOLE * tolerance)
 
 
-def fit_cubics(control: Floats, tolerance: float) -> Strokes:
+def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
     """Lines and arcs for cubics (n, 4, 2), in their order."""
     single, centre, side = _singles(control, tolerance)
     which = np.flatnonzero(single)
     found = [
-        Strokes(
+        LinesAndArcs(
             which, np.zeros(len(which)), control[which][:, (0, 3)].reshape(-1, 4),
             centre[which], side[which], np.ones(len(which), dtype=bool),
         )
@@ -119,7 +119,7 @@ def fit_cubics(control: Floats, tolerance: float) -> Strokes:
         control = np.concatenate(_halved(control[rest]))
         owner, size = np.concatenate((owner, owner)), np.concatenate((size, size))
         begin = np.concatenate((begin, begin + size[: len(begin)]))
-    return Strokes(
+    return LinesAndArcs(
         *(
             np.concatenate([getattr(part, name) for part in found])
             for name in ("cubic", "begin", "ends", "centre", "side", "single")
@@ -129,7 +129,7 @@ def fit_cubics(control: Floats, tolerance: float) -> Strokes:
 
 def _strokes(
     cubic: Counts, begin: Floats, start: Floats, end: Floats, bend: Floats | None
-) -> Strokes:
+) -> LinesAndArcs:
     """Arcs of curvatures `bend` between points, below half a circle; lines where straight."""
     step = end - start
     chord = np.hypot(step[:, 0], step[:, 1])
@@ -146,7 +146,7 @@ def _strokes(
             middle[:, 1] + side * height * unit[:, 0],
         )
     )
-    return Strokes(
+    return LinesAndArcs(
         cubic, begin, np.hstack((start, end)), centre, np.where(bent, side, 0.0),
         np.zeros(len(cubic), dtype=bool),
     )  # fmt: skip

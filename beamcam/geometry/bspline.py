@@ -1,12 +1,20 @@
 """B-splines (NURBS when they have weights), as chains of Bezier curves."""
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from itertools import pairwise
 
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.geometry.bezier import MAX_DEGREE, Bezier, Homogeneous, check_weights, from_homogeneous
+from beamcam.geometry.bezier import (
+    MAX_DEGREE,
+    Bezier,
+    Homogeneous,
+    check_weights,
+    from_homogeneous,
+    homogeneous,
+)
 from beamcam.geometry.plane import Box, Matrix, Point, join_boxes, mapped
 
 #: Taking a spline apart takes (degree + 1)^3 steps a control point, a second for so many.
@@ -80,9 +88,7 @@ class BSpline(Struct, frozen=True, gc=False):
 
     def _at_knot(self, span: int, knot: float) -> Point:
         """The point at an end of a span of knots: the same numbers as its piece has there."""
-        points = self.control[span - self.degree : span + 1]
-        weights = (self.weights or (1.0,) * len(self.control))[span - self.degree : span + 1]
-        row = [(w * x, w * y, w) for (x, y), w in zip(points, weights, strict=True)]
+        row = homogeneous(self.control, self.weights)[span - self.degree : span + 1]
         x, y, w = _blossom(row, self.knots, span, [knot] * self.degree)
         return x / w, y / w
 
@@ -119,20 +125,6 @@ class BSpline(Struct, frozen=True, gc=False):
         """Direction of travel, length 1; at a knot with a corner, that of the next piece."""
         piece, local = self._locate(t)
         return piece.tangent(local)
-
-    def curvature(self, t: float) -> float:
-        """Signed curvature, positive to the left."""
-        piece, local = self._locate(t)
-        return piece.curvature(local)
-
-    def extremes(self) -> tuple[float, ...]:
-        """Parameters inside (0, 1) where x or y turns within a piece, ascending."""
-        pieces, breaks = _decomposed(self)
-        return tuple(
-            a + t * (b - a)
-            for piece, a, b in zip(pieces, breaks, breaks[1:], strict=False)
-            for t in piece.extremes()
-        )
 
     def split(self, t: float) -> "tuple[BSpline, BSpline]":
         """The stretches before and after parameter `t`; they share the point there.
@@ -173,8 +165,7 @@ def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]
     for the rest. Source: Ramshaw, "Blossoms are polar forms", 1989.
     """
     degree, knots = spline.degree, spline.knots
-    weights = spline.weights or (1.0,) * len(spline.control)
-    points = [(w * x, w * y, w) for (x, y), w in zip(spline.control, weights, strict=True)]
+    points = homogeneous(spline.control, spline.weights)
     low, high = knots[degree], knots[len(points)]
     pieces: list[Bezier] = []
     breaks = [0.0]
@@ -187,25 +178,21 @@ def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]
             _blossom(row, knots, k, [a] * (degree - j) + [b] * j) for j in range(degree + 1)
         )
         piece = from_homogeneous(polars)
-        if spline.weights is None:
-            piece = Bezier(piece.points)
         if pieces:
             piece = Bezier((pieces[-1].end, *piece.points[1:]), piece.weights)
         pieces.append(piece)
         breaks.append((b - low) / (high - low))
     breaks[-1] = 1.0
-    first, last = pieces[0], pieces[-1]
     # A clamped spline begins and ends on its control points, to the last bit.
     if knots[1] == low:
-        pieces[0] = first = Bezier((spline.control[0], *first.points[1:]), first.weights)
-        last = pieces[-1]
+        pieces[0] = Bezier((spline.control[0], *pieces[0].points[1:]), pieces[0].weights)
     if knots[-2] == high:
-        pieces[-1] = Bezier((*last.points[:-1], spline.control[-1]), last.weights)
+        pieces[-1] = Bezier((*pieces[-1].points[:-1], spline.control[-1]), pieces[-1].weights)
     return tuple(pieces), tuple(breaks)
 
 
 def _blossom(
-    points: list[Homogeneous], knots: tuple[float, ...], k: int, arguments: list[float]
+    points: Sequence[Homogeneous], knots: tuple[float, ...], k: int, arguments: list[float]
 ) -> Homogeneous:
     """The blossom in span `k`, whose control points are given."""
     degree = len(arguments)

@@ -10,7 +10,6 @@ Joining in two steps keeps contours of many short curves whole: within a toleran
 length every end would meet several.
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from math import hypot
 
@@ -19,8 +18,9 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.arrays import ends_of
+from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.curves import Curve, join_boxes
+from beamcam.geometry.groups import groups_of
 from beamcam.geometry.joints import SAME_POINT, joined
 from beamcam.geometry.junctions import resolve
 from beamcam.geometry.near import near_pairs
@@ -102,7 +102,7 @@ def join_curves(
         raise ValueError(f"tolerance must be above 0, found {tolerance:g}")
     if not curves:
         return Chains((), (), (), ())
-    ends = ends_of(curves) if ends is None else ends
+    ends = CurveTable(curves).ends if ends is None else ends
     same = min(tolerance, WRITTEN_SAME)
     away = np.hypot(ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1])
     point = np.zeros(len(curves), dtype=bool)
@@ -143,8 +143,8 @@ def _joined_within(
     """Open links joined within the tolerance, and where more of them meet than go on."""
     if not links:
         return [], ()
-    ends = ends_of([curve for link in links for curve in (link.curves[0], link.curves[-1])])
-    points = np.column_stack((ends[0::2, :2], ends[1::2, 2:])).reshape(-1, 2)
+    outer = CurveTable([curve for link in links for curve in (link.curves[0], link.curves[-1])])
+    points = np.column_stack((outer.ends[0::2, :2], outer.ends[1::2, 2:])).reshape(-1, 2)
     near = _without_wide(_meetings(points, tolerance * SLACK), points, tolerance)
     partner = near.partner
 
@@ -198,7 +198,8 @@ def _meetings(points: Floats, tolerance: float) -> _Meetings:
     moved = np.hypot(*(points[a] - points[b]).T) > SAME_POINT / 2
     apart = frozenset(np.concatenate((a[moved], b[moved])).tolist())
     pairs = zip(first[~alone].tolist(), second[~alone].tolist(), strict=True)
-    return _Meetings(partner.tolist(), apart, _crowds(pairs))
+    crowds = sorted(map(sorted, groups_of(pairs)))
+    return _Meetings(partner.tolist(), apart, crowds)
 
 
 def _without_wide(near: _Meetings, points: Floats, tolerance: float) -> _Meetings:
@@ -214,29 +215,6 @@ def _without_wide(near: _Meetings, points: Floats, tolerance: float) -> _Meeting
         apart.update(crowd[k] for k in own.apart)
         crowds += [[crowd[k] for k in some] for some in own.crowds]
     return _Meetings(partner, frozenset(apart), crowds)
-
-
-def _crowds(pairs: Iterator[tuple[int, int]]) -> list[list[int]]:
-    """Groups of ends that hang together by pairs, each ascending, in the order of their first."""
-    near: defaultdict[int, list[int]] = defaultdict(list)
-    for a, b in pairs:
-        near[a].append(b)
-        near[b].append(a)
-    found: list[list[int]] = []
-    seen: set[int] = set()
-    for end in sorted(near):
-        if end in seen:
-            continue
-        crowd, waiting = [], [end]
-        seen.add(end)
-        while waiting:
-            member = waiting.pop()
-            crowd.append(member)
-            fresh = [e for e in near[member] if e not in seen]
-            seen.update(fresh)
-            waiting += fresh
-        found.append(sorted(crowd))
-    return found
 
 
 def _linked(links: Sequence[Chain], meetings: _Meetings) -> list[Chain]:

@@ -42,7 +42,7 @@ def remove_repetitions(
 
     Curves are duplicates if they are of one kind and five points along them are no farther
     apart than `tolerance`, in either direction. Stretches overlap if they share more than the
-    tolerance of a line or circle; touching ends are no overlap. The first of them stays.
+    tolerance of a line or circle; touching ends are not overlap. The first of them stays.
 
     They are not merged where another curve, one of `others` too, ends at an end that would be
     lost: there one contour may go on along a line that another one shares.
@@ -283,8 +283,7 @@ def _merged_arcs(a: Arc, b: Arc, tolerance: float) -> Arc | None:
             found = True
     if not found:
         return None
-    whole = high - low >= 360.0 - slack_deg
     joined = replace(one, start_deg=low, sweep_deg=high - low)
-    if whole:
+    if high - low >= 360.0 - slack_deg:
         joined = replace(one, sweep_deg=360.0)
     return joined if forward else joined.reversed()

@@ -53,14 +53,6 @@ class Line(Struct, frozen=True, gc=False):
         """Direction of travel, length 1. Raises ValueError if the ends are one point."""
         return normalized((self.end[0] - self.start[0], self.end[1] - self.start[1]))
 
-    def curvature(self, t: float) -> float:
-        """0."""
-        return 0.0
-
-    def extremes(self) -> tuple[float, ...]:
-        """Parameters inside (0, 1) where x or y turns: none."""
-        return ()
-
     def split(self, t: float) -> "tuple[Line, Line]":
         """The stretches before and after parameter `t`."""
         middle = self.point(t)
@@ -114,19 +106,6 @@ class Arc(Struct, frozen=True, gc=False):
         x, y = unit_vector(self.start_deg + t * self.sweep_deg)
         return (-y, x) if self.sweep_deg > 0 else (y, -x)
 
-    def curvature(self, t: float) -> float:
-        """1 / radius, negative if the arc runs clockwise."""
-        return (1.0 if self.sweep_deg > 0 else -1.0) / self.radius
-
-    def extremes(self) -> tuple[float, ...]:
-        """Parameters inside (0, 1) where x or y turns: the quadrant points."""
-        return tuple(
-            sorted(
-                (angle - self.start_deg) / self.sweep_deg
-                for angle in _quadrants(self.start_deg, self.sweep_deg, inside=True)
-            )
-        )
-
     def split(self, t: float) -> "tuple[Arc, Arc]":
         """The stretches before and after parameter `t`."""
         first = t * self.sweep_deg
@@ -141,7 +120,8 @@ class Arc(Struct, frozen=True, gc=False):
     def transformed(self, matrix: Matrix) -> "Arc | EllipseArc":
         """The image: an `Arc` if circles stay circles under `matrix`, else an `EllipseArc`."""
         if not is_similarity(matrix):
-            return self.as_ellipse().transformed(matrix)
+            whole = EllipseArc(self.centre, (self.radius, 0.0), 1.0, self.start_deg, self.sweep_deg)
+            return whole.transformed(matrix)
         refuse_singular(matrix)
         mirror = -1.0 if determinant(matrix) < 0 else 1.0
         axis = mapped_vector(matrix, (1.0, 0.0))
@@ -151,10 +131,6 @@ class Arc(Struct, frozen=True, gc=False):
             direction_deg(axis) + mirror * self.start_deg,
             mirror * self.sweep_deg,
         )
-
-    def as_ellipse(self) -> "EllipseArc":
-        """The same arc as an ellipse of ratio 1."""
-        return EllipseArc(self.centre, (self.radius, 0.0), 1.0, self.start_deg, self.sweep_deg)
 
 
 class EllipseArc(Struct, frozen=True, gc=False):
@@ -224,22 +200,17 @@ class EllipseArc(Struct, frozen=True, gc=False):
         """Direction of travel, length 1."""
         return normalized(self._derivative(t))
 
-    def curvature(self, t: float) -> float:
-        """Signed curvature, positive to the left."""
-        speed = hypot(*self._offset(self.start_deg + t * self.sweep_deg + 90.0))
-        return (1.0 if self.sweep_deg > 0 else -1.0) * self.major * self.minor / speed**3
-
     def extremes(self) -> tuple[float, ...]:
         """Parameters inside (0, 1) where x or y turns, ascending."""
         ax, ay = self.axis
         # dx/dp = 0 at tan p = -ratio ay / ax, dy/dp = 0 at tan p = ratio ax / ay.
         of_x = 0.0 if ay == 0.0 else degrees(atan2(-self.ratio * ay, ax))
         of_y = 90.0 if ay == 0.0 else degrees(atan2(self.ratio * ax, ay))
-        found = set()
-        for angle in (of_x, of_y):
-            shift = self.start_deg - angle
-            for multiple in _quadrants(shift, self.sweep_deg, inside=True, every=180.0):
-                found.add((multiple - shift) / self.sweep_deg)
+        found = {
+            (multiple - shift) / self.sweep_deg
+            for shift in (self.start_deg - of_x, self.start_deg - of_y)
+            for multiple in _quadrants(shift, self.sweep_deg, inside=True, every=180.0)
+        }
         return tuple(sorted(found))
 
     def split(self, t: float) -> "tuple[EllipseArc, EllipseArc]":
@@ -347,6 +318,17 @@ def arc_between(start: Point, end: Point, centre: Point, side: float) -> Arc:
     sign = 1.0 if side > 0 else -1.0
     sweep = (end_deg - start_deg) * sign % 360.0 or 360.0
     return Arc(centre, radius, start_deg, sign * sweep)
+
+
+def arc_by_points(a: Point, m: Point, b: Point) -> Arc | None:
+    """The arc from `a` over `m` to `b`; None if they lie on a line."""
+    ux, uy, wx, wy = m[0] - a[0], m[1] - a[1], b[0] - a[0], b[1] - a[1]
+    area = 2 * (ux * wy - uy * wx)
+    uu, ww = ux * ux + uy * uy, wx * wx + wy * wy
+    if abs(area) <= 1e-9 * (uu + ww):
+        return None
+    centre = (a[0] + (wy * uu - uy * ww) / area, a[1] + (ux * ww - wx * uu) / area)
+    return arc_between(a, b, centre, area)
 
 
 def segment_area(sweep_deg: float, major: float, minor: float) -> float:

@@ -9,11 +9,9 @@ from beamcam.geometry.plane import Point, cross, distance, dot
 BEYOND = 1e-9  #: mm beyond its end that a line may reach by the last digits
 
 
-def meeting(a: Line | Arc, b: Line | Arc, corner: Point, opens: bool) -> Point | None:
-    """Where two curves meet, nearest to the corner; prolonged ones if it opens."""
-    points = intersections(a, b)
-    if not opens:
-        points = [p for p in points if between(a, a.start, p) and between(b, p, b.end)]
+def meeting(a: Line | Arc, b: Line | Arc, corner: Point) -> Point | None:
+    """Where two curves meet, nearest to the corner that both are cut at."""
+    points = [p for p in intersections(a, b) if between(a, a.start, p) and between(b, p, b.end)]
     return min(points, key=lambda p: distance(p, corner), default=None)
 
 

@@ -1,8 +1,8 @@
 """Exact curves in the plane.
 
 Every curve is an immutable record with `start`, `end`, `length`, `bbox`, `point(t)`,
-`tangent(t)`, `curvature(t)` and `split(t)` for t in [0, 1], `extremes()`, `reversed()` and
-`transformed(matrix)`. Nothing here needs numpy; many points at once are `sampling`'s.
+`tangent(t)` and `split(t)` for t in [0, 1], `reversed()` and `transformed(matrix)`. Nothing here
+needs numpy; many points at once are `sampling`'s.
 """
 
 from beamcam.geometry.bezier import Bezier

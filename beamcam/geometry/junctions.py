@@ -28,7 +28,7 @@ def resolve(
 
     `partner` is what each end meets so far, -1 for nothing; the joints are put into it.
     `is_small` says whether the chain from an end on is no larger than the tolerance: if it leads
-    back, it is no ring, and nothing.
+    back, it is not a ring, and nothing.
     """
     work = _Work(crowds, partner, is_small)
     asked: Iterable[int] = range(len(crowds))

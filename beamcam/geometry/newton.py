@@ -37,15 +37,14 @@ def divided_differences(u: Sequence[float], values: Sequence[float]) -> tuple[fl
 
 def newton_derivatives(
     coefficients: Sequence[float], u: Sequence[float], at: float
-) -> tuple[float, float, float]:
-    """Value, first and second derivative at `at`, by Horner's scheme derived term by term."""
-    value, first, second = coefficients[-1], 0.0, 0.0
+) -> tuple[float, float]:
+    """Value and first derivative at `at`, by Horner's scheme derived term by term."""
+    value, first = coefficients[-1], 0.0
     for c, node in zip(coefficients[-2::-1], u[-2::-1], strict=True):
         step = at - node
-        second = second * step + 2 * first
         first = first * step + value
         value = value * step + c
-    return value, first, second
+    return value, first
 
 
 class NewtonCurve(Struct, frozen=True):
@@ -103,21 +102,17 @@ class NewtonCurve(Struct, frozen=True):
             return x0 + t * (x1 - x0), newton_derivatives(ys, u, t)[0]
         return self.derivatives(t)[0]
 
-    def derivatives(self, t: float) -> tuple[Point, Point, Point]:
-        """The point, the first and the second derivative at `t`."""
+    def derivatives(self, t: float) -> tuple[Point, Point]:
+        """The point and the first derivative at `t`."""
         u, xs, ys = _newton_form(self)
         x, y = newton_derivatives(xs, u, t), newton_derivatives(ys, u, t)
-        return (x[0], y[0]), (x[1], y[1]), (x[2], y[2])
+        return (x[0], y[0]), (x[1], y[1])
 
     def tangent(self, t: float) -> Point:
         """Direction of travel, length 1."""
-        _, (x, y), _ = self.derivatives(t)
+        _, (x, y) = self.derivatives(t)
         size = hypot(x, y)
         return (x / size, y / size) if size else self.as_bezier().tangent(t)
-
-    def curvature(self, t: float) -> float:
-        """Signed curvature, positive to the left; inf where the curve stands still."""
-        return self.as_bezier().curvature(t)
 
     def extremes(self) -> tuple[float, ...]:
         """Parameters inside (0, 1) where x or y turns, ascending."""
@@ -162,9 +157,8 @@ def _newton_form(
     if curve.is_function:
         along = [node[0] - nodes[0][0] for node in nodes]
     else:
-        along = [0.0]
-        for a, b in itertools.pairwise(nodes):
-            along.append(along[-1] + distance(a, b))
+        legs = (distance(a, b) for a, b in itertools.pairwise(nodes))
+        along = list(itertools.accumulate(legs, initial=0.0))
     u = (*(a / along[-1] for a in along[:-1]), 1.0)
     for k, (here, there) in enumerate(itertools.pairwise(u)):
         if not here < there:

@@ -63,8 +63,7 @@ def polylines(curves: Sequence[Curve], tolerance: float) -> Polylines:
 
 def _arc_steps(arcs: Floats, tolerance: float) -> Counts:
     share = np.clip(1 - tolerance / arcs[:, 2], -1.0, 1.0)
-    step = np.minimum(2 * np.arccos(share), LARGEST_STEP_RAD)
-    step = np.maximum(step, 1e-6)
+    step = np.clip(2 * np.arccos(share), 1e-6, LARGEST_STEP_RAD)
     turns = np.ceil(np.abs(np.radians(arcs[:, 4])) / step).astype(np.int64)
     found: Counts = np.maximum(turns, 1)
     return found

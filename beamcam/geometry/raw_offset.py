@@ -6,6 +6,7 @@ two curves looked at by themselves.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -76,24 +77,12 @@ def raw_offsets(
     records = _records(moved)
     for k, piece in pieces.items():
         records[k] = piece
-    rings: list[Ring | None] = []
-    for begin, size, has_failed in zip(
-        begins.tolist(), sizes.tolist(), failed.tolist(), strict=True
-    ):
-        if has_failed:
-            rings.append(None)
-        else:
-            rings.append(_with_joints(records, joints, begin, begin + size))
-    return rings
-
-
-def _with_joints(records: list[Line | Arc], joints: dict[int, Arc], begin: int, end: int) -> Ring:
-    ring: list[Line | Arc] = []
-    for k in range(begin, end):
-        ring.append(records[k])
-        if k in joints:
-            ring.append(joints[k])
-    return tuple(ring)
+    joined = [(one, joints[k]) if k in joints else (one,) for k, one in enumerate(records)]
+    bounds = zip(begins.tolist(), (begins + sizes).tolist(), failed.tolist(), strict=True)
+    return [
+        None if has_failed else tuple(chain.from_iterable(joined[begin:end]))
+        for begin, end, has_failed in bounds
+    ]
 
 
 def _beside(table: CurveTable, right: Floats) -> tuple[_Moved, Floats]:
@@ -186,7 +175,7 @@ def _cut_arcs(
     for i, j in closing:
         a, b = (_record(moved.is_line[k], before[k], moved.arcs[k]) for k in (i, j))
         x, y = corners[i].tolist()
-        point = meeting(a, b, (x, y), False)
+        point = meeting(a, b, (x, y))
         if point is None:
             moved.bad[i] = True
             continue

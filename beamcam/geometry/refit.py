@@ -4,14 +4,14 @@ import itertools
 from collections.abc import Sequence
 from math import hypot
 
-from beamcam.geometry.conics import arc_between
+from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point, cross, distance, dot
 
 #: So many corners, at least, make an arc.
 MIN_CORNERS = 5
 
-#: No chord of an arc turns it by more than this: a square is no circle.
+#: No chord of an arc turns it by more than this: a square is not a circle.
 MOST_SWEEP_DEG = 350.0
 
 
@@ -66,17 +66,10 @@ def _longest_arc(ring: list[Point], at: int, tolerance: float) -> tuple[Arc | No
 
 
 def _arc_over(points: list[Point], tolerance: float) -> Arc | None:
-    a, m, b = points[0], points[len(points) // 2], points[-1]
-    u, w = (m[0] - a[0], m[1] - a[1]), (b[0] - a[0], b[1] - a[1])
-    area = 2 * cross(u, w)
-    if abs(area) <= 1e-9 * (dot(u, u) + dot(w, w)):
+    arc = arc_by_points(points[0], points[len(points) // 2], points[-1])
+    if arc is None or abs(arc.sweep_deg) > MOST_SWEEP_DEG:
         return None
-    uu, ww = dot(u, u), dot(w, w)
-    centre = (a[0] + (w[1] * uu - u[1] * ww) / area, a[1] + (u[0] * ww - w[0] * uu) / area)
-    arc = arc_between(a, b, centre, area)
-    if abs(arc.sweep_deg) > MOST_SWEEP_DEG:
-        return None
-    side = 1.0 if area > 0 else -1.0
+    centre, side = arc.centre, 1.0 if arc.sweep_deg > 0 else -1.0
     for p, q in itertools.pairwise(points):
         middle = ((p[0] + q[0]) / 2, (p[1] + q[1]) / 2)
         if (

@@ -27,18 +27,13 @@ def spline_cubics(splines: Sequence[BSpline]) -> tuple[Floats, Counts]:
     return control[order], owner[order]
 
 
-def _numbers(splines: Sequence[BSpline]) -> tuple[Floats, Floats]:
-    """The control points (n, size, 2) and the knots of splines of one size."""
-    points = np.array([s.control for s in splines], dtype=np.float64)
-    return points, np.array([s.knots for s in splines], dtype=np.float64)
-
-
 def _of_one_size(splines: Sequence[BSpline], names: Sequence[int]) -> tuple[Floats, Counts]:
     """All spans of all splines at once; `names` come back for the splines.
 
     Control point j of the span [a, b] is the blossom of (a, ..., b, ...) with b taken j times.
     """
-    points, knots = _numbers(splines)
+    points = np.array([s.control for s in splines], dtype=np.float64)  # (n, size, 2)
+    knots = np.array([s.knots for s in splines], dtype=np.float64)
     owner, span = np.nonzero(knots[:, 3:-4] < knots[:, 4:-3])
     around = sliding_window_view(knots[:, 1:-1], 6, axis=1)[owner, span]
     control = sliding_window_view(points, 4, axis=1)[owner, span].transpose(0, 2, 1)

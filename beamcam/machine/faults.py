@@ -44,7 +44,7 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
             yield f"axes.{index}.min", axis.min, "at most max"
     for index, tools in enumerate(machine.tools):
         yield from _set_faults(f"tools.{index}", tools)
-        for word in _words_of(tools.kind):
+        for word in words_of(tools.kind):
             if not getattr(machine.words, word):
                 yield f"words.{word}", [], f"a template, since there are tools of kind {tools.kind}"
         if tools.kind in ALONG_A_PATH and layout and layout.order == "saw-drill":
@@ -113,7 +113,8 @@ def _names(template: tuple[str, ...], name: str) -> bool:
     return any("{" + name + "}" in line for line in template)
 
 
-def _words_of(kind: str) -> tuple[str, ...]:
+def words_of(kind: str) -> tuple[str, ...]:
+    """The templates of a kind of tool, in the order of its work."""
     return (kind, f"{kind}_to", f"{kind}_end") if kind in ALONG_A_PATH else (kind,)
 
 

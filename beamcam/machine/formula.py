@@ -30,10 +30,6 @@ class Formula(str):
 
     __slots__ = ()
 
-    def check(self) -> None:
-        """Raises ValueError if the text is no arithmetic over `FORMULA_NAMES`."""
-        _compiled(self)
-
     def __call__(self, values: Mapping[str, float]) -> float:
         """The number for a section and a hole. Raises MachineError where there is none."""
         try:
@@ -70,7 +66,7 @@ def as_formula(kind: type, value: object) -> Formula:
         raise ValueError("arithmetic as a text")
     formula = Formula(value)
     try:
-        formula.check()
+        _compiled(formula)
     except ValueError as error:
         raise ValueError(f"arithmetic: {error}") from error
     return formula

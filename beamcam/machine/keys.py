@@ -32,13 +32,11 @@ def machine_keys() -> tuple[Key, ...]:
 def _keys(record: type, prefix: str) -> Iterator[Key]:
     hints = typing.get_type_hints(record, include_extras=True)
     for name, (default, meaning) in documented(record).items():
-        inner, many = _record_in(hints[name])
-        if by_name := _record_by_name(hints[name]):
-            yield from _keys(by_name, f"{prefix}{name}.NAME.")
-        elif inner is None:
+        inner, between = _record_in(hints[name])
+        if inner is None:
             yield Key(prefix + name, _kind(hints[name]), default, meaning)
         else:
-            yield from _keys(inner, f"{prefix}{name}{'[]' if many else ''}.")
+            yield from _keys(inner, f"{prefix}{name}{between}.")
 
 
 _PLAIN = {str: "text", float: "number", int: "whole number", bool: "true or false"}
@@ -70,22 +68,17 @@ def _limits(meta: Meta) -> str:
     return "" if meta.ge is None else f", {meta.ge:g} or more"
 
 
-def _record_by_name(hint: object) -> type | None:
-    """The record that a table holds under each of its names; None if it holds plain values."""
-    origin, args = get_origin(hint), get_args(hint)
-    is_table = isinstance(origin, type) and issubclass(origin, Mapping)
-    return _record_in(args[1])[0] if is_table else None
-
-
-def _record_in(hint: object) -> tuple[type | None, bool]:
-    """The record that a field holds, and whether it holds a list of them."""
+def _record_in(hint: object) -> tuple[type | None, str]:
+    """The record that a field holds, and what stands behind its key where it holds several."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is typing.Annotated:
-        return None, False
+        return None, ""
     if origin in (Union, UnionType):
         return _record_in(next(a for a in args if a is not type(None)))
     if origin is tuple:
-        return _record_in(args[0])[0], True
+        return _record_in(args[0])[0], "[]"
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return _record_in(args[1])[0], ".NAME"
     if isinstance(hint, type) and hint is not Formula and hint.__module__.startswith("beamcam."):
-        return hint, False
-    return None, False
+        return hint, ""
+    return None, ""

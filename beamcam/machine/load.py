@@ -124,7 +124,7 @@ def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
 def _checksum(table: dict[str, Any]) -> str:
     """Eight hex digits that change with any value of a machine's files that programs depend on.
 
-    They show that a machine has been changed, even under the same name. They are no protection
+    They show that a machine has been changed, even under the same name. They are not protection
     against forgery.
     """
     values = {key: value for key, value in table.items() if key not in _NOT_OF_PROGRAMS}

@@ -51,23 +51,37 @@ def with_torch(
         kept = {k: v for k, v in torch.settings.items() if k not in colours}
         given["settings"] = {**(settings or {}), **kept}
     if kerf is not None:
-        least = KERF_STEPS * machine.format.resolution
-        if 0.0 < kerf < least:
-            takes = f"{machine.name} takes 0, or {least:g} mm or more"
-            raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
-        given["rows"] = tuple(
-            replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows
-        )
-        if kerf == 0.0:
-            given.setdefault("kerf_by", "none")
-        elif torch.kerf_by == "none":
-            given.setdefault("kerf_by", "offset")
+        given = {**_kerf_values(machine, torch, kerf), **given}
     changed: Torch = replace(torch, **given)
-    if changed.kerf_by == "machine" and not machine.words.left:
-        raise ValueError(f"{machine.name} has no words to keep beside a contour; use offset")
-    if changed.kerf_by == "machine" and torch.lead == "arc":
+    if changed.kerf_by == "machine" and machine.words.left and torch.lead == "arc":
         # A controller takes up its compensation along a line.
         changed = replace(changed, lead="line")
+    _check(machine, changed)
+    return replace(machine, torch=changed)
+
+
+def _kerf_values(machine: Machine, torch: Torch, kerf: float) -> dict[str, Any]:
+    """The fields of a torch that follow from the kerf of a job."""
+    least = KERF_STEPS * machine.format.resolution
+    if 0.0 < kerf < least:
+        takes = f"{machine.name} takes 0, or {least:g} mm or more"
+        raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
+    found: dict[str, Any] = {
+        "rows": tuple(
+            replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows
+        )
+    }
+    if kerf == 0.0:
+        found["kerf_by"] = "none"
+    elif torch.kerf_by == "none":
+        found["kerf_by"] = "offset"
+    return found
+
+
+def _check(machine: Machine, changed: Torch) -> None:
+    """Raise ValueError where a machine cannot do what a job asks of its torch."""
+    if changed.kerf_by == "machine" and not machine.words.left:
+        raise ValueError(f"{machine.name} has no words to keep beside a contour; use offset")
     if changed.lead != "none" and not changed.lead_in:
         raise ValueError(f"{machine.name} has no length of a lead-in; give one by --lead-in")
     if changed.origin != "table" and machine.controller in TABLE_CONTROLLERS:
@@ -75,4 +89,3 @@ def with_torch(
             f"{machine.name} begins at the switches in the corner of its table and counts from "
             "there, so that its origin is table; leave origin out"
         )
-    return replace(machine, torch=changed)

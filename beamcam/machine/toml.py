@@ -21,7 +21,7 @@ UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 class TomlError(ValueError):
-    """A file that is no TOML, or none that anybody wrote; `line` is where it is none."""
+    """A file that is not TOML, or none that anybody wrote; `line` is where."""
 
     def __init__(self, message: str, line: int = 1) -> None:
         super().__init__(message)
@@ -42,7 +42,7 @@ class TomlFile(Struct, frozen=True):
 
 
 def toml_text(data: bytes) -> str:
-    """The text of a file. Raises TomlError for what is no text, or more than anybody writes."""
+    """The text of a file. Raises TomlError for what is not text, or more than anybody writes."""
     if len(data) > MAX_TOML_BYTES:
         raise TomlError(f"{len(data)} bytes; expected at most {MAX_TOML_BYTES}")
     if data.startswith(UTF_16):

@@ -9,7 +9,7 @@ from msgspec import Struct
 from beamcam.conversion import Keys, NotNegative, Positive
 
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
-UnitKind = Literal["stamp", "printer"]  #: what letters by itself and is no tool of a spindle
+UnitKind = Literal["stamp", "printer"]  #: what letters by itself and is not a tool of a spindle
 
 
 ToolMaterial = Literal["hss", "carbide"]

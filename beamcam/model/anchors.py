@@ -31,9 +31,7 @@ def plane_positions(planes: Sequence[Plane], features: Sequence[Feature]) -> lis
     A plane whose number was used before ("E1#2") comes behind the last feature of the one before
     it, and no plane comes before one that precedes it in `planes`.
     """
-    last_use: dict[str, int] = {}
-    for i, feature in enumerate(features):
-        last_use[getattr(feature, "face", "")] = i
+    last_use = {getattr(feature, "face", ""): i for i, feature in enumerate(features)}
     positions: list[int] = []
     latest: dict[str, str] = {}
     position = 0

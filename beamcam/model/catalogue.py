@@ -22,12 +22,11 @@ Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web,
 def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
     """Code and measures of every section, by its name in capitals without blanks."""
     text = files("beamcam.model").joinpath("sections.json").read_text("utf-8")
-    table: dict[str, tuple[ProfileCode, Sizes]] = {}
-    for group in json.loads(text)["groups"]:
-        for name, sizes in group["sections"].items():
-            h, b, tf, tw, r = sizes
-            table[plain_name(name)] = (group["code"], (h, b, tf, tw, r))
-    return table
+    return {
+        plain_name(name): (group["code"], (h, b, tf, tw, r))
+        for group in json.loads(text)["groups"]
+        for name, (h, b, tf, tw, r) in group["sections"].items()
+    }
 
 
 @cached("sections.by_code")
@@ -59,16 +58,13 @@ def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
 @cached("sections.name")
 def name_of(profile: Profile) -> str | None:
     """The catalogue's name of a section with these measures, the nearest within the tolerance."""
-    best: tuple[float, str] | None = None
     rows = _by_code().get(profile.code, ())
     # Twice as far up and down as a section may be, so that no rounding decides.
     first = bisect_left(rows, profile.height - 2 * TOLERANCE, key=_height)
     last = bisect_right(rows, profile.height + 2 * TOLERANCE, key=_height)
-    for sizes, name in rows[first:last]:
-        off = difference(profile, sizes)
-        if off <= TOLERANCE and (best is None or off < best[0]):
-            best = (off, name)
-    return best[1] if best else None
+    off = [(difference(profile, sizes), name) for sizes, name in rows[first:last]]
+    near = [row for row in off if row[0] <= TOLERANCE]
+    return min(near, key=lambda row: row[0])[1] if near else None
 
 
 def difference(profile: Profile, sizes: Sizes) -> float:

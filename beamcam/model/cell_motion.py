@@ -73,7 +73,7 @@ class CellMotion:
         return self._travel(end, feed_mm_min / SECONDS_PER_MINUTE / way if slow else inf)  # type: ignore[operator]
 
     def _own_feed(self, end: list[float]) -> float | None:
-        """Feed of a stroke that the program gives none; None where it is no stroke."""
+        """Feed of a stroke that the program gives none; None where it is not a stroke."""
         drill = self.machine.drill
         if drill is None or not self._turning or not self._chosen:
             return None

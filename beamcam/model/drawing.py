@@ -1,6 +1,6 @@
 """Contents of a drawing other than its contours, and the extent of curves.
 
-Filled shapes and curves on hidden layers are no features, since nothing is cut along them; they
+Filled shapes and curves on hidden layers are not features, since nothing is cut along them; they
 are kept so that their lengths can be given when somebody asks.
 """
 
@@ -18,7 +18,7 @@ class Measures(Struct, frozen=True):
 
     filled: tuple[Curve, ...] = ()  #: outlines of shapes with a fill and no stroke
     hidden: tuple[Curve, ...] = ()  #: curves on layers that are off, frozen or not plotting
-    not_cut: tuple[tuple[str, int], ...] = ()  #: entities that are no curves, by name: how many
+    not_cut: tuple[tuple[str, int], ...] = ()  #: entities that are not curves, by name: how many
     grid: float | None = None  #: what coordinates are rounded to, if the file shows it
     lettered: tuple[tuple[str, int], ...] = ()  #: layers whose texts are marked, and how many
 

@@ -25,38 +25,38 @@ MAX_PECKS = 1000  #: of one hole; more is a slip of the decimal point
 Place = tuple[float, float, float]
 
 
-class Step(NamedTuple):
+class CycleMove(NamedTuple):
     """One move of a cycle."""
 
     rapid: bool
     end: Place
 
 
-def steps(
+def cycle_moves(
     at: Place, place: tuple[float, float], bottom: float, near: float, clear: float,
     cycle: int = DRILL, peck: float = 0.0,
-) -> Iterator[Step]:  # fmt: skip
+) -> Iterator[CycleMove]:  # fmt: skip
     """Moves of a cycle from the tool's position; `near` is R, `clear` the retract position."""
     x, y = place
     inward = 1.0 if bottom > near else -1.0
     z = at[2]
     if not inward * (z - near) <= 0.0:  # nearer the bottom than R, or from nowhere
         z = near
-        yield Step(True, (at[0], at[1], near))
+        yield CycleMove(True, (at[0], at[1], near))
     if (x, y) != at[:2]:
-        yield Step(True, (x, y, z))
+        yield CycleMove(True, (x, y, z))
     if z != near:
-        yield Step(True, (x, y, near))
+        yield CycleMove(True, (x, y, near))
     if cycle in PECKING:
         depth = near + inward * peck
         while inward * (bottom - depth) > 0.0:
-            yield Step(False, (x, y, depth))
+            yield CycleMove(False, (x, y, depth))
             if cycle == PECK:
-                yield Step(True, (x, y, near))
-            yield Step(True, (x, y, depth - inward * BACK))
+                yield CycleMove(True, (x, y, near))
+            yield CycleMove(True, (x, y, depth - inward * BACK))
             depth += inward * peck
-    yield Step(False, (x, y, bottom))
-    yield Step(True, (x, y, clear))
+    yield CycleMove(False, (x, y, bottom))
+    yield CycleMove(True, (x, y, clear))
 
 
 def clear_place(before: float, near: float, bottom: float, to_near: bool) -> float:

@@ -9,7 +9,7 @@ curves, to the last bit.
 """
 
 from beamcam.errors import ReadError, Rule, Severity
-from beamcam.geometry.approximation import Fit, curves_of_function, curves_of_way
+from beamcam.geometry.approximation import Approximation, curves_of_function, curves_of_way
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.expression import FUNCTIONS, compile_expression
 from beamcam.model.json_object import JSON_KEY_MISSING, JSON_KEY_UNKNOWN, Place
@@ -41,7 +41,7 @@ def curves_of_function_form(form: FunctionForm, place: Place) -> tuple[Curve, ..
     return fit.curves
 
 
-def _graph(form: FunctionForm, tolerance: float, place: Place) -> Fit:
+def _graph(form: FunctionForm, tolerance: float, place: Place) -> Approximation:
     if form.x is not None:
         raise place.at("t").fault(JSON_KEY_MISSING, key="t", expected="both ends of a way")
     y = _arithmetic(form.y, "x", place.at("y"))
@@ -56,7 +56,7 @@ def _end(value: float | str | None, place: Place) -> float:
     return _number(value, place)
 
 
-def _way(form: FunctionForm, tolerance: float, place: Place) -> Fit:
+def _way(form: FunctionForm, tolerance: float, place: Place) -> Approximation:
     if form.x is None:
         raise place.at("x").fault(JSON_KEY_MISSING, key="x", expected="x of t")
     for key, end in (("from", form.low), ("to", form.high)):

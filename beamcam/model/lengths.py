@@ -6,6 +6,7 @@ which is imported only when a drawing has some.
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from itertools import chain, product
 from math import atan2, cos, floor, hypot, pi, sin
 
 from beamcam.geometry.curves import (
@@ -18,6 +19,7 @@ from beamcam.geometry.curves import (
     NewtonCurve,
     bezier_pieces,
 )
+from beamcam.geometry.groups import groups_of
 from beamcam.geometry.plane import Point, dot
 
 #: Curves nearer than this coincide.
@@ -54,17 +56,10 @@ def duplicate_length(curves: Iterable[Curve]) -> float:
     Of two equal curves one counts. Collinear lines and arcs of one circle count where they
     overlap; ellipses and free curves only as a whole, in either direction.
     """
-    lines: list[Line] = []
-    arcs: list[Arc] = []
-    others: list[Curve] = []
-    for curve in curves:
-        match curve:
-            case Line():
-                lines.append(curve)
-            case Arc():
-                arcs.append(curve)
-            case _:
-                others.append(curve)
+    every = tuple(curves)
+    lines = [curve for curve in every if isinstance(curve, Line)]
+    arcs = [curve for curve in every if isinstance(curve, Arc)]
+    others = [curve for curve in every if not isinstance(curve, Line | Arc)]
     return _overlap_of_lines(lines) + _overlap_of_arcs(arcs) + _length_of_repeats(others)
 
 
@@ -81,32 +76,18 @@ def _clusters(values: Iterable[tuple[tuple[float, ...], int]]) -> list[list[int]
     cells: dict[_Cell, list[tuple[float, ...]]] = defaultdict(list)
     for value in same:
         cells[tuple(floor(v / SAME_PLACE) for v in value[:3])].append(value)
-    leader = {value: value for value in same}
-
-    def find(value: tuple[float, ...]) -> tuple[float, ...]:
-        while leader[value] != value:
-            leader[value] = leader[leader[value]]
-            value = leader[value]
-        return value
-
-    for cell, members in cells.items():
-        for around in _cells_around(cell):
-            for other in cells.get(around, ()):
-                for value in members:
-                    near = zip(value, other, strict=True)
-                    if value < other and all(abs(a - b) <= SAME_PLACE for a, b in near):
-                        leader[find(other)] = find(value)
-    groups: dict[tuple[float, ...], list[int]] = defaultdict(list)
-    for value, indices in same.items():
-        groups[find(value)] += indices
-    return [group for group in groups.values() if len(group) > 1]
-
-
-def _cells_around(cell: _Cell) -> list[_Cell]:
-    cells: list[_Cell] = [()]
-    for value in cell:
-        cells = [(*head, value + step) for head in cells for step in (-1, 0, 1)]
-    return cells
+    near = (
+        (value, other)
+        for cell, members in cells.items()
+        for around in product(*((place - 1, place, place + 1) for place in cell))
+        for other in cells.get(around, ())
+        for value in members
+        if value < other
+        and all(abs(a - b) <= SAME_PLACE for a, b in zip(value, other, strict=True))
+    )
+    each = groups_of(chain(zip(same, same, strict=True), near))
+    found = [sorted(index for value in group for index in same[value]) for group in each]
+    return [group for group in found if len(group) > 1]
 
 
 def _overlap(spans: Sequence[tuple[float, float]]) -> float:
@@ -140,8 +121,7 @@ def _overlap_of_lines(lines: Sequence[Line]) -> float:
 
 def _direction(line: Line) -> Point:
     """Unit vector along a line, one of the two: the same for both ways of drawing it."""
-    length = line.length
-    x, y = (line.end[0] - line.start[0]) / length, (line.end[1] - line.start[1]) / length
+    x, y = line.tangent(0.0)
     if x < -1e-9 or (abs(x) <= 1e-9 and y < 0):
         return -x, -y
     return x, y

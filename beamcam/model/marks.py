@@ -6,7 +6,6 @@ from beamcam.machine.marking import Marks, Policy
 from beamcam.model.part import Contour, Feature, Hole, TextMark
 
 MarkKind = Literal["text", "points", "contours"]
-MARK_KINDS: tuple[MarkKind, ...] = ("text", "points", "contours")
 
 
 def mark_kind(feature: Feature) -> MarkKind | None:

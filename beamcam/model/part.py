@@ -238,7 +238,7 @@ class Part(Struct, frozen=True):
     info: tuple[tuple[str, str], ...] = ()  #: word and text (IN)
     comments: tuple[Comment, ...] = ()
     guid: str | None = None  #: IFC GlobalId
-    #: Of a drawing: what was seen and is no feature, and so makes no difference between parts.
+    #: Of a drawing: what was seen and is not a feature, and so makes no difference between parts.
     measures: Measures | None = None
     #: Of the file, where the angles of `cuts` stand, in their order; None where they have no lines.
     cut_lines: tuple[int, int, int, int] | None = None
@@ -251,16 +251,16 @@ class Part(Struct, frozen=True):
 
     @property
     def holes(self) -> Iterator[Hole]:
-        return (f for f in self.features if isinstance(f, Hole))
+        return (f for f in self.features if type(f) is Hole)
 
     @property
     def slots(self) -> Iterator[Slot]:
-        return (f for f in self.features if isinstance(f, Slot))
+        return (f for f in self.features if type(f) is Slot)
 
     @property
     def contours(self) -> Iterator[Contour]:
-        return (f for f in self.features if isinstance(f, Contour))
+        return (f for f in self.features if type(f) is Contour)
 
     @property
     def texts(self) -> Iterator[TextMark]:
-        return (f for f in self.features if isinstance(f, TextMark))
+        return (f for f in self.features if type(f) is TextMark)

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from math import inf
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from msgspec import UnsetType
 from msgspec.structs import asdict
 
-from beamcam.errors import ReadError, Rule, Severity, Source
+from beamcam.errors import Rule, Severity, Source
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
 from beamcam.model.curve_json import JSON_CURVE, curves_of
@@ -171,30 +171,21 @@ def _features(
 
 
 def _feature(form: Featured, place: Place, source: Source) -> Feature:
-    match form:
-        case ContourForm():
-            return _contour(form, place, source)
-        case HoleForm():
-            return Hole(**_fields(form), kind=_kind(form), source=source)
-        case SlotForm():
-            return Slot(**_fields(form), kind=_kind(form), source=source)
-        case TextForm():
-            return TextMark(**_fields(form), source=source)
-        case BendForm():
-            return Bend(**_fields(form), source=source)
-        case EndPlaneForm():
-            return EndPlane(**_fields(form), source=source)
-        case CamberForm():
-            return Camber(**_fields(form), source=source)
-    raise AssertionError(type(form))
+    if isinstance(form, ContourForm):
+        return _contour(form, place, source)
+    fields = {name: value for name, value in asdict(form).items() if name not in _NOT_ITS_OWN}
+    if isinstance(form, HoleForm | SlotForm):
+        fields["kind"] = _kind(form)
+    return _MADE[type(form)](**fields, source=source)
 
 
-#: Keys of a feature's form that are no fields of the feature.
+#: Keys of a feature's form that are not fields of the feature.
 _NOT_ITS_OWN = {"line", "where", "file", "feature", "kind"}
-
-
-def _fields(form: Featured) -> dict[str, Any]:
-    return {name: value for name, value in asdict(form).items() if name not in _NOT_ITS_OWN}
+#: The feature of each form whose fields it has.
+_MADE: dict[type[Featured], Callable[..., Feature]] = {
+    HoleForm: Hole, SlotForm: Slot, TextForm: TextMark, BendForm: Bend, EndPlaneForm: EndPlane,
+    CamberForm: Camber,
+}  # fmt: skip
 
 
 def _kind(form: HoleForm | SlotForm) -> HoleKind:
@@ -254,6 +245,3 @@ def _is_closed(curves: tuple[Curve, ...]) -> bool:
     if len(curves) == 1 and isinstance(curves[0], Arc):
         return abs(curves[0].sweep_deg) == 360.0
     return abs(start[0] - end[0]) < 1e-6 and abs(start[1] - end[1]) < 1e-6
-
-
-__all__ = ["JSON_PART_RULES", "ReadError", "part_from_json"]

@@ -7,6 +7,9 @@ kind; the key `feature` says which place each has among all, since comments name
 
 from typing import Any
 
+from msgspec import Struct
+from msgspec.structs import asdict
+
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.model.curve_json import curve_to_json
@@ -20,7 +23,6 @@ from beamcam.model.part import (
     Feature,
     Hole,
     Part,
-    Plane,
     Slot,
     TextMark,
 )
@@ -29,17 +31,21 @@ PART_SCHEMA = "beamcam/part/1"
 
 Json = dict[str, Any]
 
+#: The key of the list that holds the features of a kind; their own keys are their fields.
+_LISTS: dict[type[Feature], str] = {
+    Hole: "holes", Slot: "slots", Contour: "contours", TextMark: "texts", Bend: "bends",
+    EndPlane: "end_planes", Camber: "cambers",
+}  # fmt: skip
+
 
 def part_to_json(part: Part) -> Json:
     """The JSON form of `part`, of values that `json.dumps` takes."""
-    profile = part.profile
-    lists: dict[str, list[Json]] = {
-        name: []
-        for name in ("holes", "slots", "contours", "texts", "bends", "end_planes", "cambers")
-    }
+    file = part.source.file
+    lists: dict[str, list[Json]] = {name: [] for name in _LISTS.values()}
     for i, feature in enumerate(part.features):
-        name, fields = _feature(feature)
-        lists[name].append({**fields, "feature": i, **_place(feature.source, part.source.file)})
+        fields = _contour(feature) if isinstance(feature, Contour) else _fields(feature)
+        own = {**fields, "feature": i, **_place(feature.source, file)}
+        lists[_LISTS[type(feature)]].append(own)
     return {
         "mark": part.mark,
         "drawing": part.drawing,
@@ -47,35 +53,22 @@ def part_to_json(part: Part) -> Json:
         "phase": part.phase,
         "grade": part.grade,
         "quantity": part.quantity,
-        "profile": {
-            "code": profile.code,
-            "name": profile.name,
-            "height": profile.height,
-            "width": profile.width,
-            "flange_thickness": profile.flange_thickness,
-            "web_thickness": profile.web_thickness,
-            "radius": profile.radius,
-        },
+        "profile": asdict(part.profile),
         "length": part.length,
         "saw_length": part.saw_length,
-        "cuts": {
-            "web_start": part.cuts.web_start,
-            "web_end": part.cuts.web_end,
-            "flange_start": part.cuts.flange_start,
-            "flange_end": part.cuts.flange_end,
-        },
+        "cuts": asdict(part.cuts),
         "cut_lines": part.cut_lines,
         **lists,
-        "planes": [_plane(plane, part.source.file) for plane in part.planes],
+        "planes": [{**_fields(plane), **_place(plane.source, file)} for plane in part.planes],
         "weight": part.weight,
         "surface": part.surface,
         "notes": list(part.notes),
         "tolerance": None if part.tolerance is None else list(part.tolerance),
-        "section": [{"side": p.side, "y": p.y, "z": p.z, "radius": p.radius} for p in part.section],
+        "section": [asdict(corner) for corner in part.section],
         "info": [list(pair) for pair in part.info],
-        "comments": [{"text": c.text, "before": c.before} for c in part.comments],
+        "comments": [asdict(comment) for comment in part.comments],
         "guid": part.guid,
-        "source": {"file": part.source.file, **_place(part.source, part.source.file)},
+        "source": {"file": file, **_place(part.source, file)},
         **_sums(part),
     }
 
@@ -90,60 +83,9 @@ def _place(source: Source, file: str) -> Json:
     return place
 
 
-def _feature(feature: Feature) -> tuple[str, Json]:
-    """The list that holds a feature, and the feature's own keys."""
-    match feature:
-        case Hole():
-            return "holes", {
-                "face": feature.face,
-                "x": feature.x,
-                "y": feature.y,
-                "diameter": feature.diameter,
-                "depth": feature.depth,
-                "kind": feature.kind,
-                "angle": feature.angle,
-                "edge": feature.edge,
-            }
-        case Slot():
-            return "slots", {
-                "face": feature.face,
-                "x": feature.x,
-                "y": feature.y,
-                "diameter": feature.diameter,
-                "length": feature.length,
-                "height": feature.height,
-                "angle": feature.angle,
-                "depth": feature.depth,
-                "kind": feature.kind,
-                "edge": feature.edge,
-            }
-        case Contour():
-            return "contours", _contour(feature)
-        case TextMark():
-            return "texts", {
-                "face": feature.face,
-                "x": feature.x,
-                "y": feature.y,
-                "angle": feature.angle,
-                "height": feature.height,
-                "text": feature.text,
-                "option": feature.option,
-                "edge": feature.edge,
-            }
-        case Bend():
-            return "bends", {
-                "start": list(feature.start),
-                "end": list(feature.end),
-                "angle": feature.angle,
-                "radius": feature.radius,
-            }
-        case EndPlane():
-            return "end_planes", {
-                "point": list(feature.point),
-                "normal": list(feature.normal),
-            }
-        case Camber():
-            return "cambers", {"face": feature.face, "x": feature.x, "y": feature.y}
+def _fields(record: Struct) -> Json:
+    """The fields of a record by their names, but not where it stands in its file."""
+    return {name: value for name, value in asdict(record).items() if name != "source"}
 
 
 def _contour(contour: Contour) -> Json:
@@ -158,22 +100,9 @@ def _contour(contour: Contour) -> Json:
         "bbox": None if box is None else list(box),
         "layer": contour.layer,
         "colour": contour.colour,
-        "bevels": [{"curve": b.curve, "angle": b.angle, "land": b.land} for b in contour.bevels],
-        "notches": [
-            {"curve": n.curve, "kind": n.kind, "corner": list(n.corner), "radius": n.radius}
-            for n in contour.notches
-        ],
+        "bevels": [asdict(bevel) for bevel in contour.bevels],
+        "notches": [asdict(notch) for notch in contour.notches],
         "edge": contour.edge,
-    }
-
-
-def _plane(plane: Plane, file: str) -> Json:
-    return {
-        "name": plane.name,
-        "origin": list(plane.origin),
-        "along_x": list(plane.along_x),
-        "along_y": list(plane.along_y),
-        **_place(plane.source, file),
     }
 
 

@@ -18,9 +18,7 @@ from beamcam.geometry.plane import (
 )
 from beamcam.machine.torch import Torch
 from beamcam.model.drawing import extent
-from beamcam.model.part import Contour, Feature, Hole, Notch, Part, Slot, TextMark
-
-FACES = ("v", "h")  #: of a plate; what goes through has the same numbers on both
+from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Notch, Part, Slot, TextMark
 
 
 def is_laid_otherwise(torch: Torch) -> bool:
@@ -88,14 +86,20 @@ def _about(middle: tuple[float, float], torch: Torch) -> Matrix:
 
 def _with_outline(part: Part) -> Part:
     """A plate that is described by its length and width alone, with its rectangle as a contour."""
-    cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut" and c.face in FACES]
-    if part.measures is not None or cut:
+    lines = outline_of(part)
+    if not lines:
         return part
+    return replace(part, features=(*part.features, Contour("v", "outer", lines, part.source)))
+
+
+def outline_of(part: Part) -> tuple[Line, ...]:
+    """The rectangle of a plate that has no contour of its own; nothing for others and drawings."""
+    cut = [c for c in part.contours if c.kind == "outer" and c.process == "cut"]
+    if part.measures is not None or any(contour.face in PLATE_FACES for contour in cut):
+        return ()
     length, width = part.length, part.profile.height
     corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)]
-    ends = zip(corners, [*corners[1:], corners[0]], strict=True)
-    outline = Contour("v", "outer", tuple([Line(a, b) for a, b in ends]), part.source)
-    return replace(part, features=(*part.features, outline))
+    return tuple(map(Line, corners, [*corners[1:], corners[0]]))
 
 
 def _box(part: Part) -> Box:

@@ -36,7 +36,7 @@ class VelocityRow(NamedTuple):
 class StepTable(Struct, frozen=True):
     """A job for two stepping motors, from the shielded corner and back to it.
 
-    `rows` and `stretches` compute anew what they give, piece by piece, so that a table of any
+    `rows` and `stretches` compute again what they give, piece by piece, so that a table of any
     length takes no memory.
     """
 

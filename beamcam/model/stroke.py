@@ -8,6 +8,8 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Profile
 from beamcam.model.plan import SpindleOp
 
+Place = tuple[float, float]  #: Y and Z of the machine
+
 
 class Stroke(Struct, frozen=True):
     """One stroke in machine coordinates, along the axis that drives the spindle in."""
@@ -25,10 +27,6 @@ class Strokes:
         self._drill = drill = drill_of(machine)
         self.spindles: dict[Face, Spindle] = {s.face: s for s in machine.spindles}
         self._values = {face: _values(profile, face, drill) for face in self.spindles}
-
-    def spindle(self, op: SpindleOp) -> Spindle:
-        """The spindle that an operation is counted by: the first of a pair."""
-        return self.spindles[op.faces[0]]
 
     def axes(self, op: SpindleOp) -> tuple[Axis, Axis]:
         """The axis across the bar and the one that strokes."""
@@ -55,6 +53,20 @@ class Strokes:
             start if stroke.near is None else stroke.near(values),
             stroke.bottom(values),
         )
+
+    def places(self, op: SpindleOp, y: float) -> tuple[Place, Place, Place]:
+        """Y and Z of an operation's stroke: free of the section, near, and at the bottom."""
+        stroke, axes = self(op, y), self.axes(op)
+        return (
+            _yz(axes, stroke.across, stroke.start),
+            _yz(axes, stroke.across, stroke.near),
+            _yz(axes, stroke.across, stroke.bottom),
+        )
+
+
+def _yz(axes: tuple[Axis, Axis], across: float, along: float) -> Place:
+    at = {axes[0]: across, axes[1]: along}
+    return at["Y"], at["Z"]
 
 
 def _values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:

@@ -21,7 +21,7 @@ class Travel(Struct, frozen=True):
     source: Source | None = None
 
 
-class Round(Struct, frozen=True):
+class ArcTravel(Struct, frozen=True):
     """Both axes along an arc of at most half a circle, through a place in its middle."""
 
     x: float
@@ -41,7 +41,7 @@ class Switch(Struct, frozen=True):
     source: Source | None = None
 
 
-TriggerOp = Travel | Round | Switch
+TriggerOp = Travel | ArcTravel | Switch
 
 
 class TriggerTable(Struct, frozen=True):

@@ -33,7 +33,7 @@ KEEP_SWEEP_DEG = 90.0
 MAX_SPLITS = 30
 
 
-class Path(Struct, frozen=True):
+class ChainMoves(Struct, frozen=True):
     """The moves along a chain, and the written place where they begin."""
 
     start: Point
@@ -46,7 +46,7 @@ ByWord = Callable[[Point, Curve], list[Movement]]
 
 def paths_along(
     chains: Sequence[Sequence[Curve]], numbers: Numbers, by_word: ByWord
-) -> Iterator[Path]:
+) -> Iterator[ChainMoves]:
     """The moves along each chain, none of them empty, in their order.
 
     A curve is followed from where the one before it was written to end; moves of no length are
@@ -73,7 +73,7 @@ def paths_along(
     moves = [moves[k] for k in order.tolist()]
     bounds = np.searchsorted(owner[order], np.concatenate((firsts, lasts[-1:]))).tolist()
     for k, (x, y) in enumerate(written[firsts, :2].tolist()):
-        yield Path((x, y), moves[bounds[k] : bounds[k + 1]])
+        yield ChainMoves((x, y), moves[bounds[k] : bounds[k + 1]])
 
 
 def _moves(

@@ -8,7 +8,7 @@ from msgspec import Struct
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.drill import Axis, Drill
+from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
 from beamcam.model.part import Profile
@@ -28,7 +28,7 @@ from beamcam.model.program import (
     StartBar,
     TellText,
 )
-from beamcam.model.stroke import Stroke, Strokes
+from beamcam.model.stroke import Strokes
 from beamcam.motion.stations import stations_of
 
 
@@ -89,27 +89,29 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
     stations = [*stations_of(plan, machine)] if "station" in said else None
     worked: int | None = None  #: piece of the last operation
     for index, op in enumerate(plan.operations):
-        on = op.pieces[0] if isinstance(op, SawOp) else op.features[0][0]
-        if on != worked and of_part:
-            yield OfPart(part_data([plan.pieces[on].part]))
-            worked = on
+        if of_part:
+            on = op.pieces[0] if isinstance(op, SawOp) else op.features[0][0]
+            if on != worked:
+                yield OfPart(part_data([plan.pieces[on].part]))
+                worked = on
         station = 0 if stations is None else stations[index]
         while waiting and waiting[0].before == index:
             yield from _change(waiting.pop(0))
-        if isinstance(op, SawOp):
-            yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
-            continue
-        if isinstance(op, TextOp):
-            yield TellText(
-                op.tool.kind, op.x, op.y, op.text.text, op.text.height, op.text.angle, op.spindle,
-                op.source,
-            )  # fmt: skip
-            continue
-        grade = plan.pieces[op.features[0][0]].part.grade
-        if isinstance(op, PathOp):
-            yield _path_cycle(op, section.strokes, *speed_and_feed(op.tool, drill, grade), station)
-        else:
-            yield DrillCycle(op.x, _stroke(op, section, drill, grade, station), op.source)
+        match op:
+            case DrillOp():
+                grade = plan.pieces[op.features[0][0]].part.grade
+                yield DrillCycle(op.x, _stroke(op, section, drill, grade, station), op.source)
+            case PathOp():
+                grade = plan.pieces[op.features[0][0]].part.grade
+                speeds = speed_and_feed(op.tool, drill, grade)
+                yield _path_cycle(op, section.strokes, *speeds, station)
+            case SawOp():
+                yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
+            case TextOp():
+                yield TellText(
+                    op.tool.kind, op.x, op.y, op.text.text, op.text.height, op.text.angle,
+                    op.spindle, op.source,
+                )  # fmt: skip
 
 
 def _change(load: ToolLoad) -> Iterator[Command]:
@@ -164,17 +166,4 @@ def _path_cycle(
 
 def _point(op: SpindleOp, strokes: Strokes, x: float, y: float) -> PathPoint:
     """A point of an operation in machine coordinates."""
-    stroke = strokes(op, y)
-    axes = strokes.axes(op)
-    return PathPoint(
-        x,
-        _yz(axes, stroke, stroke.start),
-        _yz(axes, stroke, stroke.near),
-        _yz(axes, stroke, stroke.bottom),
-    )
-
-
-def _yz(axes: tuple[Axis, Axis], stroke: Stroke, along: float) -> tuple[float, float]:
-    """Y and Z of a spindle across the bar and along its stroke."""
-    at = {axes[0]: stroke.across, axes[1]: along}
-    return at["Y"], at["Z"]
+    return PathPoint(x, *strokes.places(op, y))

@@ -22,8 +22,6 @@ def ellipse_feeds(start: Point, ellipse: EllipseArc, numbers: Numbers) -> list[M
     It is cut at the ends of its axes, for between them both end points determine it best. The
     axes follow from the rounded ends, as CODESYS solves them: x^2 / a^2 + y^2 / b^2 = 1 twice.
     """
-    if ellipse.ratio > ROUND_RATIO:
-        return None
     moves: list[Movement] = []
     here = start
     for piece in _quarters(ellipse):

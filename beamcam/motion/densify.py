@@ -21,7 +21,7 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import distance
-from beamcam.motion.rounding import EXACT, Rounding
+from beamcam.motion.rounding import truncated, worst_truncation
 from beamcam.motion.span_points import Spans, draw
 from beamcam.motion.spans import (
     bend_bounds,
@@ -36,7 +36,7 @@ class DensifyRules(Struct, frozen=True):
     """Chord tolerance and point rate."""
 
     tolerance: float  #: maximum distance between the curves and the output path
-    rounding: Rounding = EXACT
+    counts: int = 0  #: per mm, after which points are truncated; 0 leaves them as they are
     speed_mm_s: float = inf
     cycle_s: float = 0.0  #: time between two looks of the controller; 0 for no cycle rule
     cycles_per_chord: float = 3.0
@@ -76,20 +76,19 @@ def densify(path: Sequence[Curve], rules: DensifyRules) -> Densified:
     gap = max(gaps, default=0.0)
     # Points are computed to some units in the last place of the largest coordinate.
     blur = 64 * np.finfo(np.float64).eps * max(_reach(curve) for curve in path)
-    left = rules.tolerance - gap - rules.rounding.worst - blur
+    worst = worst_truncation(rules.counts)
+    left = rules.tolerance - gap - worst - blur
     if not left > 0.0:
         raise ValueError(
-            f"tolerance {rules.tolerance:g} is used up: rounding takes {rules.rounding.worst:g}, "
+            f"tolerance {rules.tolerance:g} is used up: rounding takes {worst:g}, "
             f"the widest gap {gap:g} (before curve {gaps.index(gap) + 2 if gaps else 1})"
         )
     spans = _collect_spans(path, left * (1 - 1e-8))
     exact = draw(path[0].start, spans)
-    rounded = rules.rounding.apply(exact)
-    moved = 0.0
-    if rules.rounding.counts:
-        moved = float(np.max(np.hypot(*(rounded - exact).T)))
-    deviation = float(spans.deviation + moved + gap + blur)
-    return _finish(rounded, np.asarray(spans.steps), rules, deviation)
+    points = truncated(exact, rules.counts)
+    moved = float(np.max(np.hypot(*(points - exact).T))) if rules.counts else 0.0
+    steps = np.array([n for own in spans.steps for n in own])
+    return _finish(points, steps, rules, float(spans.deviation + moved + gap + blur))
 
 
 def _reach(curve: Curve) -> float:
@@ -108,29 +107,23 @@ def _reach(curve: Curve) -> float:
 def _collect_spans(path: Sequence[Curve], tolerance: float) -> Spans:
     spans = Spans()
     free: dict[tuple[int, bool], list[tuple[int, Bezier]]] = defaultdict(list)
-    slots: list[list[int]] = []  # steps of each curve's spans, in the order of the path
     for curve in path:
         match curve:
             case Line(end=end):
-                spans.lines.append((len(slots), end))
-                slots.append([1])
+                spans.lines.append((len(spans.steps), end))
+                spans.steps.append([1])
             case Arc() | EllipseArc():
                 span = span_arc(curve, tolerance)
-                spans.arcs.append((len(slots), span))
+                spans.arcs.append((len(spans.steps), span))
                 spans.deviation = max(spans.deviation, span.deviation)
-                slots.append([span.steps])
+                spans.steps.append([span.steps])
             case _:
                 for piece in bezier_pieces(curve):
-                    free[piece.degree, piece.weights is not None].append((len(slots), piece))
-                    slots.append([])
+                    kind = piece.degree, piece.weights is not None
+                    free[kind].append((len(spans.steps), piece))
+                    spans.steps.append([])
     for kind, pieces in free.items():
-        _span_free(kind, pieces, tolerance, spans, slots)
-    first = np.concatenate(([0], np.cumsum([len(s) for s in slots]))).tolist()
-    spans.steps = [n for slot in slots for n in slot]
-    spans.arcs = [(first[k], span) for k, span in spans.arcs]
-    spans.lines = [(first[k], end) for k, end in spans.lines]
-    for pieces_of_kind in spans.free.values():
-        pieces_of_kind[:] = [(first[k], c, n, end) for k, c, n, end in pieces_of_kind]
+        _span_free(kind, pieces, tolerance, spans)
     return spans
 
 
@@ -139,7 +132,6 @@ def _span_free(
     pieces: list[tuple[int, Bezier]],
     tolerance: float,
     spans: Spans,
-    slots: list[list[int]],
 ) -> None:
     """Cuts free curves of one degree in spans, all of them at once."""
     control = np.array([piece.homogeneous for _, piece in pieces])
@@ -153,10 +145,10 @@ def _span_free(
         spans.deviation = max(spans.deviation, float(np.max(bend / (8 * steps**2))))
         shaped = fine.reshape(len(mine), count, kind[0] + 1, 3)
         for row, which in enumerate(mine.tolist()):
-            slot, piece = pieces[which]
+            number, piece = pieces[which]
             n = steps[row * count : (row + 1) * count]
-            slots[slot] = n.tolist()
-            spans.free[kind].append((slot, shaped[row], n, piece.end))
+            spans.steps[number] = n.tolist()
+            spans.free[kind].append((number, shaped[row], n, piece.end))
 
 
 def _finish(points: Floats, steps: Counts, rules: DensifyRules, deviation: float) -> Densified:

@@ -66,10 +66,9 @@ class _Ramps(Struct, frozen=True):
 
 
 def _ramps_of(moving: list[SpeedSection], speeds: Floats) -> _Ramps:
-    way = np.array([s.length for s in moving])
-    limit = np.array([s.limit for s in moving])
-    acceleration = np.array([s.acceleration for s in moving])
-    jerk = np.array([s.jerk for s in moving])
+    way, limit, acceleration, jerk = np.array(
+        [(s.length, s.limit, s.acceleration, s.jerk) for s in moving]
+    ).T
     v0, v1 = speeds[:-1], speeds[1:]
     low, high = np.minimum(v0, v1), np.maximum(v0, v1)
     rise = peak_rises(way, low, high, limit, acceleration, jerk)
@@ -124,7 +123,7 @@ def _starts(
 
 
 def _count_within(flags: Counts, groups: Counts) -> Counts:
-    """Running sum of `flags` that starts anew in each group of equal neighbours."""
+    """Running sum of `flags` that starts again in each group of equal neighbours."""
     total = np.cumsum(flags)
     opens = np.append(True, groups[1:] != groups[:-1])
     start = np.where(opens, total - flags, 0)

@@ -95,7 +95,6 @@ def profile_by_acceleration(
     acceleration: float, time_s: float, jerk_percent: float
 ) -> VelocityProfile:
     """A ramp from rest of `time_s`, whose maximum acceleration is `acceleration`."""
-    _check(time_s, jerk_percent)
     velocity = acceleration * time_s * (1.0 - jerk_percent / 200.0)
     return profile_to_velocity(velocity, time_s, jerk_percent)
 
@@ -117,7 +116,7 @@ def profile_over_distance(
 def fastest_profile(distance: float, limits: Limits) -> VelocityProfile:
     """From rest to rest over `distance` in the least time; backwards if that is negative.
 
-    Raises ValueError for a distance that is no number.
+    Raises ValueError for a distance that is not a number.
     """
     if not isfinite(distance):
         raise ValueError(f"the distance must be a number of mm, found {distance:g}")

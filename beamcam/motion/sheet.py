@@ -27,7 +27,7 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.motion.arcs import Path, paths_along
+from beamcam.motion.arcs import ChainMoves, paths_along
 from beamcam.motion.curve_words import ROUND_RATIO, ellipse_feeds, is_parabola, parabola_feed
 from beamcam.motion.feed_limits import paced
 from beamcam.motion.numbers import Numbers
@@ -54,7 +54,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
-def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
+def _pass(op: ContourOp, path: ChainMoves, pen: "Pen") -> Iterator[Command]:
     row = op.row
     yield Traverse(*path.start)
     if op.side != "on":
@@ -94,7 +94,7 @@ class Pen:
             torch.max_radius if self._arcs else 0.0,
         )
 
-    def along(self, chains: Sequence[Sequence[Curve]]) -> Iterator[Path]:
+    def along(self, chains: Sequence[Sequence[Curve]]) -> Iterator[ChainMoves]:
         """The moves along each chain."""
         return paths_along(self._prepared(chains), self.numbers, self._by_word)
 
@@ -103,28 +103,23 @@ class Pen:
 
         All of them are fitted together, since a drawing has thousands.
         """
-        runs: list[tuple[Curve, ...]] = []
-        found: list[Sequence[Curve]] = list(chains)
-        stretches: dict[int, list[tuple[Curve, ...] | int]] = {}  #: kept, or the number of a run
-        for k, chain in enumerate(chains):
-            if _ALWAYS_WRITTEN.issuperset(map(type, chain)):
-                continue
-            stretches[k] = []
-            for has_word, group in groupby(chain, self._has_word):
-                if has_word:
-                    stretches[k].append(tuple(group))
-                else:
-                    stretches[k].append(len(runs))
-                    runs.append(tuple(group))
-        if runs:
-            from beamcam.geometry.arc_fitting import fit_chains
+        each = [self._stretches(chain) for chain in chains]
+        free = [curves for chain in each for has_word, curves in chain if not has_word]
+        if not free:
+            return list(chains)
+        from beamcam.geometry.arc_fitting import fit_chains
 
-            fits = fit_chains(runs, self._fit)
-            for k, parts in stretches.items():
-                found[k] = [
-                    c for part in parts for c in (fits[part] if isinstance(part, int) else part)
-                ]
-        return found
+        fits = iter(fit_chains(free, self._fit))
+        return [
+            [c for has_word, curves in chain for c in (curves if has_word else next(fits))]
+            for chain in each
+        ]
+
+    def _stretches(self, chain: Sequence[Curve]) -> list[tuple[bool, Sequence[Curve]]]:
+        """The stretches of a chain, each with whether the controller may have words for it."""
+        if _ALWAYS_WRITTEN.issuperset(map(type, chain)):
+            return [(True, chain)]
+        return [(has_word, tuple(group)) for has_word, group in groupby(chain, self._has_word)]
 
     def _has_word(self, curve: Curve) -> bool:
         """Whether the controller may be able to follow a curve as it is."""

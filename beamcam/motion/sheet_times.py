@@ -56,7 +56,11 @@ class Segment(Struct, frozen=True):
 
 def program_time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
     """Run time of a plan's program by operation, each with the traverse to it."""
-    passes = _passes(program, machine)
+    return by_operation(plan, _passes(program, machine))
+
+
+def by_operation(plan: SheetPlan, passes: Iterator[float]) -> WorkTime:
+    """Run time of a plan by the seconds of its passes, and of what comes behind them."""
     operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
     return WorkTime(operations, 0.0, sum(passes))
 

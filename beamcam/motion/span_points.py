@@ -16,12 +16,12 @@ from beamcam.motion.spans import ArcSpan
 
 
 class Spans(Struct):
-    """All spans of a path: which points of the path each of them fills."""
+    """All pieces of a path, by their numbers along it, and the spans that each is drawn in."""
 
-    steps: list[int] = field(default_factory=list)
+    steps: list[list[int]] = field(default_factory=list)  #: of the spans of each piece
     arcs: list[tuple[int, ArcSpan]] = field(default_factory=list)
     lines: list[tuple[int, tuple[float, float]]] = field(default_factory=list)
-    #: (degree, with weights) -> (number of the first span, control points, steps, end) of each
+    #: (degree, with weights) -> (number, control points and steps of its spans, end) of each
     free: dict[tuple[int, bool], list[tuple[int, Floats, Counts, Point]]] = field(
         default_factory=lambda: defaultdict(list)
     )
@@ -30,8 +30,8 @@ class Spans(Struct):
 
 def draw(start: tuple[float, float], spans: Spans) -> Floats:
     """The points of all spans, array (sum of steps + 1, 2)."""
-    ends = np.cumsum(spans.steps)
-    begins = ends - np.asarray(spans.steps)
+    ends = np.cumsum([sum(own) for own in spans.steps])
+    begins = np.append(0, ends[:-1])
     points = np.empty((int(ends[-1]) + 1, 2))
     points[0] = start
     if spans.lines:
@@ -40,12 +40,12 @@ def draw(start: tuple[float, float], spans: Spans) -> Floats:
     if spans.arcs:
         _draw_arcs(points, begins, spans.arcs)
     for (degree, weighted), pieces in spans.free.items():
-        first = np.concatenate([np.arange(k, k + len(n)) for k, _, n, _ in pieces])
+        starts = np.concatenate([begins[k] + np.cumsum(n) - n for k, _, n, _ in pieces])
         control = np.concatenate([c for _, c, _, _ in pieces])
         steps = np.concatenate([n for _, _, n, _ in pieces])
-        _draw_free(points, begins[first], control, steps, degree, weighted)
+        _draw_free(points, starts, control, steps, degree, weighted)
         # Dividing by a weight costs a bit; the ends of the curves are exact.
-        points[[ends[k + len(n) - 1] for k, _, n, _ in pieces]] = [end for *_, end in pieces]
+        points[[ends[k] for k, *_ in pieces]] = [end for *_, end in pieces]
     return points
 
 
@@ -157,8 +157,5 @@ def _batches(steps: Counts) -> list[tuple[int, int]]:
 
 def _to_powers(degree: int) -> Floats:
     """Matrix from Bernstein coefficients to those of 1, t, t^2, ..."""
-    found = np.zeros((degree + 1, degree + 1))
-    for p in range(degree + 1):
-        for i in range(p + 1):
-            found[p, i] = (-1) ** (p - i) * comb(degree, p) * comb(p, i)
-    return found
+    n = range(degree + 1)
+    return np.array([[(-1.0) ** (p - i) * comb(degree, p) * comb(p, i) for i in n] for p in n])

@@ -84,10 +84,7 @@ def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
         if before.limit >= tower.limit or _is_worth(tower, max(before.limit, new.limit)):
             break
         skyline.pop()
-        if before.limit >= new.limit:
-            _absorb(before, tower)
-        else:
-            _absorb(new, tower)
+        _absorb(before if before.limit >= new.limit else new, tower)
     if skyline and skyline[-1].limit == new.limit:
         _absorb(skyline[-1], new)
     else:

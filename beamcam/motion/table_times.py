@@ -8,8 +8,9 @@ from beamcam.geometry.plane import Point, cross
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
 from beamcam.model.plan import SheetPlan
-from beamcam.model.triggers import Round, Switch, TriggerOp, TriggerTable
+from beamcam.model.triggers import ArcTravel, Switch, TriggerOp, TriggerTable
 from beamcam.model.work_time import WorkTime
+from beamcam.motion.sheet_times import by_operation
 from beamcam.motion.step_events import MICROSECONDS
 from beamcam.motion.steps import plan_way
 from beamcam.motion.velocity_table import ways
@@ -23,9 +24,7 @@ def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> Work
     Each operation runs from rest to rest; the next begins in the cycle behind the one that sees
     its arrival. Homing is not included, as its start position is unknown.
     """
-    passes = _passes(table, machine.needed(machine.triggers, "trigger program"))
-    operations = tuple(sum(next(passes) for _ in op.passes) for op in plan.operations)
-    return WorkTime(operations, 0.0, sum(passes))
+    return by_operation(plan, _passes(table, machine.needed(machine.triggers, "trigger program")))
 
 
 def _passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
@@ -63,7 +62,7 @@ def _seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:
         return op.wait_s
     end = op.x, op.y
     way = dist(here, end)
-    if isinstance(op, Round):
+    if isinstance(op, ArcTravel):
         way = length_through(here, (op.middle_x, op.middle_y), end)
     return move_seconds(way, op.speed_mm_s, triggers.acceleration)
 
@@ -73,17 +72,19 @@ def step_time(plan: SheetPlan, machine: Machine) -> WorkTime:
 
     Each way is planned by the look-ahead, from rest to rest, as for the rows themselves.
     """
+    return by_operation(plan, _way_passes(plan, machine))
+
+
+def _way_passes(plan: SheetPlan, machine: Machine) -> Iterator[float]:
+    """Seconds of each pass with the way to it, and of the return home."""
     stepper = machine.needed(machine.stepper, "stepping motors")
     rest_us = int(2 * MICROSECONDS / stepper.max_hz) + 1
-    passes: list[float] = []
     microseconds = 0
     for way in ways(plan, machine):
         waits = round(way.wait_s * MICROSECONDS) if way.laser else 0
         moves = ceil(plan_way(way, stepper).duration_s * MICROSECONDS)
         microseconds += waits + moves + 2 * rest_us
         if way.laser:
-            passes.append(microseconds / MICROSECONDS)
+            yield microseconds / MICROSECONDS
             microseconds = 0
-    each = iter(passes)
-    operations = tuple(sum(next(each) for _ in op.passes) for op in plan.operations)
-    return WorkTime(operations, 0.0, microseconds / MICROSECONDS)
+    yield microseconds / MICROSECONDS

@@ -13,7 +13,7 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import ContourOp, SheetPlan
-from beamcam.model.triggers import Round, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerOp, TriggerTable
 
 #: Arcs that a path object runs are cut in pieces of at most this, so that no end is its start.
 MAX_ROUND_DEG = 120.0
@@ -68,11 +68,11 @@ class _Way:
         x, y = (trunc(v * counts + copysign(TRUNCATION_SLACK, v)) / counts + 0.0 for v in point)
         return x, y
 
-    def along(self, start: Point, curves: Sequence[Curve]) -> Iterator[Travel | Round]:
+    def along(self, start: Point, curves: Sequence[Curve]) -> Iterator[Travel | ArcTravel]:
         """The operations along a chain, from the written place `start`."""
         here = start
         for curve in curves:
-            found: Sequence[Travel | Round]
+            found: Sequence[Travel | ArcTravel]
             if isinstance(curve, Line):
                 found = [Travel(*self.grid(curve.end), self.speed_mm_s, self.source)]
             elif isinstance(curve, Arc) and self.triggers.path_objects:
@@ -84,23 +84,22 @@ class _Way:
                     yield op
                     here = op.x, op.y
 
-    def _rounds(self, arc: Arc) -> list[Round]:
+    def _rounds(self, arc: Arc) -> list[ArcTravel]:
         count = max(1, ceil(abs(arc.sweep_deg) / MAX_ROUND_DEG - 1e-9))
         ends = [self.grid(arc.point(k / count)) for k in range(1, count + 1)]
         middles = [self.grid(arc.point((k + 0.5) / count)) for k in range(count)]
         return [
-            Round(*end, *middle, self.speed_mm_s, self.source)
+            ArcTravel(*end, *middle, self.speed_mm_s, self.source)
             for end, middle in zip(ends, middles, strict=True)
         ]
 
-    def _chords(self, curve: Curve) -> list[Travel | Round]:
+    def _chords(self, curve: Curve) -> list[Travel | ArcTravel]:
         """Chords by the chord rule and the cycle rule; the end is met exactly."""
         from beamcam.motion.densify import DensifyRules, densify
-        from beamcam.motion.rounding import Rounding
 
         rules = DensifyRules(
             self.tolerance,
-            Rounding(10**self.decimals, truncate=True),
+            10**self.decimals,
             self.speed_mm_s,
             self.triggers.cycle_s,
             self.triggers.cycles_per_chord,

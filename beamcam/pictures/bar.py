@@ -33,7 +33,7 @@ from beamcam.pictures.views import (
     titles,
 )
 from beamcam.verify.bars.made import Bore, Cut, Made, ToldText, Trail
-from beamcam.verify.bars.pieces import Plane, planes
+from beamcam.verify.bars.pieces import CutPlane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
 LONG_REMNANT = 1.0  #: share of the worked length, above which a remnant is broken off
@@ -45,8 +45,8 @@ class Piece(Struct, frozen=True):
     """A stretch of the bar between two planes, or an end of it (None)."""
 
     kind: Literal["trim", "part", "remnant"]
-    start: Plane | None
-    end: Plane | None
+    start: CutPlane | None
+    end: CutPlane | None
     mark: str = ""
 
 
@@ -62,7 +62,7 @@ class BarMade(Struct, frozen=True):
     marks: tuple[str, ...] = ()  #: of the parts in their order along the bar, where they are known
 
     @property
-    def saw_planes(self) -> list[Plane]:
+    def saw_planes(self) -> list[CutPlane]:
         """The cuts in their order along the bar."""
         saw = self.machine.saw
         return planes(self.made.cuts, saw, self.profile) if saw is not None else []
@@ -104,7 +104,7 @@ class BarMade(Struct, frozen=True):
             number += 1
         return [*found, Piece("remnant", cuts[-1], None)]
 
-    def _is_wedge(self, start: Plane, end: Plane) -> bool:
+    def _is_wedge(self, start: CutPlane, end: CutPlane) -> bool:
         """Whether a piece comes to nothing at a corner: the waste beside a mitre."""
         if not (start.web_deg or start.flange_deg or end.web_deg or end.flange_deg):
             return False
@@ -119,7 +119,7 @@ class BarMade(Struct, frozen=True):
         saw = self.machine.saw
         return y - self.profile.height if saw is not None and saw.pivot == "o" else y
 
-    def x_on(self, plane: Plane, face: str, y: float) -> float:
+    def x_on(self, plane: CutPlane, face: str, y: float) -> float:
         """Bar x of a cut at a height of a face."""
         if face in ("v", "h"):
             return plane.along(self._rise(y), self.profile.width / 2)
@@ -178,7 +178,7 @@ def _head(bar: BarMade, unit: Unit) -> list[str]:
 
 
 def _edge(
-    bar: BarMade, plane: Plane | None, face: str, end: float, kerf: int
+    bar: BarMade, plane: CutPlane | None, face: str, end: float, kerf: int
 ) -> tuple[float, float]:
     """Bar x of an end of a piece at y 0 and at the greatest y; `kerf` is the side of the blade."""
     if plane is None:
@@ -246,42 +246,60 @@ def _strokes(
     frame = paper.frames[view.name]
     numbers = order_numbers(bar.made)
     places: list[tuple[int, int, Point, float]] = []  #: number, line, where, and how far off it
-    labels = Labels()
-    if view.box[3] * frame.scale < 2 * NUMBER_SIZES[0]:  # no room within: beside the face
-        for y in (0.0, view.box[3]):
-            labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
-    for plane in bar.saw_planes:
-        width = view.box[3]
-        ends = [frame.at(bar.x_on(plane, view.name, y), y) for y in (0.0, width)]
-        labels.block_line(*ends)
+    labels = _labels(bar, view, frame)
     for op in bar.made.order:
         number = numbers[op.line]
-        if isinstance(op, Bore) and op.face == view.name:
-            at = frame.at(op.x - drill_x, op.y)
-            style = f"tool-{tools[op.kind, op.diameter] % len(TOOL_COLOURS)}"
-            radius = max(op.diameter / 2 * frame.scale, 1.2)
-            tip = f"{number}: {op.kind} {op.diameter:g} at x {op.x - drill_x:g}, y {op.y:g}"
-            yield Circle(f"{style} {_noun(op)}", at, radius, tip, op.line)
-            labels.block((at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius))
-            places.append((number, op.line, at, 0.8 * radius + 1.2))
-        elif isinstance(op, Trail) and op.face == view.name:
-            style = f"path-{tools[op.kind, op.diameter] % len(TOOL_COLOURS)}"
-            points = frame.all([(x - drill_x, y) for x, y in op.points])
-            tip = f"{number}: {op.kind} {op.diameter:g}"
-            yield Polyline(f"{style} trail", points, False, tip, op.line)
-            places.append((number, op.line, points[0], 2.5))
-        elif isinstance(op, ToldText) and op.face == view.name:
-            text = _written(op, number, bar, frame)
-            yield text
-            places.append((number, op.line, text.at, 2.0))
-        elif isinstance(op, Cut) and view.name == "v":
-            plane = next(p for p in bar.saw_planes if p.cut is op)
-            x, y = frame.at(bar.x_on(plane, "v", view.box[3]), view.box[3])
-            places.append((number, op.line, (x, y), 2.0))
+        if isinstance(op, Cut):
+            if view.name == "v":
+                plane = next(p for p in bar.saw_planes if p.cut is op)
+                x, y = frame.at(bar.x_on(plane, "v", view.box[3]), view.box[3])
+                places.append((number, op.line, (x, y), 2.0))
+        elif op.face == view.name:
+            shape, at, gap = _stroke(op, number, bar, frame, drill_x, tools)
+            yield shape
+            if isinstance(op, Bore):
+                radius = _radius(op, frame)
+                labels.block((at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius))
+            places.append((number, op.line, at, gap))
     for number, line, at, gap in places:
         placed = ((size, labels.place(at, gap, str(number), size, 2)) for size in NUMBER_SIZES)
         size, found = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
         yield Text("number order", found or at, str(number), size, line=line)
+
+
+def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:
+    """The room for numbers on a face: off the cuts, and of a narrow face beside it."""
+    labels, width = Labels(), view.box[3]
+    if width * frame.scale < 2 * NUMBER_SIZES[0]:
+        for y in (0.0, width):
+            labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
+    for plane in bar.saw_planes:
+        labels.block_line(*(frame.at(bar.x_on(plane, view.name, y), y) for y in (0.0, width)))
+    return labels
+
+
+def _stroke(
+    op: Bore | Trail | ToldText, number: int, bar: BarMade, frame: Frame, drill_x: float,
+    tools: dict[tuple[str, float], int],
+) -> tuple[Shape, Point, float]:  # fmt: skip
+    """What an operation makes, the place that its number stands beside, and how far off it."""
+    if isinstance(op, ToldText):
+        text = _written(op, number, bar, frame)
+        return text, text.at, 2.0
+    colour = tools[op.kind, op.diameter] % len(TOOL_COLOURS)
+    tip = f"{number}: {op.kind} {op.diameter:g}"
+    if isinstance(op, Trail):
+        points = frame.all([(x - drill_x, y) for x, y in op.points])
+        return Polyline(f"path-{colour} trail", points, False, tip, op.line), points[0], 2.5
+    at, radius = frame.at(op.x - drill_x, op.y), _radius(op, frame)
+    tip += f" at x {op.x - drill_x:g}, y {op.y:g}"
+    hole = Circle(f"tool-{colour} {_noun(op)}", at, radius, tip, op.line)
+    return hole, at, 0.8 * radius + 1.2
+
+
+def _radius(bore: Bore, frame: Frame) -> float:
+    """A hole as it is drawn; a point is drawn as one too."""
+    return max(bore.diameter / 2 * frame.scale, 1.2)
 
 
 def _written(op: ToldText, number: int, bar: BarMade, frame: Frame) -> Text:

@@ -8,14 +8,14 @@ import numpy as np
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.pictures.scene import Polyline, Scene, Shape, Text
-from beamcam.report.velocity_profile import Unit
+from beamcam.report.velocity_profile import VelocityUnit
 
 DRAWN_SAMPLES = 400  #: of a curve; the phases' ends come on top
 WIDTH, PANEL, GAP, LEFT, RIGHT, TOP = 900.0, 170.0, 34.0, 86.0, 24.0, 56.0
 BOTTOM = 52.0
 
 
-def profile_scene(profile: VelocityProfile, unit: Unit) -> Scene:
+def profile_scene(profile: VelocityProfile, unit: VelocityUnit) -> Scene:
     """The three curves one above the other, with ticks, numbers and units."""
     t = sample_times(profile)
     x, v, a = profile.sample(t)

@@ -28,7 +28,7 @@ class ReadProgram(Struct, frozen=True):
 
     @property
     def text(self) -> str:
-        """The program; bytes that are no text become U+FFFD."""
+        """The program; bytes that are not text become U+FFFD."""
         return self.data.decode("utf-8", "replace")
 
     @property

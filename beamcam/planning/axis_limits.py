@@ -26,7 +26,7 @@ from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Part, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
 from beamcam.model.stroke import Strokes
-from beamcam.planning.operations.job import Job, Said, Tooling
+from beamcam.planning.operations.working_step import Said, Tooling, WorkingStep
 
 STROKE = Rule(
     "plan-stroke",
@@ -76,32 +76,34 @@ _rooms: PerObject[Machine, BoundedCache[Profile, StrokePlaces]] = PerObject(
 )
 
 
-def refuse_jobs(part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]) -> Iterator[Said]:
-    """The features of jobs that the axes of the spindles do not make, and why."""
-    yield from _refuse_beyond(part, machine, jobs)
+def refuse_steps(
+    part: Part, machine: Machine, drill: Drill, steps: Sequence[WorkingStep]
+) -> Iterator[Said]:
+    """The features of steps that the axes of the spindles do not make, and why."""
+    yield from _refuse_beyond(part, machine, steps)
     if fixed_faces(machine):
-        yield from _refuse_strokes(part, machine, drill, jobs)
+        yield from _refuse_strokes(part, machine, drill, steps)
 
 
-def _refuse_beyond(part: Part, machine: Machine, jobs: Sequence[Job]) -> Iterator[Said]:
-    """The features of jobs for which a spindle's axis cannot go far enough, and why."""
+def _refuse_beyond(part: Part, machine: Machine, steps: Sequence[WorkingStep]) -> Iterator[Said]:
+    """The features of steps for which a spindle's axis cannot go far enough, and why."""
     rooms = _rooms(machine)
     room = rooms.get(part.profile) or rooms.keep(
         part.profile, StrokePlaces(Strokes(part.profile, machine), BoundedCache("planning.strokes"))
     )
     known = room.known
-    for job in jobs:
-        if job.text is not None:
+    for step in steps:
+        if step.text is not None:
             continue  # no spindle's axis takes part
-        how = job.tooling
+        how = step.tooling
         # Of a path both sides, since every formula is a straight line in y.
-        for y in _min_and_max([y for _, y in job.path]) if job.path else (job.y,):
+        for y in _min_and_max([y for _, y in step.path]) if step.path else (step.y,):
             key = how.faces, how.tools, how.depth, y
             beyond = known.get(key, _UNKNOWN)
             if beyond is _UNKNOWN:
                 beyond = known.keep(key, _beyond(how, y, part, machine, room.strokes))
             if beyond is not None:
-                for f in job.features:
+                for f in step.features:
                     yield f, _refusal(part.features[f], beyond)
 
 
@@ -166,7 +168,7 @@ def refuse_bar(
 
 def _xs(op: Operation) -> tuple[float, ...]:
     """X of an operation; of a path its minimum and maximum."""
-    return _min_and_max([x for x, _ in op.path]) if isinstance(op, PathOp) else (op.x,)
+    return _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
 
 
 def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
@@ -205,32 +207,33 @@ def _min_and_max(values: Sequence[float]) -> tuple[float, float]:
 _DEPTH = re.compile(r"\bdepth\b")
 
 
-def _fixed_faces(machine: Machine) -> frozenset[Face]:
-    """The faces of the spindles whose stroke does not follow the depth."""
-    return frozenset(s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom))
-
-
-fixed_faces = PerObject("planning.fixed_faces", _fixed_faces)
+#: The faces of the spindles whose stroke does not follow the depth.
+fixed_faces: PerObject[Machine, frozenset[Face]] = PerObject(
+    "planning.fixed_faces",
+    lambda machine: frozenset(
+        s.face for s in machine.spindles if not _DEPTH.search(s.stroke.bottom)
+    ),
+)
 
 
 def _refuse_strokes(
-    part: Part, machine: Machine, drill: Drill, jobs: Sequence[Job]
+    part: Part, machine: Machine, drill: Drill, steps: Sequence[WorkingStep]
 ) -> Iterator[Said]:
-    """The features of jobs that a fixed stroke does not make, and why."""
+    """The features of steps that a fixed stroke does not make, and why."""
     faces = fixed_faces(machine)
     strokes = Strokes(part.profile, machine)
     resolution = machine.format.resolution
-    for job in jobs:
-        how = job.tooling
-        if job.text is not None:
+    for step in steps:
+        how = step.tooling
+        if step.text is not None:
             continue
         for face in faces.intersection(how.faces):
-            op = DrillOp(job.x, 0, how.tools[0], (face,), job.y, how.depth, (), (), part.source)
+            op = DrillOp(step.x, 0, how.tools[0], (face,), step.y, how.depth, (), (), part.source)
             reach = _deepest(op, part, strokes)
             least, greatest = _wanted(op, part, drill)
             if least - resolution <= reach <= greatest + resolution:
                 continue
-            for f in job.features:
+            for f in step.features:
                 feature = part.features[f]
                 expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
                 yield f, STROKE.at(

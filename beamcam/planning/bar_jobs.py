@@ -26,7 +26,7 @@ def wanted(part: Part, quantity: Quantity) -> int:
 
 
 def repeated(parts: Sequence[Part], quantity: Quantity) -> tuple[Part, ...]:
-    """Each part as often as it is wanted, one behind the other, each a piece by itself."""
+    """Each part as often as it is wanted, one after the other, each a piece by itself."""
     return tuple(
         piece for part in parts for piece in (replace(part, quantity=1),) * wanted(part, quantity)
     )

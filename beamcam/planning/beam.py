@@ -33,7 +33,7 @@ from beamcam.planning.magazine import reloads
 from beamcam.planning.nesting import best_order, lay_on_bar
 from beamcam.planning.operations.line import BarLine, line_of
 from beamcam.planning.operations.saw_cut import cuts_of
-from beamcam.planning.operations.work import Work, spindle_operations, work_on
+from beamcam.planning.operations.work import PartWork, spindle_operations, work_on
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.stock import refuse_stock
 
@@ -46,7 +46,7 @@ class OrientedPart(Struct, frozen=True):
     part: Part
     turn: str
     given: int  #: which of the parts that were handed in
-    work: Work
+    work: PartWork
 
 
 def plan_bar(
@@ -83,12 +83,14 @@ def plan_bar(
         for each, start in zip(oriented, starts, strict=True)
     )
     strokes = [*spindle_operations(pieces, works, line)]
-    cuts = () if machine.saw is None else cuts_of(pieces, ends, line.saw, account)
+    cuts = [] if machine.saw is None else [*cuts_of(pieces, ends, line.saw, account)]
     operations: list[Operation] = [*cuts, *strokes]
     if not operations:
         raise PlanError(rules.NO_WORK.at(parts[0].source, machine=machine.name))
     told += _accepted(refuse_bar(operations, pieces, machine))
-    ordered = sort_along_x(operations, machine.format.resolution, line.layout.order, machine.times)
+    ordered = sort_along_x(
+        cuts, strokes, machine.format.resolution, line.layout.order, machine.times
+    )
     by_hand, said = reloads(ordered, machine, parts[0].source)
     told += _accepted(said)
     told += cutting_remarks(pieces, strokes, machine)
@@ -169,7 +171,7 @@ def _part_remarks(oriented: Sequence[OrientedPart]) -> Iterator[Diagnostic]:
 _feature = attrgetter("feature")
 
 
-def _outcomes(works: Sequence[Work], operations: Sequence[WorkOp]) -> list[Outcome]:
+def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[Outcome]:
     """The outcome of each feature, in the order of pieces and features."""
     made: dict[FeatureRef, Outcome] = {}
     for op in operations:
@@ -198,6 +200,6 @@ def _balance(plan: Plan, machine: Machine) -> None:
         raise AssertionError("the account of the bar does not balance")
     if machine.saw is None:
         return
-    sawn = [op for op in plan.operations if isinstance(op, SawOp)]
-    if {p for op in sawn for p in op.pieces} != set(range(len(plan.pieces))):
+    sawn = {p for op in plan.operations if type(op) is SawOp for p in op.pieces}
+    if sawn != set(range(len(plan.pieces))):
         raise AssertionError("a piece has no cut")

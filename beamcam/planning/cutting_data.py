@@ -28,7 +28,7 @@ def cutting_remarks(
     pieces: Sequence[Piece], operations: Sequence[WorkOp], machine: Machine
 ) -> Iterator[Diagnostic]:
     """A note for a steel that no row names, a warning for each tool that turns too fast in it."""
-    if machine.drill is None or not _says_speeds(machine):
+    if machine.drill is None:
         return
     used: dict[str, dict[int, Tool]] = {}
     sources: dict[str, Source] = {}
@@ -55,6 +55,8 @@ def _says_speeds(machine: Machine) -> bool:
 def _remarks(
     grade: str, tools: Collection[Tool], machine: Machine, drill: Drill
 ) -> Iterator[Diagnostic]:
+    if not _says_speeds(machine):
+        return
     source = Source(machine.name)
     shown = grade or "unknown"
     if grade and is_unnamed(drill, grade):

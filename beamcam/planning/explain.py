@@ -21,7 +21,7 @@ PLACES = {
 SAID = REASONS | PLACES
 
 
-class Step(Struct, frozen=True):
+class ExplainedOperation(Struct, frozen=True):
     """One operation explained."""
 
     x: float  #: machine X
@@ -36,7 +36,7 @@ class Step(Struct, frozen=True):
 class Explanation(Struct, frozen=True):
     """A plan explained."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[ExplainedOperation, ...]
     loads: tuple[ToolLoad, ...]  #: tools put into stations, before the work and during it
     changes: int  #: of spindle and tool
     forward: float  #: travel of the bar, mm
@@ -50,10 +50,10 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
     time = work_time(plan, machine)
     before = (None, *plan.operations)
     steps = tuple(
-        Step(
+        ExplainedOperation(
             op.x,
             _what(op),
-            _where(op, plan),
+            _where(op),
             seconds,
             tuple((code, SAID[code]) for code in (*op.reasons, _place_code(op, previous))),
             tuple(_rejected(op, plan, machine)),
@@ -80,7 +80,7 @@ def _what(op: Operation) -> str:
     return op.tool.name
 
 
-def _where(op: Operation, plan: Plan) -> str:
+def _where(op: Operation) -> str:
     if isinstance(op, SawOp):
         first = f"{op.at} of part {op.pieces[0] + 1}"
         return first + (f", start of part {op.pieces[1] + 1}" if len(op.pieces) > 1 else "")

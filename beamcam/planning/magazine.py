@@ -15,7 +15,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
 from beamcam.machine.tools import Tool
-from beamcam.model.plan import Operation, SawOp, TextOp, ToolLoad
+from beamcam.model.plan import DrillOp, Operation, PathOp, ToolLoad
 from beamcam.planning import rules
 
 
@@ -29,7 +29,7 @@ def _loads_of(operations: Sequence[Operation], spindle: Spindle) -> Iterator[Too
     needs = [
         (index, op.tool)
         for index, op in enumerate(operations)
-        if not isinstance(op, SawOp | TextOp) and spindle.face in op.faces
+        if isinstance(op, (DrillOp, PathOp)) and spindle.face in op.faces
     ]
     stations: list[Tool] = []
     for at, (index, tool) in enumerate(needs):
@@ -54,7 +54,7 @@ def reloads(
     An error instead where the machine has no word that stops the program for them.
     """
     # Tools come from one rack, so there are no more tools than there are objects.
-    objects = {id(op.tool) for op in operations if not isinstance(op, SawOp | TextOp)}
+    objects = {id(op.tool) for op in operations if isinstance(op, (DrillOp, PathOp))}
     if len(objects) <= min((s.stations for s in machine.spindles), default=0):
         return (), ()
     found = tuple(load for load in tool_loads(operations, machine) if load.out is not None)
@@ -62,7 +62,7 @@ def reloads(
     for spindle in machine.spindles:
         changed = sum(load.spindle == spindle.name for load in found)
         if changed:
-            worked = [op for op in operations if not isinstance(op, SawOp | TextOp)]
+            worked = [op for op in operations if isinstance(op, (DrillOp, PathOp))]
             count = len({op.tool for op in worked if spindle.face in op.faces})
             rule = rules.RELOAD if machine.words.change else rules.NO_CHANGE_WORD
             remarks.append(

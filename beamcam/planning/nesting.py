@@ -123,11 +123,10 @@ def best_order(
     up to `EXACT_ORDER` parts.
     """
     count = len(parts)
-
-    def saved(i: int, j: int) -> float:
-        return _saved(parts[i], ends[i][1], ends[j][0], saw) if i != j else 0.0
-
-    saves = [[saved(i, j) for j in range(count)] for i in range(count)]
+    saves = [
+        [_saved(parts[i], ends[i][1], ends[j][0], saw) if i != j else 0.0 for j in range(count)]
+        for i in range(count)
+    ]
     order = _exact(saves) if count <= EXACT_ORDER else _greedy(saves)
     gain = _total(order, saves) - _total(list(range(count)), saves)
     if gain <= 1e-9:
@@ -174,28 +173,14 @@ def _exact(saves: Sequence[Sequence[float]]) -> list[int]:
 def _greedy(saves: Sequence[Sequence[float]]) -> list[int]:
     """A path that joins, of all parts not yet joined, the two that save most, again and again."""
     count = len(saves)
-    after: dict[int, int] = {}
-    before: dict[int, int] = {}
-    chain = list(range(count))
-
-    def head(i: int) -> int:
-        while chain[i] != i:
-            i = chain[i]
-        return i
-
+    path_of = [[i] for i in range(count)]
     pairs = sorted(
         (-saves[i][j], i, j) for i in range(count) for j in range(count) if saves[i][j] > 0
     )
     for _, i, j in pairs:
-        if i not in after and j not in before and head(i) != head(j):
-            after[i], before[j] = j, i
-            chain[head(j)] = head(i)
-    order: list[int] = []
-    for i in range(count):
-        if i not in before:
-            while True:
-                order.append(i)
-                if i not in after:
-                    break
-                i = after[i]
-    return order
+        before, after = path_of[i], path_of[j]
+        if before[-1] == i and after[0] == j and before is not after:
+            before += after
+            for k in after:
+                path_of[k] = before
+    return [k for i in range(count) if path_of[i][0] == i for k in path_of[i]]

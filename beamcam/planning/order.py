@@ -34,7 +34,7 @@ state is what is done at this X, which spindle is chosen and what each one holds
 for its drill, a sink for its hole.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from itertools import pairwise
 from operator import attrgetter, itemgetter
 from typing import Literal
@@ -63,7 +63,8 @@ CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("
 
 
 def sort_along_x(
-    operations: Iterable[Operation],
+    cuts: Iterable[SawOp],
+    strokes: Iterable[WorkOp],
     resolution: float,
     layout: Literal["saw-drill", "drill-saw"] = "saw-drill",
     times: Times | None = None,
@@ -75,21 +76,19 @@ def sort_along_x(
     X that the output cannot tell apart (`resolution`) count as one. There the cuts come before
     the spindles if the bar reaches the saw first, else after them.
     """
-    cuts: dict[int, list[SawOp]] = {}
-    strokes: list[_Placed] = []
-    for op in operations:
-        place = round(op.x / resolution)
-        if isinstance(op, SawOp):
-            cuts.setdefault(place, []).append(op)
-        else:
-            strokes.append((place, setup_of(op), op.x, op.y, op.features, op))
+    sawn_at: dict[int, list[SawOp]] = {}
+    for cut in cuts:
+        sawn_at.setdefault(round(cut.x / resolution), []).append(cut)
+    placed: list[_Placed] = [
+        (round(op.x / resolution), setup_of(op), op.x, op.y, op.features, op) for op in strokes
+    ]
     stations: dict[int, Station] = {}
-    for place, setup, _, _, _, stroke in sorted(strokes, key=_order):
+    for place, setup, _, _, _, stroke in sorted(placed, key=_order):
         stations.setdefault(place, {}).setdefault(setup, []).append(stroke)
     setups = iter(_cheapest(stations.values(), times or ALIKE))
     result: list[Operation] = []
-    for place in sorted(cuts.keys() | stations.keys()):
-        sawn = sorted(cuts.get(place, ()), key=_cut_rank)
+    for place in sorted(sawn_at.keys() | stations.keys()):
+        sawn = sorted(sawn_at.get(place, ()), key=_cut_rank)
         station = stations.get(place, {})
         worked = [op for _ in station for op in station[next(setups)]]
         result += (*sawn, *worked) if layout == "saw-drill" else (*worked, *sawn)
@@ -152,11 +151,13 @@ class _Path(Struct, frozen=True):
     before: "_Path | None" = None
 
 
-def _cheapest(stations: Iterable[Station], times: Times) -> list[Setup]:
+def _cheapest(stations: Collection[Station], times: Times) -> list[Setup]:
     """The setups of all X, one X after another, in the order that takes least for changes."""
     paths = [_Path((0.0, 0), 0, 0, frozenset())]
+    worked = {setup: works[0] for station in stations for setup, works in station.items()}
+    holding_of = {setup: _holding(setup, op) for setup, op in worked.items()}
     for station in stations:
-        setups = [(1 << i, setup, _holding(setup, station)) for i, setup in enumerate(station)]
+        setups = [(1 << i, setup, holding_of[setup]) for i, setup in enumerate(station)]
         waiting = _prerequisites(station)
         for before in range(len(setups)):
             found: dict[tuple[int, int, Held], _Path] = {}
@@ -184,10 +185,10 @@ def _cheapest(stations: Iterable[Station], times: Times) -> list[Setup]:
 _cost = attrgetter("cost")
 
 
-def _holding(setup: Setup, station: Station) -> Held:
-    """What the spindles hold that work with a setup."""
+def _holding(setup: Setup, op: WorkOp) -> Held:
+    """What the spindles hold that work with a setup, by one of its operations."""
     stage, _, tool = setup
-    return frozenset([(face, (stage, tool)) for face in station[setup][0].faces])
+    return frozenset([(face, (stage, tool)) for face in op.faces])
 
 
 def _step(path: _Path, done: int, setup: Setup, holding: Held, times: Times) -> _Path:

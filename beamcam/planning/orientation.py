@@ -11,11 +11,11 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic
 from beamcam.model.part import Part
-from beamcam.model.plan import AS_GIVEN, Operation, Piece
+from beamcam.model.plan import AS_GIVEN, Piece
 from beamcam.planning import rules
 from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.saw_cut import cuts_of
-from beamcam.planning.operations.work import Work, spindle_operations, work_on
+from beamcam.planning.operations.work import PartWork, spindle_operations, work_on
 from beamcam.planning.order import sort_along_x
 from beamcam.planning.times import time_of
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
@@ -32,7 +32,7 @@ class Trial(Struct, frozen=True):
     because: str  #: why it is out, or ""
 
 
-class Choice(Struct, frozen=True):
+class Orientation(Struct, frozen=True):
     """The chosen orientation of a part."""
 
     part: Part
@@ -67,21 +67,21 @@ def try_turns(part: Part, line: BarLine, skips: Collection[str]) -> tuple[Trial,
 SKIP_WEIGHT_S = 1e6  #: so that an orientation that leaves nothing out is always preferred
 
 
-def _seconds(part: Part, work: Work, line: BarLine) -> float:
+def _seconds(part: Part, work: PartWork, line: BarLine) -> float:
     """Time of the work on a part alone."""
     pieces = (Piece(part, line.layout.front_trim),)
-    operations: list[Operation] = [
-        *(() if line.machine.saw is None else cuts_of(pieces, [work.ends], line.saw)),
-        *spindle_operations(pieces, [work], line),
-    ]  # fmt: skip
     machine = line.machine
-    ordered = sort_along_x(operations, machine.format.resolution, line.layout.order, machine.times)
+    cuts = () if machine.saw is None else cuts_of(pieces, [work.ends], line.saw)
+    strokes = spindle_operations(pieces, [work], line)
+    ordered = sort_along_x(
+        cuts, strokes, machine.format.resolution, line.layout.order, machine.times
+    )
     return time_of(ordered, part.profile, (part.grade,), machine).total_s
 
 
 def choose_turns(
     parts: Sequence[Part], line: BarLine, skips: Collection[str]
-) -> tuple[Choice, ...]:
+) -> tuple[Orientation, ...]:
     """The orientation of each part on one bar.
 
     A bar lies one way for all of them: if the best turns would set it on its web for one part and
@@ -95,10 +95,10 @@ def choose_turns(
         found = [c for c in made if c is not None]
         if len(found) == len(made) and len({c.part.profile for c in found}) == 1:
             return tuple(found)
-    return tuple(Choice(part, AS_GIVEN, ()) for part in parts)
+    return tuple(Orientation(part, AS_GIVEN, ()) for part in parts)
 
 
-def _choose(part: Part, trials: Sequence[Trial]) -> Choice | None:
+def _choose(part: Part, trials: Sequence[Trial]) -> Orientation | None:
     """The best of some orientations; None if the part can be made in none of them."""
     made = [t for t in trials if t.seconds is not None]
     if not made:
@@ -112,12 +112,12 @@ def _choose(part: Part, trials: Sequence[Trial]) -> Choice | None:
     else:
         gain = given.seconds - (best.seconds or 0.0)
         if best is given or gain < MIN_GAIN_S:
-            return Choice(part, AS_GIVEN, ())
+            return Orientation(part, AS_GIVEN, ())
         reason = f"{gain:.1f} s less than as given"
         if gain >= SKIP_WEIGHT_S / 2:
             reason = "so nothing has to be left out"
     said = rules.TURNED.at(part.source, found=best.turn.name, reason=reason)
-    return Choice(best.part, best.turn.name, (said,))
+    return Orientation(best.part, best.turn.name, (said,))
 
 
 def turn_that_helps(

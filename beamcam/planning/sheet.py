@@ -35,6 +35,7 @@ from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.outline import points_of
 from beamcam.planning.contours.place import box_of, refuse_large, refuse_size, shift_of
+from beamcam.planning.contours.shape import Shape
 
 SHEET_CODES = ("B",)
 #: How programs name a pipe that they write unrolled, as a plate.
@@ -54,13 +55,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     (part,) = parts
     assigned = assign_processes(part, torch, machine, skips)
     material = Material(part, torch, machine.stepper is not None)
-    refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
-    refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
-    refusals += material.refusals({w.process for w in assigned.wanted})
-    if refusals:
-        raise PlanError(refusals)
-    if not assigned.wanted:
-        raise PlanError(_nothing(part, assigned, 0, torch.gap))
+    _refuse_work(part, assigned, material, machine, torch)
     remarks = [*material.remarks, *assigned.remarks]
     curves = CurveTable([w.curve for w in assigned.wanted])
     refuse_copies(assigned.wanted, curves)
@@ -69,12 +64,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     shift = shift_of(box, torch)
     kerf = material.kerf("cut")
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
-    drawn = points_of([shape.curves for shape in joined.shapes], torch.tolerance / 4)
-    refuse_crowds(joined.shapes, drawn, torch.tolerance)
-    shapes, said = nest(joined.shapes, drawn, assigned.wanted, torch.tolerance, torch.gap, kerf)
-    said = [*said, *refuse_order(shapes, torch)]
-    if errors := errors_in([*joined.refusals, *said]):
-        raise PlanError(errors)
+    shapes, said = _nested(joined, assigned, torch, kerf)
     remarks += [*joined.remarks, *said]
     if not shapes:
         raise PlanError(_nothing(part, assigned, len(joined.small), torch.gap))
@@ -93,6 +83,35 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     )  # fmt: skip
     _balance(plan)
     return plan
+
+
+def _refuse_work(
+    part: Part, assigned: Assigned, material: Material, machine: Machine, torch: Torch
+) -> None:
+    """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
+    refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
+    refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
+    refusals += material.refusals({w.process for w in assigned.wanted})
+    if refusals:
+        raise PlanError(refusals)
+    if not assigned.wanted:
+        raise PlanError(_nothing(part, assigned, 0, torch.gap))
+
+
+def _nested(
+    joined: Joined, assigned: Assigned, torch: Torch, kerf: float
+) -> tuple[list[Shape], list[Diagnostic]]:
+    """The contours with their places in one another, and remarks on them.
+
+    Raises PlanError for those that cannot be worked, or not in the order that is asked for.
+    """
+    drawn = points_of([shape.curves for shape in joined.shapes], torch.tolerance / 4)
+    refuse_crowds(joined.shapes, drawn, torch.tolerance)
+    shapes, said = nest(joined.shapes, drawn, assigned.wanted, torch.tolerance, torch.gap, kerf)
+    said = [*said, *refuse_order(shapes, torch)]
+    if errors := errors_in([*joined.refusals, *said]):
+        raise PlanError(errors)
+    return shapes, said
 
 
 def _refuse_stock(parts: Sequence[Part], machine: Machine, torch: Torch) -> None:

@@ -26,7 +26,7 @@ THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
 FeatureOf = tuple[int, int]  #: which part, and which of its features
 
 
-class Laid(NamedTuple):
+class LaidSheet(NamedTuple):
     """The parts of a sheet as one part."""
 
     whole: Part
@@ -62,7 +62,7 @@ def _box(part: Part, machine: Machine, skips: Collection[str]) -> Box:
     return box_of(CurveTable(curves)) if curves else (0.0, 0.0, 0.0, 0.0)
 
 
-def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> Laid:
+def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> LaidSheet:
     """The parts of one sheet. Raises PlanError if it is not one for all, or too small for them."""
     first, torch = parts[0], _torch(machine)
     for part in parts[1:]:
@@ -91,7 +91,7 @@ def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) ->
     whole = replace(
         first, features=tuple(features), measures=Measures(), quantity=1, length=torch.length
     )
-    return Laid(whole, places, tuple(origins))
+    return LaidSheet(whole, places, tuple(origins))
 
 
 def sheet_jobs(

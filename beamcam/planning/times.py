@@ -12,7 +12,6 @@ Where the operator goes meanwhile is not in it.
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import partial
 from math import hypot, isnan, nan
 from typing import Literal, cast
 
@@ -21,13 +20,13 @@ from msgspec.structs import replace
 
 from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.drill import Axis, Drill
+from beamcam.machine.drill import Drill
 from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model import drill_cycle
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
 from beamcam.model.part import Profile
 from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp, TextOp
-from beamcam.model.stroke import Stroke, Strokes
+from beamcam.model.stroke import Strokes
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.magazine import tool_loads
 
@@ -150,14 +149,11 @@ class _Clock:
 
     def _places(self, op: SpindleOp, x: float, y: float) -> dict[str, float]:
         """Names of a stroke's positions in templates."""
-        stroke = self._strokes(op, y)
-        at = partial(_yz, self._strokes.axes(op), stroke)
+        start, near, bottom = self._strokes.places(op, y)
         return {
-            "x": x,
-            **dict(zip(("y", "z"), at(stroke.start), strict=True)),
-            **dict(zip(("near_y", "near_z"), at(stroke.near), strict=True)),
-            **dict(zip(("bottom_y", "bottom_z"), at(stroke.bottom), strict=True)),
-        }
+            "x": x, "y": start[0], "z": start[1], "near_y": near[0], "near_z": near[1],
+            "bottom_y": bottom[0], "bottom_z": bottom[1],
+        }  # fmt: skip
 
     def _run(self, name: str, values: Mapping[str, float], kind: str = "") -> float:
         """Time of the blocks of a template."""
@@ -202,7 +198,7 @@ class _Clock:
         clear = drill_cycle.clear_place(at[2], near, bottom, self._back_to_near)
         seconds = words.get("P", 0.0) if cycle == drill_cycle.DRILL_AND_DWELL else 0.0
         peck = words.get("Q", 0.0)
-        for rapid, end in drill_cycle.steps(at, place, bottom, near, clear, cycle, peck):
+        for rapid, end in drill_cycle.cycle_moves(at, place, bottom, near, clear, cycle, peck):
             self._rapid = rapid
             to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
             seconds += self._go(to)
@@ -238,9 +234,3 @@ def _draws_back_to_near(machine: Machine) -> bool:
     """Whether the header says that cycles draw back no further than R (G99 of RS274)."""
     said = re.findall(r"\bG9[89]\b", " ".join(machine.words.header))
     return machine.controller == "linuxcnc" and said[-1:] == ["G99"]
-
-
-def _yz(axes: tuple[Axis, Axis], stroke: Stroke, along: float) -> tuple[float, float]:
-    """Y and Z of a spindle across the bar and along its stroke."""
-    at = {axes[0]: stroke.across, axes[1]: along}
-    return at["Y"], at["Z"]

@@ -24,7 +24,7 @@ from beamcam.recovery.section import section_of
 from beamcam.verify.bars import run
 from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.made import Bore, Made, Trail
-from beamcam.verify.bars.pieces import Piece, Plane, pieces, planes
+from beamcam.verify.bars.pieces import CutPlane, Piece, pieces, planes
 from beamcam.verify.bars.shop import Shop
 
 NEAR_NOTHING = 2  #: resolutions; a piece as short as that at a corner is a wedge
@@ -60,7 +60,7 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
 
 
 def _bar_pieces(made: Made, machine: Machine, saw: Saw, profile: Profile) -> list[Piece]:
-    """The pieces between cuts that are no wedges: a wedge has a square cut on one side."""
+    """The pieces between cuts that are not wedges: a wedge has a square cut on one side."""
     least = NEAR_NOTHING * machine.format.resolution
     lift = profile.height if saw.pivot == "o" else 0.0
     return [
@@ -77,12 +77,12 @@ def _bar_pieces(made: Made, machine: Machine, saw: Saw, profile: Profile) -> lis
     ]
 
 
-def _is_square(plane: Plane) -> bool:
+def _is_square(plane: CutPlane) -> bool:
     return not plane.web_deg and not plane.flange_deg
 
 
 class _Bar:
-    """The parts of one bar; `said` is what is no feature of any part."""
+    """The parts of one bar; `said` is what is not a feature of any part."""
 
     def __init__(self, machine: Machine, shop: Shop, saw: Saw, profile: Profile, name: str) -> None:
         self.machine, self.shop, self.saw = machine, shop, saw

@@ -21,7 +21,7 @@ class Stock(Struct, frozen=True):
 
 
 class Recovered(Struct, frozen=True):
-    """The parts that a program makes, and what there is to say."""
+    """The parts that a program makes, and remarks."""
 
     parts: tuple[Part, ...]
     said: tuple[Diagnostic, ...]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from beamcam.geometry.plane import join_boxes
 from beamcam.model.lengths import total_length
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Hole, Part, Slot, TextMark
 from beamcam.plain_text import terminal_text
@@ -77,17 +78,11 @@ def _slots(slots: Iterable[Slot]) -> list[Row]:
 
 
 def _contours(contours: Iterable[Contour]) -> list[Row]:
-    rows: list[Row] = []
-    for c in contours:
-        boxes = [curve.bbox for curve in c.curves]
-        box = (min(b[0] for b in boxes), min(b[1] for b in boxes),
-               max(b[2] for b in boxes), max(b[3] for b in boxes))  # fmt: skip
-        length = total_length(c.curves)
-        rows.append(
-            (c.face, c.kind, c.process, str(len(c.curves)), f"{length:.2f}",
-             " ".join(f"{v:g}" for v in box))
-        )  # fmt: skip
-    return rows
+    return [
+        (c.face, c.kind, c.process, str(len(c.curves)), f"{total_length(c.curves):.2f}",
+         " ".join(f"{v:g}" for v in join_boxes([curve.bbox for curve in c.curves]) or ()))
+        for c in contours
+    ]  # fmt: skip
 
 
 def _texts(texts: Iterable[TextMark]) -> list[Row]:

@@ -9,7 +9,7 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.velocity_profile import VelocityProfile
 
 
-class Unit(Struct, frozen=True):
+class VelocityUnit(Struct, frozen=True):
     """Unit of velocities; positions are velocity times its seconds."""
 
     name: str
@@ -21,8 +21,8 @@ class Unit(Struct, frozen=True):
         return f"position, {self.way}", f"velocity, {self.name}", f"acceleration, {self.name}/s"
 
 
-RPM = Unit("rpm", 60.0, "revolutions")
-MM_S = Unit("mm/s", 1.0, "mm")
+RPM = VelocityUnit("rpm", 60.0, "revolutions")
+MM_S = VelocityUnit("mm/s", 1.0, "mm")
 UNITS = {unit.name: unit for unit in (RPM, MM_S)}
 
 
@@ -53,7 +53,10 @@ class ProfileTable(Struct, frozen=True):
 
 
 def profile_table(
-    profile: VelocityProfile, step_s: float, encoder: Encoder | None = None, unit: Unit = MM_S
+    profile: VelocityProfile,
+    step_s: float,
+    encoder: Encoder | None = None,
+    unit: VelocityUnit = MM_S,
 ) -> ProfileTable:
     """Time, position, velocity and acceleration every `step_s`, the end always included; with
     an encoder its frequency and speed too.

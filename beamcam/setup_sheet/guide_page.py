@@ -3,7 +3,7 @@
 from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.pictures.profile import profile_scene, sample_times
 from beamcam.pictures.svg import inline_svg
-from beamcam.report.velocity_profile import Unit
+from beamcam.report.velocity_profile import VelocityUnit
 from beamcam.setup_sheet.page import data_script, document_head, playback_section
 from beamcam.setup_sheet.playback import trace_data
 from beamcam.setup_sheet.static_files import page_script
@@ -14,7 +14,7 @@ from beamcam.version import __version__
 DIGITS = 6
 
 
-def profile_trace(profile: VelocityProfile, unit: Unit) -> Trace:
+def profile_trace(profile: VelocityProfile, unit: VelocityUnit) -> Trace:
     """The carriage over time, in mm or revolutions; exact, as each phase is of constant jerk."""
     axis = TraceAxis("carriage", "mm" if unit.way == "mm" else "rev")
     builder = TraceBuilder([axis], [0.0])
@@ -30,7 +30,7 @@ def profile_trace(profile: VelocityProfile, unit: Unit) -> Trace:
     return builder.trace()
 
 
-def guide_page(profile: VelocityProfile, unit: Unit) -> str:
+def guide_page(profile: VelocityProfile, unit: VelocityUnit) -> str:
     """The page; it fetches nothing, and the same profile gives the same bytes."""
     trace = profile_trace(profile, unit)
     times = sample_times(profile)

@@ -9,7 +9,14 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.pictures.program import ReadProgram, bar_made, table_made
 from beamcam.setup_sheet.html import shown
-from beamcam.setup_sheet.page import UNIT_CHOICE, data_script, document_head, program_data, unit_of
+from beamcam.setup_sheet.page import (
+    UNIT_CHOICE,
+    axis_table,
+    canvases,
+    data_script,
+    document_head,
+    program_data,
+)
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data
 from beamcam.setup_sheet.static_files import page_script, static_text
 from beamcam.simulate.bars import cell_axes
@@ -23,7 +30,7 @@ UNKNOWN = (
 )
 
 
-class Work(Struct, frozen=True):
+class KnownWork(Struct, frozen=True):
     """What is known of the work besides the axes that the controller shows."""
 
     profile: Profile | None = None  #: of the bar
@@ -35,7 +42,7 @@ def axes_of(machine: Machine) -> tuple[TraceAxis, ...]:
     return cell_axes(machine) if machine.stock == "beam" else head_axes(machine)
 
 
-def monitor_data(machine: Machine, every_s: float, work: Work) -> dict[str, Any]:
+def monitor_data(machine: Machine, every_s: float, work: KnownWork) -> dict[str, Any]:
     """Data of the machine and of the work for the page's script. Raises VerifyError."""
     axes = [{"name": a.name, "unit": a.unit, "min": a.min, "max": a.max} for a in axes_of(machine)]
     state = {name: getattr(State(), name) for name in State.__struct_fields__}
@@ -51,22 +58,12 @@ def monitor_data(machine: Machine, every_s: float, work: Work) -> dict[str, Any]
     return data | cell | pieces
 
 
-def monitor_page(machine: Machine, every_s: float, address: str, work: Work) -> str:
+def monitor_page(machine: Machine, every_s: float, address: str, work: KnownWork) -> str:
     """The page; it asks only where it came from, for `axes`. Raises VerifyError."""
     views = {"above": "The cell from above", "side": "The cell from the side",
              "space": "The cell in space; drag or arrow keys turn it"}  # fmt: skip
     if machine.stock != "beam":
         views = {"table": "The head over its table"}
-    canvases = "".join(
-        f'<canvas data-view="{name}" role="img" aria-label="{label}"'
-        f"{' tabindex=0' if name == 'space' else ''}></canvas>"
-        for name, label in views.items()
-    )
-    rows = "".join(
-        f'<tr><th scope="row">{shown(axis.name)}</th><td class="n"><data id="axis-{k}" value="0">'
-        f"0</data></td><td>{unit_of(axis)}</td></tr>"
-        for k, axis in enumerate(axes_of(machine))
-    )
     head = document_head(f"{machine.name} at {address}").replace(
         "default-src 'none'; ", "default-src 'none'; connect-src 'self'; "
     )
@@ -80,18 +77,18 @@ def monitor_page(machine: Machine, every_s: float, address: str, work: Work) -> 
         f'<div class="top"><h1>{shown(machine.name)} at {shown(address)}</h1>{UNIT_CHOICE}</div>\n'
         '<div id="link" class="verdict" role="status">Not connected yet.</div>\n'
         f"{_work_said(work, data.get('section'))}"
-        f'<section class="playback"><div class="stage"><div>{canvases}'
+        f'<section class="playback"><div class="stage"><div>{canvases(views)}'
         '<div class="controls"><label><input type="checkbox" id="whole"> '
         f"{'whole length' if machine.stock == 'beam' else 'whole table'}</label></div></div>"
         '<div><div id="state"></div><div id="line"></div>'
-        f'<table class="axes"><tbody>{rows}</tbody></table>{listing}</div></div></section>\n'
+        f"{axis_table(axes_of(machine))}{listing}</div></div></section>\n"
         f"</main><footer>beamcam {__version__}</footer>\n"
         f"{data_script('monitor', data)}{program}"
         f"<script>{page_script()}\n{static_text('monitor.js')}</script></body></html>\n"
     )
 
 
-def _work_said(work: Work, section: Mapping[str, Any] | None) -> str:
+def _work_said(work: KnownWork, section: Mapping[str, Any] | None) -> str:
     """What is drawn besides the machine, in sentences."""
     said = ""
     if work.program is not None:

@@ -3,7 +3,7 @@
 header, verdict, hash -> playback with the program's text -> pictures -> operations, tools, bar
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from beamcam.model.work_time import clock
@@ -156,18 +156,27 @@ def unit_of(axis: TraceAxis) -> str:
     return _UNIT if axis.unit == "mm" else axis.unit
 
 
-def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: bool) -> str:
-    """The controls, the views and the axes; `listing` with the program, `whole` with the choice."""
-    canvases = "".join(
+def canvases(views: Mapping[str, str]) -> str:
+    """What the views are drawn on, by their names and labels."""
+    return "".join(
         f'<canvas data-view="{name}" role="img" aria-label="{label}"'
         f"{' tabindex=0' if name == 'space' else ''}></canvas>"
         for name, label in views.items()
     )
+
+
+def axis_table(axes: Iterable[TraceAxis]) -> str:
+    """The table of the axes, whose figures the page's script fills in."""
     rows = "".join(
         f'<tr><th scope="row">{shown(axis.name)}</th><td class="n"><data id="axis-{k}" value="0">'
         f"0</data></td><td>{unit_of(axis)}</td></tr>"
         for k, axis in enumerate(axes)
     )
+    return f'<table class="axes"><tbody>{rows}</tbody></table>'
+
+
+def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: bool) -> str:
+    """The controls, the views and the axes; `listing` with the program, `whole` with the choice."""
     choice = '<label><input type="checkbox" id="whole"> whole length</label>' if whole else ""
     text = (
         '<div id="listing" role="listbox" tabindex="0" aria-label="Program; up and down step '
@@ -181,7 +190,7 @@ def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: boo
     )
     return (
         '<section class="playback"><h2>Playback</h2><div class="stage"><div>'
-        f"{canvases}"
+        f"{canvases(views)}"
         '<input type="range" id="time" min="0" max="1" step="any" value="0" aria-label="Time">'
         '<div class="controls">'
         '<button id="first" aria-label="To the beginning">|&lt;</button>'
@@ -190,7 +199,7 @@ def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: boo
         '<button id="forward" aria-label="One block forward">&gt;</button>'
         f'<label>Speed <select id="speed">{speeds}</select></label>{choice}'
         '<span id="clock"></span></div></div>'
-        f'<div><div id="state"></div><table class="axes"><tbody>{rows}</tbody></table>{text}</div>'
+        f'<div><div id="state"></div>{axis_table(axes)}{text}</div>'
         "</div></section>\n"
     )
 

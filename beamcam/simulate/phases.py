@@ -31,7 +31,7 @@ class Phases(Struct, frozen=True):
 
 
 def phases_of(chords: Chords, sections: Sequence[SpeedSection], joints: Sequence[float]) -> Phases:
-    """The phases of constant jerk of paths that begin and end at rest, one behind the other.
+    """The phases of constant jerk of paths that begin and end at rest, one after the other.
 
     `sections` are the stretches of the paths by their chords, `joints` the speeds between them.
     """

@@ -30,7 +30,7 @@ CHORD_TOLERANCE = 0.02
 
 def sheet_trace(events: Sequence[TableEvent], starts: Mapping[int, str], machine: Machine) -> Trace:
     """The head over time; `starts` says which process the word of a line starts."""
-    head = _Head(machine)
+    head = _HeadPath(machine)
     path: list[HeadMove] = []
     for event in events:
         if isinstance(event, Move) and not event.rapid:
@@ -64,7 +64,7 @@ class _Path(Struct, frozen=True):
     state: State
 
 
-class _Head:
+class _HeadPath:
     """The way of the head, gathered first so that all of it is timed at once."""
 
     def __init__(self, machine: Machine) -> None:

@@ -90,7 +90,7 @@ class TraceBuilder:
     def add(
         self, seconds: ArrayLike, ends: ArrayLike, slopes: ArrayLike, line: ArrayLike, state: State
     ) -> None:
-        """Intervals one behind the other: their durations, ends, slopes and lines."""
+        """Intervals one after the other: their durations, ends, slopes and lines."""
         lasts = np.asarray(seconds, dtype=np.float64).reshape(-1)
         count = len(lasts)
         if not count:

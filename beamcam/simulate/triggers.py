@@ -15,7 +15,7 @@ from beamcam.geometry.plane import Point
 from beamcam.geometry.ramps import ramp
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
-from beamcam.model.triggers import Round, Switch, Travel, TriggerOp
+from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerOp
 from beamcam.motion.speed_sections import SpeedSection
 from beamcam.motion.table_times import operation_seconds
 from beamcam.simulate.bars import ramp_intervals
@@ -51,19 +51,19 @@ def _operation(op: Operation, job: JobRead) -> TriggerOp:
     if op.kind == 0:
         return Travel(op.x, op.y, op.speed)
     if op.kind >= ARC:
-        return Round(op.x, op.y, *(op.via or (op.x, op.y)), op.speed)
+        return ArcTravel(op.x, op.y, *(op.via or (op.x, op.y)), op.speed)
     process = PROCESSES[(op.kind - 1) // 2]
     on = op.kind % 2 == 1
     return Switch(process, on, job.pierce_s[process] if on else 0.0)  # type: ignore[arg-type]
 
 
 def _travel(
-    builder: TraceBuilder, here: Point, op: Travel | Round, acceleration: float, line: int,
+    builder: TraceBuilder, here: Point, op: Travel | ArcTravel, acceleration: float, line: int,
     state: State,
 ) -> float:  # fmt: skip
     """Adds a move from rest to rest; its length comes back."""
     points: list[Point] = [here, (op.x, op.y)]
-    if isinstance(op, Round):
+    if isinstance(op, ArcTravel):
         points = circle_points(here, (op.middle_x, op.middle_y), points[1]) or points
     corners = np.array(points)
     lengths = np.hypot(*np.diff(corners, axis=0).T)

@@ -26,7 +26,7 @@ RULES = (BY_HAND, TEXT_MOVED)
 
 
 def is_by_hand(feature: Feature, machine: Machine) -> bool:
-    """Whether a feature is no work of the machine."""
+    """Whether a feature is not the machine's work."""
     policy = policy_on(feature, machine.marks)
     if policy == "make" and isinstance(feature, TextMark):
         return machine.marks.unit == "none"
@@ -34,7 +34,7 @@ def is_by_hand(feature: Feature, machine: Machine) -> bool:
 
 
 def left_to_hand(part: Part, machine: Machine) -> Iterator[Diagnostic]:
-    """A warning for each feature of a part that is no work of the machine."""
+    """A warning for each feature of a part that is not the machine's work."""
     for feature in part.features:
         if is_by_hand(feature, machine):
             yield by_hand(feature, part, machine)

@@ -28,7 +28,7 @@ MOST_BRANCHES = 20_000
 RATIO = 0.02  #: sine of the angle between a piece and its like in the font
 
 
-class Found(Struct, frozen=True):
+class DrawnText(Struct, frozen=True):
     """A text that a program draws."""
 
     x: float
@@ -49,7 +49,7 @@ class _Places(Struct, frozen=True):
         return _Places(self.x[these], self.y[these], self.height[these])
 
 
-class Drawn:
+class DrawnPieces:
     """The straight pieces that a program draws."""
 
     def __init__(self, pieces: Sequence[Segment], near: float = NEAR) -> None:
@@ -76,7 +76,7 @@ class Drawn:
                     best, apart = k, away
         return best
 
-    def all_of(self, text: Wanted, min_height: float, max_height: float) -> Iterator[Found]:
+    def all_of(self, text: Wanted, min_height: float, max_height: float) -> Iterator[DrawnText]:
         """Each place where all pieces of a text are drawn, in heights between two."""
         if not text.pieces or not self.pieces:
             return
@@ -114,7 +114,7 @@ class Drawn:
 
     def _all(
         self, text: Wanted, x: float, y: float, height: float, anchor: Segment
-    ) -> Found | None:
+    ) -> DrawnText | None:
         """The text at a place, if all its pieces are drawn there.
 
         The place follows from one piece, so that others may be off by more the further they are;
@@ -135,7 +135,7 @@ class Drawn:
         for k, (a, b) in zip(taken, pieces, strict=True):
             if _piece_apart(self.pieces[k], a, b) > self.near:
                 return None
-        return Found(x, y, height, pieces, tuple(taken))
+        return DrawnText(x, y, height, pieces, tuple(taken))
 
     def _fitted(
         self, text: Wanted, taken: Sequence[int], near: tuple[float, float, float]
@@ -161,7 +161,7 @@ def _number(cells: "NDArray[np.int64]") -> "NDArray[np.int64]":
     return cells[:, 0] * 2**31 + cells[:, 1]
 
 
-def is_where_wanted(text: Wanted, found: Found) -> bool:
+def is_where_wanted(text: Wanted, found: DrawnText) -> bool:
     """Whether a text stands where the part has it, in its height."""
     apart = (found.x - text.feature.x, found.y - text.feature.y, found.height - text.height)
     return max(map(abs, apart)) <= EXACT

@@ -17,7 +17,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.marking import Marks
 from beamcam.model.part import MIRRORED_FACES
 from beamcam.verify.by_hand import TEXT_MOVED
-from beamcam.verify.drawn_texts import EXACT, Found, is_where_wanted
+from beamcam.verify.drawn_texts import EXACT, DrawnText, is_where_wanted
 from beamcam.verify.wanted_texts import Segment, Wanted
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def is_clear(
 
 
 def judge(
-    text: Wanted, found: Found, steel: Steel, others: Sequence["Polygon"], marks: Marks,
+    text: Wanted, found: DrawnText, steel: Steel, others: Sequence["Polygon"], marks: Marks,
     sure: Steel | None = None,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """What is wrong with the place of a text, or that it is another than the part's.

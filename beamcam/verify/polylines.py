@@ -8,11 +8,12 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 
 if TYPE_CHECKING:
     from beamcam.geometry.array_types import Floats
+    from beamcam.verify.sheets.strokes import Strokes
 
 #: Tolerances between two places of a path whose corners are not known, where two count as meeting.
 SPACING = 2.5
@@ -20,17 +21,17 @@ SPACING = 2.5
 Points = Sequence[tuple[float, float]]
 
 
-class Drawn(Struct, frozen=True):
+class DrawnPath(Struct, frozen=True):
     """What the head draws between tool on and tool off."""
 
     process: TorchProcess
     points: Points
     feeds_mm_min: tuple[float, ...]  #: the speeds asked of a sheet that it may be of
-    passes: int = 1  #: how often, one behind the other
+    passes: int = 1  #: how often, one after the other
 
 
 def compare_polylines(
-    ways: Sequence[Drawn],
+    ways: Sequence[DrawnPath],
     part: Part,
     machine: Machine,
     skips: Collection[str],
@@ -43,43 +44,44 @@ def compare_polylines(
     `slack` is what the controller may miss each point by, beside the machine's tolerance. Points
     are simplified where those that lay nearly straight between two others are left out.
     """
+    from beamcam.verify.sheets.compare import compare_part
+    from beamcam.verify.sheets.need import need_of, rows_on
+
+    torch = machine.needed(machine.torch, "torch")
+    loose = replace(torch, tolerance=torch.tolerance + slack)
+    strokes = _strokes(ways, rows_on(part, torch), loose if is_simplified else None)
+    need = need_of(part, machine, torch, skips)
+    return compare_part(strokes, need, part, machine, loose, name, True)
+
+
+def _strokes(
+    ways: Sequence[DrawnPath], rows: Sequence[TorchRow], simplified_by: Torch | None
+) -> "Strokes":
+    """Ways that move as strokes, each with the rows that it may be of."""
     import numpy as np
 
     from beamcam.controllers.moves import straight_moves
-    from beamcam.verify.sheets.compare import compare
-    from beamcam.verify.sheets.need import need_of, rows_on, shift_of
     from beamcam.verify.sheets.strokes import HeadStroke, Strokes
-    from beamcam.verify.sheets.texts import add_texts
 
-    torch = machine.needed(machine.torch, "torch")
-    rows = {row.process: row for row in reversed(rows_on(part, torch))}
-    need = need_of(part, machine, torch, skips)
-    loose = replace(torch, tolerance=torch.tolerance + slack)
-    strokes: list[HeadStroke] = []
-    chains = []
-    count = 0
     paths: Sequence[Floats] = [
         np.array(way.points, dtype=np.float64).reshape(-1, 2) for way in ways
     ]
-    if is_simplified:
-        paths = _with_places(paths, loose)
+    if simplified_by is not None:
+        paths = _with_places(paths, simplified_by)
+    row_of = {row.process: row for row in reversed(rows)}
+    each: list[HeadStroke] = []
+    chains = []
+    count = 0
     for number, (way, places) in enumerate(zip(ways, paths, strict=True), 1):
         moved = np.any(places[1:] != places[:-1], axis=1)
         if moved.any():
             chains.append((number, places[:-1][moved], places[1:][moved]))
             last = count + int(moved.sum())
-            row, *others = [
-                replace(rows[way.process], feed_mm_min=feed) for feed in way.feeds_mm_min
-            ]
-            strokes.append(
-                HeadStroke(number, row, "on", 0.0, count, last, way.passes, tuple(others))
-            )
+            feeds = way.feeds_mm_min
+            row, *others = [replace(row_of[way.process], feed_mm_min=feed) for feed in feeds]
+            each.append(HeadStroke(number, row, "on", 0.0, count, last, way.passes, tuple(others)))
             count = last
-    done = Strokes(strokes, straight_moves(chains))
-    add_texts(need, part, machine, loose, done)
-    if not need.curves and not strokes:
-        return need.said
-    return need.said + compare(done, need, machine, loose, shift_of(need, torch), name, True)
+    return Strokes(each, straight_moves(chains))
 
 
 def _with_places(paths: "Sequence[Floats]", torch: Torch) -> "Sequence[Floats]":

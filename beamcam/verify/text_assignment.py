@@ -4,16 +4,18 @@ Texts that are alike may stand in for each other. Of all ways to share them out 
 which the fewest stand where they may not, and then by the least way from where the part has them.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import hypot
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import Struct
 
+from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.marking import Marks
-from beamcam.verify.drawn_texts import EXACT, Drawn, Found, covering, is_where_wanted
-from beamcam.verify.lettering import SURE, Steel, box_of, is_clear
+from beamcam.verify.drawn_texts import EXACT, DrawnPieces, DrawnText, covering, is_where_wanted
+from beamcam.verify.lettering import SURE, Places, Steel, box_of, is_clear, judge
 from beamcam.verify.wanted_texts import Segment, Wanted
 
 if TYPE_CHECKING:
@@ -24,13 +26,52 @@ LEFT = 1e10  #: mm that a text without a place counts as
 NEVER = 1e13  #: mm that what cannot be the text counts as
 
 #: For each text what it would be as each of the texts that were found; None where it cannot be.
-Options = Sequence[Sequence[Found | None]]
+Options = Sequence[Sequence[DrawnText | None]]
+
+
+class Standing(Struct, frozen=True):
+    """Where a text stands, and what is wrong with that."""
+
+    x: float
+    y: float
+    height: float
+    said: tuple[Diagnostic, ...] = ()
+
+
+def _anything(text: Wanted, found: DrawnText) -> bool:
+    return True
+
+
+def standings(
+    texts: Sequence[Wanted], drawn: DrawnPieces, steel: Steel, sure: Steel | None, marks: Marks,
+    is_ours: Callable[[Wanted, DrawnText], bool] = _anything,
+) -> Iterator[Standing | None]:  # fmt: skip
+    """Of each text of a face where a program draws it, or where the part has it if it has to.
+
+    None where it is not drawn and can stand nowhere on the steel: it is left for manual work.
+    `sure` is the steel to which what letters comes for sure; see `found_texts` for `is_ours`.
+    """
+    found = found_texts(texts, drawn, sure or steel, marks, is_ours)
+    boxes = [
+        None if one is None else box_of(text, one.x, one.y, one.height)
+        for text, one in zip(texts, found, strict=True)
+    ]
+    places = Places(sure or steel, [box for box in boxes if box is not None], marks)
+    for k, (text, one) in enumerate(zip(texts, found, strict=True)):
+        others = [box for j, box in enumerate(boxes) if j != k and box is not None]
+        if one is not None:
+            said = tuple(judge(text, one, steel, others, marks, sure))
+            yield Standing(one.x, one.y, one.height, said)
+        elif sure is not None and places.has(text):
+            yield Standing(text.feature.x, text.feature.y, text.height)
+        else:
+            yield None
 
 
 def found_texts(
-    texts: Sequence[Wanted], drawn: Drawn, steel: Steel, marks: Marks,
-    is_ours: Callable[[Wanted, Found], bool] = lambda text, found: True,
-) -> list[Found | None]:  # fmt: skip
+    texts: Sequence[Wanted], drawn: DrawnPieces, steel: Steel, marks: Marks,
+    is_ours: Callable[[Wanted, DrawnText], bool] = _anything,
+) -> list[DrawnText | None]:  # fmt: skip
     """Where a program draws each text of a face; None for those that it does not draw.
 
     `steel` is that where texts stand for sure; `is_ours` tells texts of the part from those of
@@ -42,7 +83,7 @@ def found_texts(
     for shape, text in zip(shapes, texts, strict=True):
         if shape not in tallest or text.height > tallest[shape].height:
             tallest[shape] = text
-    readings: dict[frozenset[int], dict[int, Found]] = {}
+    readings: dict[frozenset[int], dict[int, DrawnText]] = {}
     for shape, text in tallest.items():
         for found in drawn.all_of(text, marks.min_height, text.height):
             if is_ours(text, found):
@@ -55,15 +96,15 @@ def found_texts(
     return assigned(texts, options, steel, marks)
 
 
-def _as_text(text: Wanted, found: Found | None) -> Found | None:
+def _as_text(text: Wanted, found: DrawnText | None) -> DrawnText | None:
     return found if found is not None and found.height <= text.height + EXACT else None
 
 
 def assigned(
     texts: Sequence[Wanted], options: Options, steel: Steel, marks: Marks
-) -> list[Found | None]:
+) -> list[DrawnText | None]:
     """What each text is, no two the same; as many as can be have one."""
-    result: list[Found | None] = [None] * len(texts)
+    result: list[DrawnText | None] = [None] * len(texts)
     left, taken = [], set()
     for t, (text, row) in enumerate(zip(texts, options, strict=True)):
         own = (k for k, one in enumerate(row) if one is not None and k not in taken)
@@ -89,7 +130,7 @@ def assigned(
     return result
 
 
-def _cost(text: Wanted, found: Found | None, may_not_move: bool) -> float:
+def _cost(text: Wanted, found: DrawnText | None, may_not_move: bool) -> float:
     """mm from a text to where the part has it, and more where it may not stand there."""
     if found is None:
         return NEVER

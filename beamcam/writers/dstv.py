@@ -1,5 +1,7 @@
 """The writer of DSTV files, by the book: 24 header lines, holes in BO, numbers in columns."""
 
+import re
+
 from msgspec import Struct, field
 
 from beamcam.errors import BeamcamError, Source
@@ -160,7 +162,7 @@ def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
         while pending and pending[0][0] <= before:
             _, k, plane = pending.pop(0)
             number = plane.name.split("#")[0]
-            if not _is_plane_code(number):
+            if not re.fullmatch("E[0-9]", number):
                 raise BeamcamError(
                     rules.WRITE_FACE.at(plane.source, found=plane.name, what="a plane")
                 )
@@ -173,10 +175,6 @@ def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
     write_planes(len(part.features))
 
 
-def _is_plane_code(name: str) -> bool:
-    return len(name) == 2 and name[0] == "E" and name[1].isascii() and name[1].isdigit()
-
-
 def _write_feature(
     feature: Feature,
     index: int,
@@ -186,15 +184,17 @@ def _write_feature(
     tolerance: float | None,
 ) -> None:
     anchor = f"feature:{index}"
+    # Rows of a block share the face, and whether they have a reference letter: a row without one
+    # would inherit that of the row before.
     match feature:
         case Hole() | Slot():
             code = _code("BO", feature.face, "a hole", part.planes, valid, feature.source)
             row = hole_row(feature) if isinstance(feature, Hole) else slot_row(feature)
-            sheet.row(code, anchor, row, _same(feature.face, feature.edge, sheet))
+            sheet.row(code, anchor, row, (feature.face, bool(feature.edge)))
         case TextMark():
             code = _code("SI", feature.face, "a text", part.planes, valid, feature.source)
             _check_text(feature.text, "a text mark", feature.source, empty=False)
-            sheet.row(code, anchor, text_row(feature), _same(feature.face, feature.edge, sheet))
+            sheet.row(code, anchor, text_row(feature), (feature.face, bool(feature.edge)))
         case Contour():
             code = _CONTOUR_CODES.get((feature.kind, feature.process), "")
             if not code:
@@ -212,14 +212,6 @@ def _write_feature(
         case Camber():
             _code("UE", feature.face, "a camber", (), {}, feature.source)
             sheet.row("UE", anchor, camber_row(feature), feature.face)
-
-
-def _same(face: str, edge: str, sheet: _Sheet) -> tuple[str, bool]:
-    """What rows of a block share: the face, and whether they have a reference letter.
-
-    A row without one would inherit that of the row before.
-    """
-    return face, bool(edge)
 
 
 def _code(

@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 
 FACE_NAMES = {"h": "BEHIND", "o": "TOP", "v": "FRONT", "u": "BOTTOM"}
 GAP = 50.0  #: between the views
-_COLOURS = {"": 7, "HOLES": 1, "MARKS": 3, "TEXT": 5, "LABEL": 8}  #: AutoCAD colour index
+#: AutoCAD colour index of a face's layers, by what stands behind its name
+_COLOURS = {"": 7, "_HOLES": 1, "_MARKS": 3, "_TEXT": 5, "_LABEL": 8}
 _ONE_AT_A_TIME = Lock()  #: the options of ezdxf are those of the process
 _MARK_ARM = 5.0  #: half of the cross that shows a punch mark
 _LABEL_HEIGHT = 20.0
@@ -71,11 +72,11 @@ def _drawing(part: Part) -> str:
     shift = 0.0
     for face in _drawn_faces(part):
         features = [f for f in part.features if _face_of(f) == face]
-        layers = [f"FACE_{_layer_name(face)}" + suffix for suffix in ("", *_suffixes())]
-        for layer, colour in zip(layers, _COLOURS.values(), strict=True):
-            document.layers.add(layer, color=colour)
+        layer = "FACE_" + face.replace("#", "-")
+        for suffix, colour in _COLOURS.items():
+            document.layers.add(layer + suffix, color=colour)
         box = _box(part, face, features)
-        sheet = _View(space, layers[0], shift - box[1])
+        sheet = _View(space, layer, shift - box[1])
         _draw_stock(part, face, features, sheet)
         for feature in features:
             _draw(feature, sheet)
@@ -84,14 +85,6 @@ def _drawing(part: Part) -> str:
     stream = io.StringIO()
     document.write(stream)
     return stream.getvalue()
-
-
-def _suffixes() -> list[str]:
-    return ["_" + name for name in _COLOURS if name]
-
-
-def _layer_name(face: Face) -> str:
-    return face.replace("#", "-")
 
 
 def _face_of(feature: Feature) -> Face | None:

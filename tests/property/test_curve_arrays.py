@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.arrays import CurveTable, ends_of
+from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.cubics import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces, join_boxes
 from beamcam.geometry.near import first_equal, near_pairs
@@ -25,7 +25,7 @@ curves = st.lists(
 @settings(max_examples=50, deadline=None)
 @given(curves)
 def test_ends_are_those_of_the_curves(found):
-    for row, curve in zip(ends_of(found).tolist(), found, strict=True):
+    for row, curve in zip(CurveTable(found).ends.tolist(), found, strict=True):
         assert row == pytest.approx([*curve.start, *curve.end], abs=1e-9)
 
 
@@ -73,7 +73,7 @@ def test_ends_of_splines_are_those_of_their_pieces(spline):
 
 def test_ends_of_arcs_are_exact_on_the_axes():
     arc = Arc((0.1, 0.2), 0.7, -90.0, 450.0)
-    assert ends_of([arc, Arc((1.0, 2.0), 3.0, 180.0, -360.0)]).tolist() == [
+    assert CurveTable([arc, Arc((1.0, 2.0), 3.0, 180.0, -360.0)]).ends.tolist() == [
         [*arc.start, *arc.end],
         [-2.0, 2.0, -2.0, 2.0],
     ]

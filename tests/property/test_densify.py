@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.sampling import points_at
 from beamcam.motion.densify import DensifyRules, densify
-from beamcam.motion.rounding import BELT_ENCODER, EXACT, MICRON_TRUNCATED, decimals
+from beamcam.motion.rounding import truncated, worst_truncation
 from tests.property.curve_strategies import (
     arcs,
     beziers,
@@ -30,16 +30,16 @@ FAMILIES = {
     "splines": splines(),
     "polynomials": newton_curves(),
 }
-roundings = st.sampled_from([EXACT, decimals(2), decimals(3), MICRON_TRUNCATED, BELT_ENCODER])
+counts_a_mm = st.sampled_from([0, 8, 100, 1000])
 
 
 @st.composite
 def densify_rules(draw):
-    rounding = draw(roundings)
-    tolerance = draw(st.sampled_from([0.001, 0.01, 0.05, 0.5, 5.0])) + rounding.worst
+    counts = draw(counts_a_mm)
+    tolerance = draw(st.sampled_from([0.001, 0.01, 0.05, 0.5, 5.0])) + worst_truncation(counts)
     return DensifyRules(
         tolerance,
-        rounding,
+        counts,
         draw(st.sampled_from([2.0, 20.0, 200.0])),
         draw(st.sampled_from([0.0, 0.002, 0.025])),
     )
@@ -88,7 +88,7 @@ def test_a_path_of_several_curves_meets_every_joint(chosen, rules):
             path.append(Line(path[-1].end, curve.start))
         path.append(curve)
     result = densify(path, rules)
-    joints = rules.rounding.apply(np.array([path[0].start, *(c.end for c in path)]))
+    joints = truncated(np.array([path[0].start, *(c.end for c in path)]), rules.counts)
     where = {tuple(p) for p in result.points.tolist()}
     assert {tuple(p) for p in joints.tolist()} <= where
     assert result.points[0].tolist() == joints[0].tolist()
@@ -118,10 +118,10 @@ def test_circles_take_hardly_more_points_than_they_must(radius, tolerance, sweep
 
 
 @settings(max_examples=100, deadline=None)
-@given(curves, roundings)
-def test_rounding_twice_changes_nothing(curve, rounding):
+@given(curves, counts_a_mm)
+def test_truncating_twice_changes_nothing(curve, counts):
     points = points_at(curve, np.linspace(0, 1, 50))
-    once = rounding.apply(points)
-    assert np.array_equal(rounding.apply(once), once)
-    assert np.max(np.hypot(*(once - points).T)) <= rounding.worst + 1e-9
-    assert not np.any(np.signbit(once) & (once == 0.0)) or rounding is EXACT
+    once = truncated(points, counts)
+    assert np.array_equal(truncated(once, counts), once)
+    assert np.max(np.hypot(*(once - points).T)) <= worst_truncation(counts) + 1e-9
+    assert not np.any(np.signbit(once) & (once == 0.0)) or counts == 0

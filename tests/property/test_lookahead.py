@@ -12,7 +12,6 @@ from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.jerk_ramps import reachable_speed
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits, fastest_profile
-from beamcam.motion.rounding import decimals
 from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves
 from tests.property.test_moves import ramp_distance
@@ -35,7 +34,7 @@ def polylines(draw):
     count = draw(st.integers(1, 60))
     kind = draw(st.sampled_from(["walk", "tiny", "straight", "zigzag", "curve"]))
     if kind == "curve":
-        rules = DensifyRules(draw(st.sampled_from([0.003, 0.05])), decimals(3))
+        rules = DensifyRules(draw(st.sampled_from([0.003, 0.05])), 1000)
         points = densify((draw(curves),), rules).points
         return points if len(points) > 1 else np.array([[0.0, 0.0], [1.0, 0.0]])
     steps = dice.normal(size=(count, 2)) * 10.0 ** dice.uniform(-3, 2, size=(count, 1))
@@ -154,7 +153,7 @@ def test_a_densified_circle_is_driven_smoothly(places, tolerance):
         Arc((100.0, 20.0), 20.0, -90.0, 180.0),
         Line((100.0, 40.0), (0.0, 40.0)),
     )
-    points = densify(circle, DensifyRules(tolerance, decimals(places))).points
+    points = densify(circle, DensifyRules(tolerance, 10**places)).points
     path = plan_speeds(points, 150.0, LookAheadRules((axis, axis)))
     # Across: 0.866 of the acceleration, by jerk v^3 / r^2.
     steady = min((0.866 * 1000 * 20) ** 0.5, (20_000 * 20**2) ** (1 / 3), 150.0)

@@ -16,12 +16,12 @@ from collections.abc import Set
 
 from msgspec import Struct
 
-from beamcam.caches import cached
+from beamcam.caches import BoundedCache
 
 #: Letters that the controller's help describes; a machine file may use more in its templates.
 LETTERS = frozenset("NGMXYZABCPQUVWDEFHIJKLORT")
 _WHOLE = frozenset("NGMH")
-BRAKING = "E-"  #: how `read_block` calls an E with a negative value, which may stand beside E
+BRAKING = "E-"  #: how a block calls an E with a negative value, which may stand beside E
 NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"  # no controller counts further
 _WORD = re.compile(rf"([A-Z])({NUMBER})")
 _COMMENT = re.compile(r"\([^()]*\)")
@@ -45,64 +45,63 @@ class Fault(Struct, frozen=True):
 class Word(Struct, frozen=True, gc=False):
     """One word, wherever it stands."""
 
-    letter: str
-    name: str  #: the letter, or `BRAKING`
+    name: str  #: its letter, or `BRAKING`
     value: float
-    is_whole: bool  #: whether its number is digits and no more
 
 
-def read_block(text: str, letters: Set[str] = LETTERS) -> Block | Fault | None:
-    """The words of a line; None where there is nothing in it.
+class Lexer:
+    """Takes lines apart, by the letters of the words that a controller knows."""
 
-    `letters` are the addresses that the controller knows.
-    """
-    if not text.isascii():
-        text = "".join(c if c.isascii() else "\N{REPLACEMENT CHARACTER}" for c in text)
-    bare = text.upper()
-    if "(" in bare or ")" in bare:
-        bare = _COMMENT.sub(" ", bare)
+    def __init__(self, letters: Set[str] = LETTERS) -> None:
+        self._letters = letters
+        self._known: BoundedCache[str, Word] = BoundedCache("codesys.words")
+
+    def block(self, text: str) -> Block | Fault | None:
+        """The words of a line; None where there is nothing in it."""
+        if not text.isascii():
+            text = "".join(c if c.isascii() else "\N{REPLACEMENT CHARACTER}" for c in text)
+        bare = text.upper()
         if "(" in bare or ")" in bare:
-            return Fault(
-                text.strip(), "a comment that begins and ends on its line, none in another"
-            )
-    command, number = "", 0
-    words: dict[str, float] = {}
-    for index, said in enumerate(bare.split()):
-        word = _read_word(said)
-        if word is None:
-            if not index and said.startswith("/"):
-                expected = "a block that always runs; `/` leaves that to a switch"
+            bare = _COMMENT.sub(" ", bare)
+            if "(" in bare or ")" in bare:
+                expected = "a comment that begins and ends on its line, none in another"
                 return Fault(text.strip(), expected)
-            return Fault(said, "a letter and a number, set off by spaces")
-        letter = word.letter
-        if letter not in letters:
-            return Fault(said, "a word that the controller knows")
-        if letter in _WHOLE and not word.is_whole:
-            return Fault(said, f"a whole number behind {letter}")
-        if letter not in "GMN":
-            if word.name in words:
-                return Fault(said, f"{word.name} once in a block")
-            words[word.name] = word.value
-        elif letter == "N":
-            if index:
-                return Fault(said, "the block number at the beginning")
-        elif command:
-            stands = f"{command}{number} stands there already"
-            return Fault(said, f"one command a block, {stands}")
-        elif words:
-            return Fault(said, "the command before the other words")
-        else:
-            command, number = letter, int(word.value)
-    return Block(command, number, words) if command or words else None
+        command, number = "", 0
+        words: dict[str, float] = {}
+        for index, said in enumerate(bare.split()):
+            word = self._known.get(said) or self._read_word(said)
+            if not isinstance(word, Word):
+                if not index and said.startswith("/"):
+                    expected = "a block that always runs; `/` leaves that to a switch"
+                    return Fault(text.strip(), expected)
+                return word
+            name = word.name
+            if name not in "GMN":
+                if name in words:
+                    return Fault(said, f"{name} once in a block")
+                words[name] = word.value
+            elif name == "N":
+                if index:
+                    return Fault(said, "the block number at the beginning")
+            elif command:
+                stands = f"{command}{number} stands there already"
+                return Fault(said, f"one command a block, {stands}")
+            elif words:
+                return Fault(said, "the command before the other words")
+            else:
+                command, number = name, int(word.value)
+        return Block(command, number, words) if command or words else None
 
-
-@cached("codesys.words")
-def _read_word(text: str) -> Word | None:
-    """A letter and a number; None for anything else."""
-    match = _WORD.fullmatch(text)
-    if match is None:
-        return None
-    letter, digits = match.groups()
-    value = float(digits)
-    name = BRAKING if letter == "E" and value < 0.0 else letter
-    return Word(letter, name, value, digits.isdigit())
+    def _read_word(self, text: str) -> Word | Fault:
+        """A letter and a number."""
+        match = _WORD.fullmatch(text)
+        if match is None:
+            return Fault(text, "a letter and a number, set off by spaces")
+        letter, digits = match.groups()
+        if letter not in self._letters:
+            return Fault(text, "a word that the controller knows")
+        if letter in _WHOLE and not digits.isdigit():
+            return Fault(text, f"a whole number behind {letter}")
+        value = float(digits)
+        name = BRAKING if letter == "E" and value < 0.0 else letter
+        return self._known.keep(text, Word(name, value))

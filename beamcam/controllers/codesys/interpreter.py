@@ -15,10 +15,12 @@ A block without a command repeats the last travel command. Source: CODESYS onlin
 import re
 from math import sqrt
 
+from msgspec import Struct
+
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import rules
 from beamcam.controllers.codesys.arcs import arc_fault
-from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, read_block
+from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, Lexer
 from beamcam.controllers.codesys.curves import curve_of
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Acceleration, Compensation, Curve, Pause, Side, Switch
@@ -49,12 +51,35 @@ _LETTERS = {
 }
 _SIDES: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
 _WITHOUT_EFFECT = (50, 53)  #: smoothing and offsets: off, as at the start
-_UNNUMBERED = re.compile(r"^(?:N[0-9]+ )?(.*)$", re.MULTILINE)
+_LINE_BEGINS = re.compile(r"\n(?:N[0-9]+ )?")
 
 
-_blocks_of: PerObject[Dialect, BoundedCache[str, Block]] = PerObject(
-    "controllers.blocks", lambda _: BoundedCache("codesys.blocks")
-)
+class _Language(Struct, frozen=True):
+    """What follows from a machine's dialect, whatever the program is."""
+
+    lexer: Lexer
+    known: BoundedCache[str, Block]  #: by their texts
+    letters: dict[int, frozenset[str]]  #: that each travel command takes
+    m_words: frozenset[int]  #: of the machine's own, which carry nothing
+    g_words: dict[int, CodeMeaning]  #: of the machine's own
+
+
+def _language(dialect: Dialect) -> _Language:
+    own = {
+        (code[0], int(code[1:])): meaning
+        for code, meaning in dialect.codes.items()
+        if code[1:].isdigit()
+    }
+    return _Language(
+        Lexer(dialect.letters),
+        BoundedCache("codesys.blocks"),
+        _LETTERS[dialect.axes],
+        frozenset(number for letter, number in own if letter == "M"),
+        {number: meaning for (letter, number), meaning in own.items() if letter == "G"},
+    )
+
+
+_language_of = PerObject("controllers.blocks", _language)
 
 
 class Codesys(Interpreter):
@@ -66,16 +91,11 @@ class Codesys(Interpreter):
     def __init__(self, dialect: Dialect, name: str) -> None:
         super().__init__(dialect, name)
         self.arc_slack = 2 * sqrt(2) * dialect.resolution
-        self._known = _blocks_of(dialect)
+        self._language = _language_of(dialect)
         self._begun = False  #: whether a block was carried out
         self._absolute_centre = False
         #: A cell's programs may count on G90 as the default, those of a table have to say it.
         self._counting_said = dialect.stock == "beam"
-        self._letters = _LETTERS[dialect.axes]
-        self._own_m_words = {int(code[1:]) for code in dialect.codes
-                             if code[0] == "M" and code[1:].isdigit()}  # fmt: skip
-        self._own = {int(code[1:]): meaning for code, meaning in dialect.codes.items()
-                     if code[0] == "G" and code[1:].isdigit()}  # fmt: skip
 
     def _is_simple(self) -> bool:
         return self._counting_said and not self._absolute_centre and super()._is_simple()
@@ -86,11 +106,11 @@ class Codesys(Interpreter):
 
     def lines_of(self, text: str) -> list[str]:
         """The lines of a text without their block numbers, which count for nothing."""
-        return _UNNUMBERED.findall(text)
+        return _LINE_BEGINS.split("\n" + text)[1:]
 
     def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
-        block = self._known.get(text) or self._read(line, text)
+        block = self._language.known.get(text) or self._read(line, text)
         if block is None or (self._over and self.is_over(line)):
             return
         self._begun = True
@@ -101,7 +121,7 @@ class Codesys(Interpreter):
             self._go_on(line, words)
         elif number in _TRAVEL:
             self._carry_out(line, number, words)
-        elif number in self._own:
+        elif number in self._language.g_words:
             self._own_code(line, number, words)
         else:
             self._setting(line, number, words)
@@ -110,28 +130,29 @@ class Codesys(Interpreter):
         """A block that is not known; None for a text or no block, and with a message if invalid."""
         if self._is_text(line, body):
             return None
+        block = self._language.lexer.block(body)
+        if not isinstance(block, Block):
+            if block is not None:
+                self._syntax(line, body, block)
+            return None
+        if self._dialect.allowed and block.command:
+            code = f"{block.command}{block.number}"
+            if not self._dialect.is_allowed(code):
+                self._wrong(line, shown_code(code), self._dialect.shown_allowed())
+                return None
+        return self._language.known.keep(body, block)
+
+    def _syntax(self, line: int, body: str, fault: Fault) -> None:
+        """Says what is wrong with a line, unless it is the name of the program."""
         if body.lstrip().startswith("%"):
             if not self._begun or line in (1, self._last):
-                return None
-            block: Block | Fault | None = Fault(
-                body.strip(), "% on the first or the last line only"
-            )
-        else:
-            block = read_block(body, self._dialect.letters)
-        if isinstance(block, Fault):
-            self._say(line, self._rules.syntax, found=block.found, expected=block.expected)
-            return None
-        if block is None:
-            return None
-        code = f"{block.command}{block.number}"
-        if block.command and not self._dialect.is_allowed(code):
-            self._wrong(line, shown_code(code), self._dialect.shown_allowed())
-            return None
-        return self._known.keep(body, block)
+                return
+            fault = Fault(body.strip(), "% on the first or the last line only")
+        self._say(line, self._rules.syntax, found=fault.found, expected=fault.expected)
 
     def _m_word(self, line: int, number: int, words: Words) -> None:
         self._wait(line)
-        if number in self._own_m_words:
+        if number in self._language.m_words:
             if words:
                 self._wrong(line, f"{min(words)} behind M{number:02}", "no word there")
             return
@@ -179,13 +200,13 @@ class Codesys(Interpreter):
 
     def _own_code(self, line: int, number: int, words: Words) -> None:
         """A G word of the machine's own, which means what its file says."""
-        meaning = self._own[number]
+        meaning = self._language.g_words[number]
         if meaning in _CYCLES:
             self._drilling = _CYCLES[meaning]
             self._drilled(line, words)
             return
         if meaning == "end-cycle":
-            self._end_cycle()
+            self._cycle = None
         if words:
             self._wrong(line, f"{min(words)} behind G{number:02}", "no word there")
 
@@ -201,12 +222,13 @@ class Codesys(Interpreter):
 
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         self._motion = motion
-        self._end_cycle()
+        self._cycle = None
         if motion < 0:
             self._wrong(line, "words without a command", "G or M")
             return
-        if not self._letters[motion].issuperset(words):
-            stray = min(words.keys() - self._letters[motion])
+        letters = self._language.letters[motion]
+        if not letters.issuperset(words):
+            stray = min(words.keys() - letters)
             self._wrong(line, f"{stray} behind G{motion:02}", "no such word there")
         fed = "F" in words
         if fed:

@@ -57,7 +57,7 @@ class Variant(Struct, frozen=True):
 class Block(Struct, frozen=True):
     """The content of a block, without modal state."""
 
-    syntax: str = ""  #: what was expected, where it is no block
+    syntax: str = ""  #: what was expected, where it is not a block
     faults: tuple[tuple[str, str], ...] = ()  #: what is wrong with its words, found and expected
     feed: float | None = None
     events: tuple[Other, ...] = ()  #: before its move; their lines are 0

@@ -112,7 +112,7 @@ class Rs274(Interpreter):
             self._cycle_block(line, motion, values, block.feed is not None)
             return
         if block.motion is not None:
-            self._end_cycle()
+            self._cycle = None
         places = values.keys() & set(axes)
         used = places | (values.keys() & {"I", "J"} if places and motion > 1 else set())
         if places and motion < 0:
@@ -133,7 +133,7 @@ class Rs274(Interpreter):
         self._motion = motion
         stray = values.keys() - set("XYZR" + drill_cycle.OWN_LETTERS.get(motion, ""))
         if motion == drill_cycle.END:
-            self._end_cycle()
+            self._cycle = None
             self._motion, stray = -1, set(values)
         elif not stray:
             self._check_settings(line)

@@ -1,6 +1,7 @@
 """Simulated axes: they go to a place with a trapezoid of velocity, from whatever they do now."""
 
-from math import hypot, sqrt
+from itertools import pairwise
+from math import dist, inf, sqrt
 
 Phase = tuple[float, float]  #: seconds and acceleration
 
@@ -43,11 +44,8 @@ class Axis:
         self.error = False
         self.lag = 0.0  #: by which the encoder is off the set position
         self.brake = stop  #: mm/s2 of a stop
-        self.target: float | None = None  #: position that was commanded
-        self.homed = 0
         self._phases: list[Phase] = []
-        self._endless = False
-        self._end: float | None = None
+        self._end: float | None = None  #: place at which it stops
 
     @property
     def position(self) -> float:
@@ -60,7 +58,7 @@ class Axis:
 
     @property
     def still(self) -> bool:
-        return not self._phases and not self._endless
+        return not self._phases
 
     def enable(self) -> int:
         """0 if the drive is on then."""
@@ -74,32 +72,29 @@ class Axis:
 
     def go(self, position: float, velocity: float, up: float, down: float) -> None:
         """To a position."""
-        way = position - self.position
-        self.target, self._end, self._endless = position, position + self.origin, False
-        self._phases = phases_to(way, self.velocity, velocity, up, down)
+        self._end = position + self.origin
+        self._phases = phases_to(position - self.position, self.velocity, velocity, up, down)
 
     def run(self, velocity: float, acceleration: float) -> None:
         """On and on."""
-        self._end, self.target, self._endless = None, None, True
         change = velocity - self.velocity
-        self._phases = [(abs(change) / acceleration, acceleration if change > 0 else -acceleration)]
+        ramp = abs(change) / acceleration, acceleration if change > 0 else -acceleration
+        self._end, self._phases = None, [ramp, (inf, 0.0)]
 
     def stop(self) -> None:
         """Stop as fast as the axis can."""
-        self._end, self.target, self._endless = None, None, False
         speed = self.velocity
-        self._phases = [(abs(speed) / self.brake, -self.brake if speed > 0 else self.brake)]
+        ramp = abs(speed) / self.brake, -self.brake if speed > 0 else self.brake
+        self._end, self._phases = None, [ramp]
 
     def home(self, position: float) -> None:
         """Call the place where the axis stands so."""
         self.origin = self.place - position
-        self.target = position
-        self.homed += 1
 
     def put(self, position: float, velocity: float) -> None:
         """Set the axis position from a path object."""
         self.place, self.velocity = position + self.origin, velocity
-        self._phases, self._endless, self._end = [], False, None
+        self._end, self._phases = None, []
 
     def advance(self, seconds: float) -> None:
         """Move for a while."""
@@ -113,65 +108,45 @@ class Axis:
                 self._phases[0] = (lasts - t, acceleration)
                 return
             del self._phases[0]
-        if not self._phases and not self._endless:
+        if not self._phases:
             self.velocity = 0.0
             if self._end is not None:
                 self.place, self._end = self._end, None
-        elif seconds > 0.0:
-            self.place += self.velocity * seconds
 
 
 class Path:
-    """A path object: lines and arcs of both axes, one after another."""
+    """A path object: the lines and arcs that it leads both axes along."""
 
     def __init__(self, x: Axis, y: Axis) -> None:
         self.x, self.y = x, y
-        self._queue: list[tuple[list[tuple[float, float]], float, float, float]] = []
         self._points: list[tuple[float, float]] = []
-        self._drive: Axis | None = None
+        self._drive = Axis("path", 0.0, 1.0)
 
     @property
     def still(self) -> bool:
-        return not self._queue and self._drive is None
+        return self._drive.still
 
-    def add(self, points: list[tuple[float, float]], speed: float, up: float, down: float) -> None:
-        """Along points, from rest to rest, behind what is there already."""
-        self._queue.append((points, speed, up, down))
-
-    @property
-    def end(self) -> tuple[float, float]:
-        """The end of the motion."""
-        if self._queue:
-            return self._queue[-1][0][-1]
-        return self._points[-1] if self._drive is not None else (self.x.position, self.y.position)
+    def go(self, points: list[tuple[float, float]], speed: float, up: float, down: float) -> None:
+        """Along points, from rest to rest."""
+        self._points, self._drive = points, Axis("path", 0.0, down)
+        self._drive.go(sum(dist(a, b) for a, b in pairwise(points)), speed, up, down)
 
     def stop(self) -> None:
-        self._queue.clear()
-        if self._drive is not None:
+        if not self.still:
             self._drive.stop()
 
     def advance(self, seconds: float) -> None:
-        if self._drive is None and self._queue:
-            self._points, speed, up, down = self._queue.pop(0)
-            self._drive = Axis("path", 0.0, down)
-            length = sum(hypot(b[0] - a[0], b[1] - a[1]) for a, b in self._pairs())
-            self._drive.go(length, speed, up, down)
-        if self._drive is None:
+        if self.still:
             return
         self._drive.advance(seconds)
         (x, y), (dx, dy) = self._at(self._drive.position)
         self.x.put(x, dx * self._drive.velocity)
         self.y.put(y, dy * self._drive.velocity)
-        if self._drive.still:
-            self._drive = None
-
-    def _pairs(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-        return list(zip(self._points, self._points[1:], strict=False))
 
     def _at(self, way: float) -> tuple[tuple[float, float], tuple[float, float]]:
         direction = (0.0, 0.0)
-        for a, b in self._pairs():
-            length = hypot(b[0] - a[0], b[1] - a[1])
+        for a, b in pairwise(self._points):
+            length = dist(a, b)
             if length == 0.0:
                 continue
             direction = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)

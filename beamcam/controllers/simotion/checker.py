@@ -28,24 +28,19 @@ class _Checker:
     def check(self) -> list[Diagnostic]:
         by_name = {u.name.upper(): u for u in self.units}
         for unit in self.units:
-            for used, line in unit.uses:
-                if used.upper() not in by_name:
+            used: dict[str, syntax.Variable] = {}
+            for word in unit.uses:
+                other = by_name.get(word.text.upper())
+                if other is None:
+                    expected = near(word.text, by_name)
                     self.names.say(
-                        rules.NAME, line, found=f"unit {used}", expected=near(used, by_name)
+                        rules.NAME, word.line, found=f"unit {word.text}", expected=expected
                     )
+                else:
+                    used |= {v.name.upper(): v for v in other.variables}
             self._exports(unit)
-        for unit in self.units:
-            seen: dict[str, syntax.Variable] = {}
-            for other in (
-                *(by_name[u.upper()] for u, _ in unit.uses if u.upper() in by_name),
-                unit,
-            ):
-                for variable in other.variables:
-                    self._declare(variable, seen, others=other is unit)
-            self.names.globals = seen
-            self.names.locals = {}
-            for variable in unit.variables:
-                self._variable(variable)
+            self.names.globals, self.names.locals = used, {}
+            self._declare(unit.variables, used)
             for block in unit.blocks:
                 self._block(block)
         return sorted(self.names.said, key=lambda d: d.source.line or 0)
@@ -67,11 +62,11 @@ class _Checker:
                 self.names.twice(block.name, block.line)
 
     def _declare(
-        self, variable: syntax.Variable, seen: dict[str, syntax.Variable], others: bool
+        self, variables: Sequence[syntax.Variable], seen: dict[str, syntax.Variable]
     ) -> None:
-        key = variable.name.upper()
-        line = variable.line
-        if others:
+        """Put variables to those that can be seen already."""
+        for variable in variables:
+            key, line = variable.name.upper(), variable.line
             if key in KEYWORDS or key in library.ENUMERATORS:
                 self.names.say(
                     rules.DECLARED, line, found=variable.name, how="as a variable",
@@ -84,7 +79,8 @@ class _Checker:
                 )  # fmt: skip
             if key in seen or key in self.names.objects:
                 self.names.twice(variable.name, line)
-        seen[key] = variable
+            seen[key] = variable
+            self._variable(variable)
 
     def _variable(self, variable: syntax.Variable) -> None:
         type_ = variable.type
@@ -110,28 +106,23 @@ class _Checker:
                     expected="a value for it",
                 )  # fmt: skip
             return
+        values = initial if isinstance(initial, tuple) else (initial,)
         if isinstance(type_, syntax.Array):
-            values = initial if isinstance(initial, tuple) else (initial,)
             wanted = type_.high - type_.low + 1
             if len(values) != wanted:
                 self.names.say(
                     rules.COUNT, variable.line, found=len(values), name=variable.name,
                     expected=wanted,
                 )  # fmt: skip
-            for value in values:
-                self.types.check(value, plain, variable.name)
         elif isinstance(initial, tuple):
-            self.names.say(
-                rules.TYPE, variable.line, found="a list", what=variable.name, expected=plain
-            )
-        else:
-            self.types.check(initial, plain, variable.name)
+            self.names.wrong_type(variable.line, "a list", variable.name, plain)
+            return
+        for value in values:
+            self.types.check(value, plain, variable.name)
 
     def _block(self, block: syntax.Block) -> None:
         self.names.locals = {}
-        for variable in block.variables:
-            self._declare(variable, self.names.locals, others=True)
-            self._variable(variable)
+        self._declare(block.variables, self.names.locals)
         self._statements(block.body)
 
     # -- statements -------------------------------------------------------------------------

@@ -20,10 +20,11 @@ KEYWORDS = frozenset(_WORDS.split())
 
 _TIME = re.compile(r"(?<![\d.])(\d++(?:\.\d++)?)(ms|s|m|h|d)", re.IGNORECASE)
 _TIME_S = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
-_LEVELS = (("OR",), ("XOR",), ("AND", "&"), ("=", "<>"), ("<", ">", "<=", ">="), ("+", "-"),
-           ("*", "/", "MOD"))  # fmt: skip
-
-
+#: How tightly each operator between two values binds.
+_LEVELS = {
+    "OR": 0, "XOR": 1, "AND": 2, "&": 2, "=": 3, "<>": 3, "<": 4, ">": 4, "<=": 4, ">=": 4,
+    "+": 5, "-": 5, "*": 6, "/": 6, "MOD": 6,
+}  # fmt: skip
 Item = TypeVar("Item")
 
 
@@ -34,7 +35,7 @@ class Stop(Exception):
         self.token, self.expected = token, expected
 
 
-class Words:
+class TokenStream:
     """Tokens that are taken one by one."""
 
     def __init__(self, found: list[Token]) -> None:
@@ -81,17 +82,16 @@ class Words:
         return found
 
 
-class Expressions(Words):
+class Expressions(TokenStream):
     """Takes expressions, one function a construct."""
 
     def expression(self, level: int = 0) -> Expression:
-        if level == len(_LEVELS):
-            return self.unary()
-        left = self.expression(level + 1)
-        while self.is_word(*_LEVELS[level]):
-            token = self.take(*_LEVELS[level])
+        """Values with operators of a level or tighter ones between them."""
+        left = self.unary()
+        while (own := _LEVELS.get(self.here.text.upper(), -1)) >= level:
+            token = self.take(*_LEVELS)
             operator = "AND" if token.text == "&" else token.text.upper()
-            left = syntax.Binary(token.line, operator, left, self.expression(level + 1))
+            left = syntax.Binary(token.line, operator, left, self.expression(own + 1))
         return left
 
     def unary(self) -> Expression:
@@ -102,17 +102,9 @@ class Expressions(Words):
             inner = self.expression()
             self.take(")")
             return inner
-        if self.is_word("TRUE", "FALSE"):
+        if token.kind in ("number", "typed") or self.is_word("TRUE", "FALSE"):
             self.at += 1
-            return syntax.Constant(token.line, "BOOL", token.text.upper() == "TRUE")
-        if token.kind == "number":
-            self.at += 1
-            if "." in token.text:
-                return syntax.Constant(token.line, "real", float(token.text))
-            return syntax.Constant(token.line, "integer", int(token.text))
-        if token.kind == "typed":
-            self.at += 1
-            return _typed(token)
+            return _literal(token)
         return self.postfix()
 
     def postfix(self) -> Expression:
@@ -148,12 +140,16 @@ class Expressions(Words):
         return syntax.Call(callee.line, callee.text, tuple(named), tuple(placed))
 
 
-def _typed(token: Token) -> syntax.Constant:
-    word, _, text = token.text.partition("#")
-    word = word.upper()
+def _literal(token: Token) -> syntax.Constant:
+    word, _, text = token.text.upper().partition("#")
+    if word in ("TRUE", "FALSE"):
+        return syntax.Constant(token.line, "BOOL", word == "TRUE")
+    if token.kind == "number":
+        plain = float(word) if "." in word else int(word)
+        return syntax.Constant(token.line, "real" if "." in word else "integer", plain)
     if word in ("T", "TIME"):
         pieces = _TIME.findall(text)
-        if "".join(a + b for a, b in pieces).upper() != text.upper() or not pieces:
+        if "".join(a + b for a, b in pieces) != text or not pieces:
             raise Stop(token, "a time such as T#300ms")
         value = sum(float(a) * _TIME_S[b.lower()] for a, b in pieces)
         return syntax.Constant(token.line, "TIME", value)

@@ -23,9 +23,7 @@ class World(Protocol):
     """The environment of a program besides its variables."""
 
     clock_s: float
-
-    def find(self, name: str) -> Any:
-        """The axis or path object of a name, or None."""
+    objects: dict[str, Any]  #: axes and path objects by their names in capitals
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
         """Carry out a command; 0 if it was accepted."""
@@ -69,26 +67,17 @@ class Timer:
 class Instance:
     """A function block with its variables."""
 
-    def __init__(self, compiled: "_Compiled", machine: "Interpreter") -> None:
-        self._compiled = compiled
+    def __init__(self, block: syntax.Block, machine: "Interpreter") -> None:
+        self._key, self._machine = block.name.upper(), machine
         self.values: Values = {
-            variable.name.upper(): machine.first(variable) for variable in compiled.block.variables
+            variable.name.upper(): machine.first(variable) for variable in block.variables
         }
 
     def run(self, inputs: Values) -> None:
         self.values.update(inputs)
-        self._compiled.run(self.values)
-
-
-class _Compiled:
-    def __init__(self, block: syntax.Block) -> None:
-        self.block = block
-        self.body: list[Do] = []
-
-    def run(self, values: Values) -> None:
         try:
-            for do in self.body:
-                do(values)
+            for do in self._machine.bodies[self._key]:
+                do(self.values)
         except _Return:
             pass
 
@@ -104,7 +93,8 @@ class Interpreter:
         self.globals: Values = dict.fromkeys((key.upper() for key in outside), False)
         self.addresses: dict[str, str] = {}  #: of inputs and outputs: their variable
         self._variables: dict[str, syntax.Variable] = {}
-        self._blocks = {b.name.upper(): _Compiled(b) for u in units for b in u.blocks}
+        self._blocks = {b.name.upper(): b for u in units for b in u.blocks}
+        self.bodies: dict[str, tuple[Do, ...]] = {}
         self._locals: dict[str, syntax.Variable] = {}
         for unit in units:
             for variable in unit.variables:
@@ -113,11 +103,11 @@ class Interpreter:
                 self.globals[key] = self.first(variable)
                 if variable.address:
                     self.addresses[variable.address.upper()] = key
-        for compiled in self._blocks.values():
-            self._locals = {v.name.upper(): v for v in compiled.block.variables}
-            compiled.body = [self._statement(s) for s in compiled.block.body]
+        for key, block in self._blocks.items():
+            self._locals = {v.name.upper(): v for v in block.variables}
+            self.bodies[key] = self._body(block.body)
         self._programs = {
-            key: Instance(c, self) for key, c in self._blocks.items() if c.block.kind == "PROGRAM"
+            key: Instance(b, self) for key, b in self._blocks.items() if b.kind == "PROGRAM"
         }
 
     def run(self, program: str) -> None:
@@ -165,31 +155,21 @@ class Interpreter:
 
     def _assign(self, one: syntax.Assign) -> Do:
         get = self._get(one.value)
-        target = one.target
-        if isinstance(target, syntax.Element):
-            array, index, low, high, name = self._element(target)
+        if isinstance(one.target, syntax.Element):
+            array, at = self._element(one.target)
 
             def put(values: Values) -> None:
-                k = index(values)
-                if not low <= k <= high:
-                    raise self._outside(target.line, k, name, low, high)
-                array(values)[k - low] = get(values)
+                array(values)[at(values)] = get(values)
 
             return put
-        assert isinstance(target, syntax.Name)
-        key = target.name.upper()
-        if key in self._locals:
+        assert isinstance(one.target, syntax.Name)
+        key = one.target.name.upper()
+        local, known = key in self._locals, self.globals
 
-            def keep(values: Values) -> None:
-                values[key] = get(values)
+        def keep(values: Values) -> None:
+            (values if local else known)[key] = get(values)
 
-            return keep
-        known = self.globals
-
-        def keep_global(values: Values) -> None:
-            known[key] = get(values)
-
-        return keep_global
+        return keep
 
     def _invoke(self, call: syntax.Call) -> Do:
         key = call.callee.upper()
@@ -250,7 +230,8 @@ class Interpreter:
             case syntax.Member():
                 return self._member(value)
             case syntax.Element():
-                return self._read(value)
+                array, at = self._element(value)
+                return lambda values: array(values)[at(values)]
             case syntax.Call():
                 return self._call(value)
             case syntax.Unary():
@@ -268,8 +249,7 @@ class Interpreter:
         if key in self._variables or key in self.globals:
             known = self.globals
             return lambda values: known[key]
-        found = self.world.find(value.name)
-        plain = key if found is None else found
+        plain = self.world.objects.get(key, key)
         return lambda values: plain
 
     def _member(self, value: syntax.Member) -> Get:
@@ -283,28 +263,23 @@ class Interpreter:
 
         return read
 
-    def _element(self, value: syntax.Element) -> tuple[Get, Get, int, int, str]:
+    def _element(self, value: syntax.Element) -> tuple[Get, Get]:
+        """An array, and the place of an element in it; that raises Fault beyond its bounds."""
         assert isinstance(value.base, syntax.Name)
         key = value.base.name.upper()
         variable = self._locals.get(key) or self._variables[key]
         assert isinstance(variable.type, syntax.Array)
-        low, high = variable.type.low, variable.type.high
-        return self._name(value.base), self._get(value.index), low, high, variable.name
+        index, low, high = self._get(value.index), variable.type.low, variable.type.high
 
-    def _read(self, value: syntax.Element) -> Get:
-        array, index, low, high, name = self._element(value)
-
-        def read(values: Values) -> Any:
-            k = index(values)
+        def at(values: Values) -> int:
+            k: int = index(values)
             if not low <= k <= high:
-                raise self._outside(value.line, k, name, low, high)
-            return array(values)[k - low]
+                source = Source(self.name, value.line)
+                said = rules.BOUNDS.at(source, found=k, name=variable.name, low=low, high=high)
+                raise Fault(said)
+            return k - low
 
-        return read
-
-    def _outside(self, line: int, k: int, name: str, low: int, high: int) -> Fault:
-        source = Source(self.name, line)
-        return Fault(rules.BOUNDS.at(source, found=k, name=name, low=low, high=high))
+        return self._name(value.base), at
 
     def _call(self, value: syntax.Call) -> Get:
         name = value.callee

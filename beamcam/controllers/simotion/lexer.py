@@ -27,30 +27,27 @@ _TOKEN = re.compile(
       | (?P<number>\d+\.(?!\.)\d+(?:[eE][+-]?\d+)?|\d+)
       | (?P<name>[A-Za-z_]\w*)
       | (?P<sign>:=|<=|>=|<>|=>|\.\.|\*\*|[-+*/<>=();:,.\[\]&])
+      | (?P<odd>.)
     """,
     re.VERBOSE | re.DOTALL | re.IGNORECASE,
 )
 
 
 def tokens(text: str, name: str) -> tuple[list[Token], list[Diagnostic]]:
-    """The tokens of a text, an `end` behind them, and what is no token or not ASCII."""
+    """The tokens of a text, an `end` behind them, and what is not a token or not ASCII."""
     said: list[Diagnostic] = []
     return list(_tokens(text, name, said)), said
 
 
 def _tokens(text: str, name: str, said: list[Diagnostic]) -> Iterator[Token]:
-    line, at = 1, 0
-    while at < len(text):
-        match = _TOKEN.match(text, at)
-        if match is None or not match[0].isascii():
-            shown = text[at : at + 12].split("\n")[0]
+    line = 1
+    for match in _TOKEN.finditer(text):
+        kind = match.lastgroup or ""
+        if kind == "odd" or not match[0].isascii():
+            shown = text[match.start() : match.start() + 12].split("\n")[0]
             expected = "ASCII letters, numbers and characters of Structured Text"
             said.append(rules.SYNTAX.at(Source(name, line), found=shown, expected=expected))
-            at += len(match[0]) if match else 1
-            continue
-        kind = match.lastgroup or ""
-        if kind not in ("space", "comment", "newline"):
+        elif kind not in ("space", "comment", "newline"):
             yield Token(kind, match[0], line)
         line += match[0].count("\n")
-        at = match.end()
     yield Token("end", "", line)

@@ -13,7 +13,11 @@ manual TO Path Interpolation 11/2010, chapters 2.5, 2.8 and 5.1. TON, ABS, SQRT:
 project's package calls it otherwise.
 """
 
+from collections.abc import Sequence
+
 from msgspec import Struct
+
+from beamcam.controllers.simotion.syntax import Block, Variable
 
 Type = str  #: a plain type, "axis", "path", "enum:A|B" or the name of a function block
 
@@ -102,8 +106,13 @@ COMMANDS = {
     ),
 }  # fmt: skip
 
-#: Inputs and outputs of standard function blocks.
-BLOCKS = {"TON": ({"IN": "BOOL", "PT": "TIME"}, {"Q": "BOOL", "ET": "TIME"})}
+#: Standard function blocks, as if they were declared.
+BLOCKS = {
+    "TON": Block(0, "FUNCTION_BLOCK", "TON", (
+        Variable(0, "IN", "input", "BOOL"), Variable(0, "PT", "input", "TIME"),
+        Variable(0, "Q", "output", "BOOL"), Variable(0, "ET", "output", "TIME"),
+    ), ()),
+}  # fmt: skip
 
 #: System variables: of an axis, and of what they hold.
 COMPONENTS = {
@@ -116,35 +125,32 @@ COMPONENTS = {
 }  # fmt: skip
 
 
-def _enumerators() -> frozenset[str]:
-    found: set[str] = {"ACTIVE", "INACTIVE", "YES", "NO"}
-    for command in COMMANDS.values():
-        for type_ in command.parameters.values():
-            if type_.startswith("enum:"):
-                found |= set(type_[5:].split("|"))
-    return frozenset(found)
+#: The types that a value of each may be assigned to besides its own, without a conversion.
+_WIDER = {
+    "USINT": ("INT", "UINT", "DINT", "UDINT"), "SINT": ("INT", "DINT"), "INT": ("DINT",),
+    "UINT": ("DINT", "UDINT"), "REAL": ("LREAL",), "integer": tuple(INTEGERS),
+    "real": ("REAL", "LREAL"),
+}  # fmt: skip
 
 
-ENUMERATORS = _enumerators()
+def choices(type_: Type) -> Sequence[str]:
+    """The enumerators of an enumeration; none of any other type."""
+    return type_[5:].split("|") if type_.startswith("enum:") else ()
+
+
+ENUMERATORS = frozenset({"ACTIVE", "INACTIVE", "YES", "NO"}).union(
+    *(choices(type_) for command in COMMANDS.values() for type_ in command.parameters.values())
+)
 
 
 def fits(found: Type, wanted: Type) -> bool:
     """Whether a value of one type is assignable to another, without a conversion."""
-    if found == wanted:
+    if found == wanted or wanted in _WIDER.get(found, ()):
         return True
-    if wanted.startswith("enum:") and found.startswith("enum:"):
-        return set(found[5:].split("|")) <= set(wanted[5:].split("|"))
-    if found == "integer":
-        return wanted in INTEGERS
-    if found == "real":
-        return wanted in ("REAL", "LREAL")
-    wider = {"USINT": ("INT", "UINT", "DINT", "UDINT"), "SINT": ("INT", "DINT"),
-             "INT": ("DINT",), "UINT": ("DINT", "UDINT"), "REAL": ("LREAL",)}  # fmt: skip
-    return wanted in wider.get(found, ())
+    return bool(choices(found)) and set(choices(found)) <= set(choices(wanted))
 
 
 def shown(type_: Type) -> str:
     """A type as a message says it."""
-    if type_.startswith("enum:"):
-        return " or ".join(type_[5:].split("|"))
-    return {"integer": "a whole number", "real": "a number with a point"}.get(type_, type_)
+    plain = " or ".join(choices(type_)) or type_
+    return {"integer": "a whole number", "real": "a number with a point"}.get(plain, plain)

@@ -17,7 +17,7 @@ class Names:
     def __init__(self, units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -> None:
         self.name = name
         self.said: list[Diagnostic] = []
-        self.blocks = {b.name.upper(): b for u in units for b in u.blocks}
+        self.blocks = library.BLOCKS | {b.name.upper(): b for u in units for b in u.blocks}
         self.objects = {name.upper(): type_ for name, type_ in objects.items()}
         self.globals: dict[str, syntax.Variable] = {}
         self.locals: dict[str, syntax.Variable] = {}
@@ -45,7 +45,7 @@ class Names:
     def types(self) -> dict[str, str]:
         """The types that a variable may have, by their names in capitals."""
         own = (b.name for b in self.blocks.values() if b.kind == "FUNCTION_BLOCK")
-        return {t.upper(): t for t in (*library.TYPES, *library.BLOCKS, *own)}
+        return {t.upper(): t for t in (*library.TYPES, *own)}
 
     def canonical(self, type_: str) -> str:
         """A type as the library writes it."""
@@ -53,8 +53,6 @@ class Names:
 
     def components(self, type_: str) -> dict[str, str] | None:
         """The components of a type with their types; None if it has none."""
-        if type_ in library.BLOCKS:
-            return library.BLOCKS[type_][1]
         if type_ in library.COMPONENTS:
             return library.COMPONENTS[type_]
         return self._of_block(type_, "output")
@@ -64,10 +62,7 @@ class Names:
         variable = self.variable(name)
         if variable is None or not isinstance(variable.type, str):
             return None
-        type_ = self.canonical(variable.type)
-        if type_ in library.BLOCKS:
-            return library.BLOCKS[type_][0]
-        return self._of_block(type_, "input", "inout")
+        return self._of_block(variable.type, "input", "inout")
 
     def _of_block(self, type_: str, *sections: syntax.Section) -> dict[str, str] | None:
         block = self.blocks.get(type_.upper())

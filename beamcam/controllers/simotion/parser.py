@@ -10,7 +10,7 @@ from typing import Literal, cast
 
 from beamcam.controllers.simotion import rules, syntax
 from beamcam.controllers.simotion.expressions import KEYWORDS, Expressions, Stop
-from beamcam.controllers.simotion.lexer import tokens
+from beamcam.controllers.simotion.lexer import Token, tokens
 from beamcam.controllers.simotion.syntax import Expression, Section, Statement
 from beamcam.errors import Diagnostic, Source
 
@@ -51,16 +51,15 @@ class _Parser(Expressions):
     def unit(self, name: str) -> syntax.Unit:
         # INTERFACE USEPACKAGE p; USES u, v; VAR_GLOBAL ... END_VAR FUNCTION_BLOCK f; END_INTERFACE
         self.take("INTERFACE")
-        packages: list[str] = []
-        uses: list[tuple[str, int]] = []
+        uses: list[Token] = []
         exports: list[tuple[str, str, int]] = []
         variables: list[syntax.Variable] = []
         while not self.accept("END_INTERFACE"):
             if self.accept("USEPACKAGE"):
-                packages.append(self.identifier("a technology package").text)
+                self.identifier("a technology package")
                 self.take(";")
             elif self.accept("USES"):
-                uses += self.separated(self._used)
+                uses += self.separated(lambda: self.identifier("the name of a unit"))
                 self.take(";")
             elif self.accept("VAR_GLOBAL"):
                 section: Section = "const" if self.accept("CONSTANT") else "global"
@@ -74,20 +73,12 @@ class _Parser(Expressions):
         blocks = []
         while not self.accept("END_IMPLEMENTATION"):
             blocks.append(self.block())
-        return syntax.Unit(
-            name, tuple(packages), tuple(uses), tuple(exports), tuple(variables), tuple(blocks)
-        )
-
-    def _used(self) -> tuple[str, int]:
-        token = self.identifier("the name of a unit")
-        return token.text, token.line
+        return syntax.Unit(name, tuple(uses), tuple(exports), tuple(variables), tuple(blocks))
 
     def block(self) -> syntax.Block:
         # FUNCTION_BLOCK name VAR_INPUT ... END_VAR statements END_FUNCTION_BLOCK
         kind = self.take("FUNCTION_BLOCK", "PROGRAM", "END_IMPLEMENTATION")
         word = cast('Literal["PROGRAM", "FUNCTION_BLOCK"]', kind.text.upper())
-        if word not in ("FUNCTION_BLOCK", "PROGRAM"):
-            raise Stop(kind, "FUNCTION_BLOCK or PROGRAM")
         name = self.identifier("a name").text
         variables: list[syntax.Variable] = []
         while self.is_word(*_SECTIONS):
@@ -150,6 +141,7 @@ class _Parser(Expressions):
             if self.here.kind == "number":  # a label of CASE
                 return tuple(found)
             found.append(self.statement(ends))
+            self.take(";")
         if ends[0] not in ("END_IF", "END_CASE"):
             self.take(*ends)
         return tuple(found)
@@ -163,18 +155,14 @@ class _Parser(Expressions):
         if self.accept("FOR"):
             return self.for_(token.line)
         if self.accept("RETURN"):
-            self.take(";")
             return syntax.Leave(token.line)
         if token.kind != "name" or token.text.upper() in KEYWORDS:
             raise Stop(token, f"a statement or {ends[-1]}")
         target = self.postfix()
         if isinstance(target, syntax.Call):
-            self.take(";")
             return syntax.Invoke(token.line, target)
         self.take(":=")
-        value = self.expression()
-        self.take(";")
-        return syntax.Assign(token.line, target, value)
+        return syntax.Assign(token.line, target, self.expression())
 
     def if_(self, line: int) -> Statement:
         # IF a THEN ... ELSIF b THEN ... ELSE ... END_IF;
@@ -183,7 +171,6 @@ class _Parser(Expressions):
             branches.append(self._branch())
         otherwise = self.statements("END_IF") if self.accept("ELSE") else ()
         self.take("END_IF")
-        self.take(";")
         return syntax.If(line, tuple(branches), otherwise)
 
     def _branch(self) -> tuple[Expression, tuple[Statement, ...]]:
@@ -202,7 +189,6 @@ class _Parser(Expressions):
             branches.append((tuple(labels), self.statements("END_CASE", "ELSE")))
         otherwise = self.statements("END_CASE") if self.accept("ELSE") else ()
         self.take("END_CASE")
-        self.take(";")
         return syntax.Case(line, selector, tuple(branches), otherwise)
 
     def for_(self, line: int) -> Statement:
@@ -213,6 +199,4 @@ class _Parser(Expressions):
         self.take("TO")
         last = self.expression()
         self.take("DO")
-        body = self.statements("END_FOR")
-        self.take(";")
-        return syntax.For(line, variable, first, last, body)
+        return syntax.For(line, variable, first, last, self.statements("END_FOR"))

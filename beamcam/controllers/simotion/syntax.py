@@ -6,6 +6,8 @@ from typing import Literal
 
 from msgspec import Struct
 
+from beamcam.controllers.simotion.lexer import Token
+
 Section = Literal["const", "global", "input", "output", "inout", "local"]
 
 
@@ -139,8 +141,7 @@ class Unit(Struct, frozen=True):
     """One source of the project."""
 
     name: str
-    packages: tuple[str, ...]
-    uses: tuple[tuple[str, int], ...]
+    uses: tuple[Token, ...]  #: names of other units
     exports: tuple[tuple[str, str, int], ...]  #: kind, name and line
     variables: tuple[Variable, ...]
     blocks: tuple[Block, ...]

@@ -17,7 +17,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, STYLES, is_address, library_runtime
 
 if TYPE_CHECKING:
-    from beamcam.controllers.simotion.cell import Cell
+    from beamcam.controllers.simotion.cutting_table import CuttingTable
 
 AT = (1.0, 2.0)  #: where each line of the trial begins
 SIZE = (3.0, 1.5)  #: of it
@@ -91,49 +91,49 @@ def _program(machine: Machine, style: str) -> str:
 
 def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
     """Events of a run from the start button to the end."""
-    from beamcam.controllers.simotion.cell import Cell
+    from beamcam.controllers.simotion.cutting_table import CuttingTable
     from beamcam.controllers.simotion.interpreter import Fault
 
     assert machine.triggers is not None
-    cell = Cell(units, machine, name)
+    table = CuttingTable(units, machine, name)
     try:
-        cell.cycle()
-        cell.start = True
+        table.cycle()
+        table.start = True
         for _ in range(MOST_CYCLES):
-            if cell.value("workDone") or cell.value("workFault"):
+            if table.value("workDone") or table.value("workFault"):
                 break
-            cell.cycle()
+            table.cycle()
     except Fault as fault:
-        return [*cell.said, fault.diagnostic]
-    said = list(cell.said)
+        return [*table.said, fault.diagnostic]
+    said = list(table.said)
 
     def wrong(found: str, expected: str) -> None:
         said.append(rules.RUN.at(Source(name), found=found, expected=expected))
 
-    if not cell.value("workDone") and not cell.value("workFault"):
+    if not table.value("workDone") and not table.value("workFault"):
         cycle_s = machine.triggers.cycle_s
         found = f"no end of a line of {hypot(*SIZE):.1f} mm after {MOST_CYCLES * cycle_s:g} s"
         wrong(f"{found}, {MOST_CYCLES} cycles", "fewer, by back_off, homing_mm_s and cycle_s")
-    elif cell.value("workFault"):
-        wrong(f"fault {cell.value('faultNumber')}", "work to its end")
-    elif any(abs(a.position) > machine.triggers.in_position for a in cell.axes):
+    elif table.value("workFault"):
+        wrong(f"fault {table.value('faultNumber')}", "work to its end")
+    elif any(abs(a.position) > machine.triggers.in_position for a in table.axes):
         wrong("an end elsewhere", "both axes at 0")
-    elif cell.tool_on:
+    elif table.tool_on:
         wrong("a tool on at the end", "it off")
     elif not errors_in(said):
         for process in machine.triggers.outputs:
-            if not _drew(cell, process):
+            if not _drew(table, process):
                 wrong(f"no line by the tool to {process}", "one from end to end")
     return said
 
 
-def _drew(cell: "Cell", process: str) -> bool:
+def _drew(table: "CuttingTable", process: str) -> bool:
     """Whether a tool went along its line, and nowhere else."""
-    points = cell.points.get(process, [])
+    points = table.points.get(process, [])
     length = hypot(*SIZE)
     along = [((x - AT[0]) * SIZE[0] + (y - AT[1]) * SIZE[1]) / length for x, y in points]
     off = [((x - AT[0]) * SIZE[1] - (y - AT[1]) * SIZE[0]) / length for x, y in points]
-    near = cell.torch.tolerance
+    near = table.torch.tolerance
     return bool(
         points
         and max(map(abs, off)) <= near

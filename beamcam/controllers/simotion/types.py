@@ -97,7 +97,7 @@ class Types:
         common = right if library.fits(left, right) else left
         together = library.fits(left, right) or library.fits(right, left)
         if left.startswith("enum:") and right.startswith("enum:"):
-            shared = set(left[5:].split("|")) & set(right[5:].split("|"))
+            shared = set(library.choices(left)) & set(library.choices(right))
             together = bool(shared) and value.operator in ("=", "<>")
         if not together:
             self.names.wrong_type(

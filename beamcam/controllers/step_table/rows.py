@@ -21,9 +21,9 @@ from beamcam.geometry.array_types import Counts
 from beamcam.machine.tables import Stepper
 
 BLOCK_ROWS = 1 << 16
-COLUMNS = b"time_us,x,y,laser"
+COLUMNS = "time_us,x,y,laser"
 ROW_BYTES = 21  #: 12 digits, 3 commas, 2 + 2 + 1 bits and the end of the line
-_FIRST_LINE = re.compile(rb"# beamcam/steps/1 job [\w.-]+ step (\d+(?:\.\d+)?) mm")
+_FIRST_LINE = re.compile(rb"# beamcam/(\w+)/1 job [\w.-]+ step (\d+(?:\.\d+)?) mm")
 _HEAD = struct.Struct("<8sIIIIII")  #: magic, own size, step in nm, words
 _MAGIC = b"BCSTEPS1"
 _NM = 1e6  #: nanometres in a millimetre
@@ -99,6 +99,17 @@ class Stream:
         self.line += 1
         return line.removesuffix(b"\r")
 
+    def take_head(self, form: str, columns: str, step: float) -> None:
+        """The comments and the line of columns, by which it is a table in that form and step."""
+        while (line := self.take_line(columns)) != columns.encode():
+            if not line.startswith(b"#"):
+                raise self.fault(shown(line), columns, self.line - 1)
+            if line.startswith(b"# beamcam/"):
+                said = _FIRST_LINE.fullmatch(line)
+                if said is None or (said[1].decode(), float(said[2])) != (form, step):
+                    expected = f"# beamcam/{form}/1 job JOB step {step:g} mm"
+                    raise self.fault(shown(line), expected, self.line - 1, rules.HEAD)
+
 
 def shown(data: bytes) -> str:
     """Bytes as a message shows them."""
@@ -107,14 +118,7 @@ def shown(data: bytes) -> str:
 
 def text_rows(stream: Stream, stepper: Stepper) -> Iterator[Rows]:
     """The rows of the text form. Raises TableFault."""
-    while (line := stream.take_line(COLUMNS.decode())) != COLUMNS:
-        if not line.startswith(b"#"):
-            raise stream.fault(shown(line), COLUMNS.decode(), stream.line - 1)
-        if line.startswith(b"# beamcam/"):
-            said = _FIRST_LINE.fullmatch(line)
-            if said is None or float(said[1]) != stepper.step:
-                expected = f"# beamcam/steps/1 job JOB step {stepper.step:g} mm"
-                raise stream.fault(shown(line), expected, stream.line - 1, rules.HEAD)
+    stream.take_head("steps", COLUMNS, stepper.step)
     while data := stream.take(BLOCK_ROWS * ROW_BYTES):
         if len(data) % ROW_BYTES:
             whole = len(data) // ROW_BYTES

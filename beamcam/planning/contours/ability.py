@@ -72,12 +72,11 @@ def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | No
 
 def _refuse_centre(hole: Hole, torch: Torch) -> Diagnostic | None:
     """Why a table cannot mark a centre: it has no cross for it, or it should be of some depth."""
-    expected = None
     if not torch.cross:
         expected = "none, or the size of a cross in the machine file (torch.cross)"
     elif hole.depth is not None:
         expected = f"one without a depth, it is marked by a cross of {torch.cross:g}"
-    if expected is None:
+    else:
         return None
     return bar_rules.NO_TOOL.at(
         hole.source, kind="mark", found=f"{hole.diameter:g}", face=hole.face, expected=expected
@@ -85,12 +84,11 @@ def _refuse_centre(hole: Hole, torch: Torch) -> Diagnostic | None:
 
 
 def _refuse_hole(hole: Hole, torch: Torch, thickness: float) -> Diagnostic | None:
-    expected = None
     if hole.kind != "through" or hole.depth is not None:
         expected = "one through the sheet, a torch makes nothing else"
     elif hole.diameter < (least := min_hole(torch, thickness)):
         expected = f"at least {least:g} in a sheet of {thickness:g} mm"
-    if expected is None:
+    else:
         return None
     kind = "blind" if hole.kind == "through" and hole.depth is not None else hole.kind
     return bar_rules.NO_TOOL.at(
@@ -99,12 +97,11 @@ def _refuse_hole(hole: Hole, torch: Torch, thickness: float) -> Diagnostic | Non
 
 
 def _refuse_slot(slot: Slot, torch: Torch, thickness: float) -> Diagnostic | None:
-    expected = None
     if slot.kind != "through" or slot.depth is not None:
         expected = "one through the sheet, a torch makes nothing else"
     elif min(slot.length, slot.height) + slot.diameter < (least := min_hole(torch, thickness)):
         expected = f"one at least {least:g} wide in a sheet of {thickness:g} mm"
-    if expected is None:
+    else:
         return None
     size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
     return bar_rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)

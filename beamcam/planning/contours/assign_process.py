@@ -1,6 +1,6 @@
 """The curves of a part to cut and mark, exact, each with its process and its feature."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise, product
 from typing import Literal, cast
@@ -17,7 +17,6 @@ from beamcam.model.colour import colour_name, key_of, process_of
 from beamcam.model.hatch import is_filled_only
 from beamcam.model.marks import policy_on
 from beamcam.model.part import (
-    PLATE_FACES,
     Contour,
     Feature,
     Hole,
@@ -26,6 +25,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.sheet_layout import outline_of
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import (
     BEVEL,
@@ -42,6 +42,7 @@ from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
+Look = tuple[str | None, str | None]  #: layer and colour
 
 TOP_FACES = ("v",)  #: that a head comes to
 OUTLINE = -1  #: stands for the rectangle of a plate that has no contour of its own
@@ -81,44 +82,42 @@ def assign_processes(
     found = Assigned()
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     meanings = _Meanings(torch)
-    unmapped: Counter[tuple[str | None, str | None]] = Counter()
-    first: dict[tuple[str | None, str | None], Source] = {}
+    unmapped: dict[Look, list[Contour]] = defaultdict(list)
     for index, feature in enumerate(part.features):
         if _is_out(index, feature, torch, thickness, machine, skips, found):
             continue
         if isinstance(feature, TextMark):
             continue  # its place follows from all else that is cut
         if isinstance(feature, Contour):
-            look = feature.layer, feature.colour
             meaning = meanings(feature)
             if meaning is None:
-                unmapped[look] += len(feature.curves)
-                first.setdefault(look, feature.source)
+                unmapped[feature.layer, feature.colour].append(feature)
             elif meaning == "ignore":
                 found.skipped[index] = IGNORED
             elif is_filled_only(feature, torch):
                 found.filled[index] = meaning
             else:
-                source = feature.source
-                if feature.closed:
-                    found.rings.add(index)
-                key = meanings.key(feature)
-                found.wanted += [
-                    AssignedCurve(c, meaning, index, source, key) for c in feature.curves
-                ]
+                _follow(index, feature, meaning, meanings.key(feature), found)
         else:
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
             curves = curves_of(hole, torch.cross)
             found.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
-    for look, count in unmapped.items():
-        found.refusals.append(_unmapped(look, count, first[look], torch.colours))
+    found.refusals += (_unmapped(contours, torch.colours) for contours in unmapped.values())
     found.remarks += _noise(part, torch)
-    if _needs_outline(part):
-        found.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in _rectangle(part))
+    found.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in outline_of(part))
     letter(part, machine, found)
     found.refusals += _unknown_processes(found.wanted, torch, machine.name)
     return found
+
+
+def _follow(index: int, contour: Contour, process: TorchProcess, key: str, found: Assigned) -> None:
+    """Take the curves of a contour; `key` is that of the settings that they are worked with."""
+    if contour.closed:
+        found.rings.add(index)
+    found.wanted += [
+        AssignedCurve(curve, process, index, contour.source, key) for curve in contour.curves
+    ]
 
 
 def _is_out(
@@ -173,7 +172,7 @@ class _Meanings:
     def __init__(self, torch: Torch) -> None:
         self._table = cast("Mapping[str, Process]", torch.colours)
         self._settings = torch.settings
-        self._known: dict[tuple[str | None, str | None], Meaning | None] = {}
+        self._known: dict[Look, Meaning | None] = {}
 
     def __call__(self, contour: Contour) -> Meaning | None:
         look = contour.layer, contour.colour
@@ -238,15 +237,15 @@ def letter(part: Part, machine: Machine, found: Assigned) -> None:
         ]
 
 
-def _unmapped(
-    look: tuple[str | None, str | None], count: int, source: Source, table: Mapping[str, Meaning]
-) -> Diagnostic:
-    layer, colour = look
+def _unmapped(contours: Sequence[Contour], table: Mapping[str, Meaning]) -> Diagnostic:
+    """The error for contours of one layer and colour that stand for no process."""
+    layer, colour = contours[0].layer, contours[0].colour
+    count = sum(len(contour.curves) for contour in contours)
     named = [] if colour is None else [f"of colour {colour_name(colour)}"]
     named += [] if layer is None else [f"on layer {layer!r}"]
     key = colour_name(colour) if colour is not None else layer
     return rules.UNMAPPED.at(
-        source, count=count, found=" ".join(named), expected=", ".join(table), key=key
+        contours[0].source, count=count, found=" ".join(named), expected=", ".join(table), key=key
     )
 
 
@@ -303,19 +302,3 @@ def _slot_curves(slot: Slot) -> Iterator[Curve]:
         start, end = arc.end, arcs[(k + 1) % 4].start
         if (slot.length, slot.height)[k % 2] > 0.0:
             yield Line(start, end)
-
-
-def _needs_outline(part: Part) -> bool:
-    """Whether a plate is described by its length and width alone; a drawing never is."""
-    if part.measures is not None:
-        return False
-    return not any(
-        c.kind == "outer" and c.process == "cut" and c.face in PLATE_FACES for c in part.contours
-    )
-
-
-def _rectangle(part: Part) -> Iterator[Line]:
-    length, width = part.length, part.profile.height
-    corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)]
-    for k, corner in enumerate(corners):
-        yield Line(corner, corners[(k + 1) % 4])

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.arrays import CurveTable, ends_of
+from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.machine.torch import Torch, TorchProcess
@@ -65,7 +65,7 @@ def join(
             once = [_as_line(w) if k in straight else w for k, w in zip(numbers, once, strict=True)]
         if may_repeat:
             once = loose_once(once, found.repeats)
-            ends = ends_of([w.curve for w in once])
+            ends = CurveTable([w.curve for w in once]).ends
         chains = join_curves([w.curve for w in once], torch.gap, ends=ends)
         found.shapes += _shapes(process, once, chains)
         for k in chains.dropped:

@@ -229,7 +229,7 @@ def _open_part(mouth: Any, ring: Any, contour: Any, radius: float, tolerance: fl
     """Points of a mouth without the slivers beside the contour that lead to it.
 
     Between a contour and the edge of what the beam takes away may be up to the tolerance, and so
-    a piece has slivers that are longer than itself. They are no part of what the beam touches
+    a piece has slivers that are longer than itself. They are not part of what the beam touches
     from the places where it stands before the mouth.
     """
     import shapely

@@ -36,7 +36,7 @@ def nest(
     gap: float,
     kerf: float,
 ) -> tuple[list[Shape], list[Diagnostic]]:
-    """The shapes with their area, depth and parent, and what is to be said of those that cross.
+    """The shapes with their area, depth and parent, and remarks on those that cross.
 
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
     are told apart by that, those that cross are not. `tolerance` is the machine's, and `gap` what

@@ -19,7 +19,7 @@ from beamcam.planning.contours.direction import begun, is_turned, reversed_chain
 from beamcam.planning.contours.entry import entries
 from beamcam.planning.contours.kerf import common_cuts, compensated
 from beamcam.planning.contours.lead_in import waste_side
-from beamcam.planning.contours.leads import Lead, Leads
+from beamcam.planning.contours.leads import NO_LEADS, Lead, leads_of
 from beamcam.planning.contours.look_settings import is_one_way, rank
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
@@ -74,11 +74,11 @@ def operations_of(
 def _by_offset(
     ways: Sequence[Way], torch: Torch, fence: Sequence[Shape]
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
-    """The toolpaths with their leads, and the number of shortened leads."""
+    """The toolpaths with their leads, and a remark on shortened ones."""
     kerf = max((kerf for _, kerf in ways), default=0.0) if torch.kerf_by == "offset" else 0.0
     overs = [overcut(shape, own, torch) for shape, own in ways]
-    leads = Leads([shape for shape, _ in ways], overs, torch, kerf / 2, fence)
-    return [(*way, leads.of(k)) for k, way in enumerate(ways)], leads.remarks
+    led, said = leads_of([shape for shape, _ in ways], overs, torch, kerf / 2, fence)
+    return [(*way, led.get(k, NO_LEADS)) for k, way in enumerate(ways)], said
 
 
 def _by_machine(
@@ -91,7 +91,7 @@ def _by_machine(
     for k, (shape, kerf) in enumerate(ways):
         entry = begun_at.get(k)
         if entry is None:
-            found.append((shape, kerf, ((), ())))
+            found.append((shape, kerf, NO_LEADS))
         else:
             lead = entry.lead_in, entry.lead_out
             found.append((replace(shape, curves=entry.curves), kerf, lead))

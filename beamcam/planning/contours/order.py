@@ -5,7 +5,6 @@ shortens the way (`two_opt`).
 """
 
 from collections.abc import Sequence
-from math import dist
 
 import numpy as np
 
@@ -57,15 +56,3 @@ def order(
             last, turned = tour[-1]
             here = starts[last] if turned else ends[last]
     return done
-
-
-def travel(tour: Sequence[tuple[int, bool]], shapes: Sequence[Shape], home: Point) -> float:
-    """Length of the traverses between the shapes of a tour, in its order."""
-    total, here = 0.0, home
-    for index, turned in tour:
-        shape = shapes[index]
-        start = shape.curves[0].start
-        end = start if shape.closed else shape.curves[-1].end
-        total += dist(here, end if turned else start)
-        here = start if turned else end
-    return total

@@ -81,7 +81,7 @@ LOOK_OVERCUT = Rule(
 LOOK_ORDER = Rule(
     "plan-map-order",
     _E,
-    "found order {found} of {key!r}, by which it is to {process} after the cut of {other}, of "
+    "found order {found} of {key!r}, which would {process} it after the cut of {other}, of "
     "order {expected}; expected marks before cuts, and what lies in a contour before it; give the "
     "later one a higher map.KEY.order",
     "Once a part is cut free it may tilt, and nothing on it comes out right any more.",
@@ -134,7 +134,8 @@ OTHER_MATERIAL = Rule(
 ASSUMED = Rule(
     "plan-thickness-assumed",
     _N,
-    "found no thickness in the drawing; the sheet is taken as {found} mm {material}",
+    "found no thickness in the drawing; the sheet is {found} mm {material}, by the options or the "
+    "machine's file",
     "--thickness and --material say it, and where they do not, the machine's file.",
 )
 SHEET_SIZE = Rule(

@@ -114,7 +114,6 @@ class _Ways:
         """What is gained by turning the stretches from each of `places` to the one behind it, to
         the second one behind it and so on, (n, WINDOW - 1); -inf for what cannot be turned."""
         count = self._count
-        count = self._count
         last = places[:, None] + np.arange(1, WINDOW)
         behind = np.minimum(last + 1, count)
         from_x, from_y = (v[:, None] for v in self._leave[:, places])

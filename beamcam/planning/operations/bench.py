@@ -12,9 +12,9 @@ from beamcam.model.part import Face, Feature, Hole, Part, Slot
 from beamcam.model.section import OTHER_SIDE
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
-from beamcam.planning.operations.job import Found, Job, Said, Settled
 from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.reach import reach_of
+from beamcam.planning.operations.working_step import Found, Said, Settled, WorkingStep
 
 FROM_BEHIND = Rule(
     "plan-from-behind",
@@ -44,7 +44,7 @@ class Bench:
         #: Features that can be made, by kind of work, each on the face that it is made from.
         self.accepted: defaultdict[str, list[tuple[int, Any]]] = defaultdict(list)
         self.behind: set[int] = set()  #: features that are made from the other side of their wall
-        self.jobs: list[Job] = []
+        self.steps: list[WorkingStep] = []
         self.told: list[Said] = []  #: remarks about features
         self.refused: dict[int, Diagnostic] = {}
         self.settled: dict[int, Settled] = {}
@@ -72,10 +72,10 @@ class Bench:
         return next(p.number for p in self.machine.pairs if set(p.faces) == set(faces))
 
     def take(self, found: Iterable[Found]) -> None:
-        """Keep jobs and remarks; of several errors about a feature the first refuses it."""
+        """Keep steps and remarks; of several errors about a feature the first refuses it."""
         for each in found:
-            if isinstance(each, Job):
-                self.jobs.append(each)
+            if isinstance(each, WorkingStep):
+                self.steps.append(each)
             elif isinstance(each, Settled):
                 self.settled[each.feature] = each
             elif each[1].severity is Severity.ERROR:
@@ -84,11 +84,11 @@ class Bench:
                 self.told.append(each)
 
     def refuse(self, found: Iterable[Said]) -> None:
-        """Refuse features for what outweighs all that was found before, and drop their jobs."""
+        """Refuse features for what outweighs all that was found before, and drop their steps."""
         refused = dict(found)
         if refused:
             self.refused |= refused
-            self.jobs = [job for job in self.jobs if refused.keys().isdisjoint(job.features)]
+            self.steps = [step for step in self.steps if refused.keys().isdisjoint(step.features)]
 
     def refuse_repeats(self) -> None:
         """Refuse the repeats of refused features too."""

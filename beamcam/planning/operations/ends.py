@@ -70,17 +70,11 @@ def ends_of(part: Part, min_mitre: float) -> tuple[Ends, tuple[Diagnostic, ...]]
     remarks: list[Diagnostic] = []
     web = _agreed(part, "web", header[0], drawn[0], min_mitre, remarks)
     flange = _agreed(part, "flange", header[1], drawn[1], min_mitre, remarks)
-    leans = [[y * t + z * s for y, z in corners(part.profile)] for t, s in _tangents(web, flange)]
+    slopes = [(tan(radians(w)), tan(radians(f))) for w, f in zip(web, flange, strict=True)]
+    leans = [[y * t + z * s for y, z in corners(part.profile)] for t, s in slopes]
     start = End("start", web[0], max(leans[0]), flange[0])
     end = End("end", web[1], part.length + min(leans[1]), flange[1])
     return (start, end), tuple(remarks)
-
-
-def _tangents(
-    web: tuple[float, float], flange: tuple[float, float]
-) -> Iterator[tuple[float, float]]:
-    for w, f in zip(web, flange, strict=True):
-        yield tan(radians(w)), tan(radians(f))
 
 
 def _agreed(
@@ -134,7 +128,7 @@ def _drawn_flange_angles(part: Part) -> tuple[float, float] | None:
 
 
 def _drawn_angles(part: Part, face: str) -> tuple[float, float] | None:
-    """End angles of the outer contour on a face; None if there is none, or it is no trapezoid."""
+    """End angles of the outer contour on a face; None if it has none or is not a trapezoid."""
     outer = [c for c in part.contours if c.face == face and c.kind == "outer"]
     if len(outer) != 1 or not all(isinstance(c, Line) for c in outer[0].curves):
         return None

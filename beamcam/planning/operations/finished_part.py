@@ -13,12 +13,12 @@ Across it a wall ends at a free edge or at another wall, which may have a root f
 
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import hypot, inf
 
 from msgspec import Struct
 
-from beamcam.caches import BoundedCache, PerObject
+from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.plane import Point
 from beamcam.machine.drill import Drill
@@ -95,26 +95,13 @@ class FaceEdges(Struct, frozen=True):
     edge: str  #: in messages
 
 
-class Along(Struct, frozen=True):
-    """Ends of the wall behind one face, along the part: x = x0 - y * slope at either end."""
+class Border(Struct, frozen=True, gc=False):
+    """A straight line at which the wall behind a face ends."""
 
-    start_x0: float
-    start_slope: float
-    end_x0: float
-    end_slope: float
-    start_slant: float  #: sqrt(1 + slope^2)
-    end_slant: float
-
-    def clear(self, points: Sequence[Point]) -> tuple[float, float]:
-        """Steel between points and the start, and the end; negative if one is beyond."""
-        start = [x - self.start_x0 + y * self.start_slope for x, y in points]
-        end = [self.end_x0 - y * self.end_slope - x for x, y in points]
-        return min(start) / self.start_slant, min(end) / self.end_slant
-
-
-_walls: PerObject[Machine, BoundedCache[tuple[Profile, Face], FaceEdges]] = PerObject(
-    "planning.machines", lambda _: BoundedCache("planning.walls")
-)
+    steel: float  #: between it and x 0, y 0 of the face
+    per_x: float  #: and how much more for each mm of x
+    per_y: float
+    name: str  #: in messages
 
 
 class FinishedPart:
@@ -124,44 +111,41 @@ class FinishedPart:
         self.part, self._ends, self._drill = part, ends, drill
         self._machine = machine
         self._across: dict[Face, FaceEdges] = {}
-        self._along: dict[Face, Along] = {}
+        self._borders: dict[Face, tuple[Border, ...]] = {}
 
     def across(self, face: Face) -> FaceEdges:
         """Walls and edges across the part on a face."""
         found = self._across.get(face)
         if found is None:
-            known, key = _walls(self._machine), (self.part.profile, face)
-            found = known.get(key) or known.keep(key, _across(*key))
-            self._across[face] = found
+            found = self._across[face] = _across(self.part.profile, face)
         return found
 
-    def along(self, face: Face) -> Along:
-        """Ends of the wall behind a face."""
-        found = self._along.get(face)
-        if found is None:
-            found = self._along[face] = _along(self._ends, face, self.part.profile)
-        return found
+    def steel(self, face: Face, points: Iterable[Point]) -> tuple[float, str]:
+        """Steel between points and the nearest border of their wall, and which border that is.
+
+        It is negative if a point is beyond.
+        """
+        borders = self._borders.get(face)
+        if borders is None:
+            found = _borders(self.across(face), self._ends, face, self.part.profile)
+            borders = self._borders[face] = tuple(found)
+        return min([(b.steel + b.per_x * x + b.per_y * y, b.name)
+                    for x, y in points for b in borders])  # fmt: skip
 
     def judge(self, shape: Hole | Slot, middles: Sequence[Point]) -> list[Diagnostic]:
         """Errors and remarks on a hole or slot, errors first.
 
         `middles` are those of its corner circles, of a hole its own.
         """
-        radius, face, drill = shape.diameter / 2, shape.face, self._drill
-        across = self.across(face)
-        ys = [y for _, y in middles]
-        low, high = min(ys) - radius, max(ys) + radius
-        start, end = self.along(face).clear(middles)
-        steel = [(start - radius, "the start of the part"), (end - radius, "the end of the part")]
-        if across.free[0]:
-            steel.append((low, across.edge))
-        if across.free[1]:
-            steel.append((across.width - high, across.edge))
-        left, place = min(steel)
+        radius, drill = shape.diameter / 2, self._drill
+        nearest, place = self.steel(shape.face, middles)
+        left = nearest - radius
         if left < -TOLERANCE:
             return [_said(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
         said: list[Diagnostic] = []
-        for wall in across.walls:
+        ys = [y for _, y in middles]
+        low, high = min(ys) - radius, max(ys) + radius
+        for wall in self.across(shape.face).walls:
             apart = wall.apart(low, high)
             if apart < drill.min_fillet_distance - TOLERANCE:
                 said.append(self._beside(shape, low, high, wall, apart))
@@ -213,6 +197,7 @@ def _said(rule: Rule, shape: Hole | Slot, **values: str) -> Diagnostic:
     )  # fmt: skip
 
 
+@cached("planning.walls")
 def _across(profile: Profile, face: Face) -> FaceEdges:
     """Walls and edges on a face."""
     return FaceEdges(
@@ -221,10 +206,14 @@ def _across(profile: Profile, face: Face) -> FaceEdges:
     )  # fmt: skip
 
 
-def _along(ends: Ends, face: Face, profile: Profile) -> Along:
-    """The ends of the wall behind a face, each by the surface on which it takes most."""
+def _borders(across: FaceEdges, ends: Ends, face: Face, profile: Profile) -> Iterator[Border]:
+    """The ends of the wall behind a face, each where it takes most, and its free edges."""
     start, end = (wall_end(each, face, profile) for each in ends)
-    return Along(
-        start.greatest, start.slope, end.least, end.slope,
-        hypot(1.0, start.slope), hypot(1.0, end.slope),
-    )  # fmt: skip
+    slant = hypot(1.0, start.slope)
+    yield Border(-start.greatest / slant, 1 / slant, start.slope / slant, "the start of the part")
+    slant = hypot(1.0, end.slope)
+    yield Border(end.least / slant, -1 / slant, -end.slope / slant, "the end of the part")
+    if across.free[0]:
+        yield Border(0.0, 0.0, 1.0, across.edge)
+    if across.free[1]:
+        yield Border(across.width, 0.0, -1.0, across.edge)

@@ -1,6 +1,6 @@
 """A hole: drilled, drilled and tapped, sunk, punched or milled; one stroke for both flanges.
 
-holes on their faces -> each once -> pairs of the two flanges -> toolings -> jobs; sinks last,
+holes on their faces -> each once -> pairs of the two flanges -> toolings -> steps; sinks last,
 since each stands on the hole that it sinks.
 """
 
@@ -14,12 +14,11 @@ from beamcam.machine.machine import Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.model.plan import DrillOp, FeatureRef, Plan, WorkOp
-from beamcam.planning.axis_limits import refuse_jobs
+from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
 from beamcam.planning.operations.hole_pairs import judge_pairs, refuse_too_near
-from beamcam.planning.operations.hole_tools import HoleWork, Refusal, toolings_of
-from beamcam.planning.operations.job import Found, Job, Settled, Tooling
+from beamcam.planning.operations.hole_tools import HoleWork, toolings_of
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.merging import (
     Group,
@@ -31,6 +30,7 @@ from beamcam.planning.operations.merging import (
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
 from beamcam.planning.operations.tools import Rack, rack_of
+from beamcam.planning.operations.working_step import Found, Settled, Tooling, WorkingStep
 
 DUPLICATE = Rule(
     "plan-duplicate",
@@ -80,12 +80,11 @@ def _refusals(hole: Hole, bench: Bench) -> Iterable[Diagnostic]:
     return bench.finished.judge(hole, ((hole.x, hole.y),))
 
 
-def _partner_faces(machine: Machine) -> dict[Face, Face]:
-    """The faces that a pair of spindles drills at once, each with the other one."""
-    return {a: b for pair in machine.pairs for a, b in (pair.faces, pair.faces[::-1])}
-
-
-partner_faces = PerObject("planning.partner_faces", _partner_faces)
+#: The faces that a pair of spindles drills at once, each with the other one.
+partner_faces: PerObject[Machine, dict[Face, Face]] = PerObject(
+    "planning.partner_faces",
+    lambda machine: {a: b for p in machine.pairs for a, b in (p.faces, p.faces[::-1])},
+)
 
 
 def _steps(holes: Sequence[tuple[int, Hole]], bench: Bench) -> list[Found]:
@@ -121,7 +120,7 @@ def _repeats(repeats: dict[int, Placed], bench: Bench) -> Iterator[Found]:
 def _make(
     group: Group, bench: Bench, pilot: float | None = None, place: Point | None = None
 ) -> list[Found]:
-    """The jobs of a hole or a pair; a pair without a tool, or out of reach of a spindle, is two.
+    """The steps of a hole or a pair; a pair without a tool, or out of reach of a spindle, is two.
 
     `pilot` is the diameter of the hole that a countersink sinks, and `place` where that stands.
     """
@@ -146,18 +145,18 @@ def _make(
         pilot,
     )  # fmt: skip
     toolings = toolings_of(bench.rack, work)
-    if isinstance(toolings, Refusal):
+    if not isinstance(toolings, tuple):
         if len(group) == 2:
             return _one_by_one(group, bench, pilot, place)
         values = {"x": f"{x:g}", "y": f"{y:g}", **toolings.values}
         return [(f, toolings.rule.at(hole.source, **values))]
-    jobs = []
+    steps = []
     for tooling in toolings:
         path = _ring(x, y, tooling, bench) if tooling.ring else ()
-        jobs.append(Job(x, y, tooling, features, hole.source, path))
-    if len(group) == 2 and any(refuse_jobs(bench.part, bench.machine, bench.rack.drill, jobs)):
+        steps.append(WorkingStep(x, y, tooling, features, hole.source, path))
+    if len(group) == 2 and any(refuse_steps(bench.part, bench.machine, bench.rack.drill, steps)):
         return _one_by_one(group, bench, pilot, place)
-    found: list[Found] = [*jobs]
+    found: list[Found] = [*steps]
     if hole.depth is not None:
         found += _judge_points(group, toolings[0], thickness)
     return found
@@ -166,7 +165,7 @@ def _make(
 def _one_by_one(
     group: Group, bench: Bench, pilot: float | None, place: Point | None
 ) -> list[Found]:
-    """The jobs of two holes that one stroke of both spindles does not make."""
+    """The steps of two holes that one stroke of both spindles does not make."""
     return [found for one in group for found in _make((one,), bench, pilot, place)]
 
 
@@ -215,11 +214,13 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
 def _sinks(
     sinks: Iterable[Group], pilots: dict[int, Placed], made: Iterable[Found], bench: Bench
 ) -> Iterator[Found]:
-    """The jobs of countersinks; of a pair one by one if their holes differ in size or place.
+    """The steps of countersinks; of a pair one by one if their holes differ in size or place.
 
-    A sink stands on its hole, wherever a merge has put that one; `made` holds the jobs of holes.
+    A sink stands on its hole, wherever a merge has put that one; `made` holds the steps of holes.
     """
-    places = {f: (job.x, job.y) for job in made if isinstance(job, Job) for f in job.features}
+    places = {
+        f: (step.x, step.y) for step in made if isinstance(step, WorkingStep) for f in step.features
+    }
     for group in sinks:
         holes = [pilots.get(f) for _, f, _ in group]
         at = [places.get(p[1]) if p else None for p in holes]

@@ -12,8 +12,8 @@ from beamcam.machine.drill import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Hole
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.job import Said
 from beamcam.planning.operations.merging import ROUNDING, Group, Placed, runs
+from beamcam.planning.operations.working_step import Said
 
 OVERLAP = Rule(
     "plan-hole-overlap",

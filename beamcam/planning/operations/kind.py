@@ -15,7 +15,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Feature
 from beamcam.model.plan import Plan, WorkOp
 from beamcam.planning.operations.bench import Bench
-from beamcam.planning.operations.job import Found
+from beamcam.planning.operations.working_step import Found
 
 Numbered = tuple[int, Any]  #: index of a feature, and the feature
 
@@ -34,7 +34,7 @@ class Kind(Struct, frozen=True):
     needs: Callable[[Any, Bench], Diagnostic | None]
     #: What is wrong with the place of a feature on the finished part, or odd.
     refusals: Callable[[Any, Bench], Iterable[Diagnostic]] = nothing
-    #: The jobs of all its features of a part together.
+    #: The steps of all its features of a part together.
     steps: Callable[[Sequence[Numbered], Bench], Iterable[Found]] = nothing
     reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
     #: What might have been done instead of an operation, and why it was not.

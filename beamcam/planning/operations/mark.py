@@ -6,10 +6,10 @@ from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.model.part import Contour, Face
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.job import Found, Job, Tooling
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.paths import line_points
 from beamcam.planning.operations.reach import IN_THE_WAY
+from beamcam.planning.operations.working_step import Found, Tooling, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
 _E, _W = Severity.ERROR, Severity.WARNING
@@ -63,12 +63,10 @@ def _steps(lines: Sequence[tuple[int, Contour]], bench: Bench) -> Iterator[Found
         scribes = bench.rack.of_kind("scribe", faces)[:1]
         number = bench.number(faces)
         tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
-        yield Job(*path[0], tooling, (f,), line.source, path)
-        start, end = bench.finished.along(line.face).clear(path)
+        yield WorkingStep(*path[0], tooling, (f,), line.source, path)
         across = bench.finished.across(line.face)
         left, place = min(
-            (start, "the start of the part"),
-            (end, "the end of the part"),
+            bench.finished.steel(line.face, path),
             (min(min(y, across.width - y) for _, y in path), across.edge),
         )
         if left < -TOLERANCE:

@@ -6,6 +6,7 @@ it lies on a bar, since parts that share an angle share a cut (see `planning.nes
 
 from collections.abc import Iterator, Sequence
 from math import atan, cos, degrees, radians, tan
+from typing import Literal
 
 from msgspec.structs import replace
 
@@ -199,18 +200,17 @@ def cuts_of(
             yield SawOp(x, saw.square, "parting", (index,), source, 0.0, "end", (reason,))
 
 
-def _skew(piece: Piece, pieces: tuple[int, ...], end: End, saw: Saw, purpose: str) -> SawOp:
+def _skew(
+    piece: Piece, pieces: tuple[int, ...], end: End, saw: Saw, purpose: Literal["mitre", "common"]
+) -> SawOp:
     """The cut of a skew end, half a kerf on the waste side of it."""
     profile = piece.part.profile
     edge = end.x(*pivot_edge(saw, profile))
     side = -0.5 if end.at == "start" else 0.5
     x = saw.x + piece.start + edge + side * kerf_along_bar(saw, end)
     angle, tilt = saw_angles(end, saw)
-    if purpose == "common":
-        reasons = ("cut-common",)
-        return SawOp(x, angle, "common", pieces, piece.part.source, tilt, end.at, reasons)
-    reasons = ("cut-mitre-start" if end.at == "start" else "cut-mitre-end",)
-    return SawOp(x, angle, "mitre", pieces, piece.part.source, tilt, end.at, reasons)
+    reason = "cut-common" if purpose == "common" else f"cut-mitre-{end.at}"
+    return SawOp(x, angle, purpose, pieces, piece.part.source, tilt, end.at, (reason,))
 
 
 def pivot_edge(saw: Saw, profile: Profile) -> tuple[float, float]:

@@ -15,10 +15,10 @@ from beamcam.model.part import Hole, Slot
 from beamcam.planning import rules
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.job import Found, Job, Said, Tooling
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
+from beamcam.planning.operations.working_step import Found, Said, Tooling, WorkingStep
 
 REASONS = {
     "slot-end": "the ends of a slot are drilled before it is milled",
@@ -57,13 +57,13 @@ def _refusals(slot: Slot, bench: Bench) -> Iterator[Diagnostic]:
 
 def _steps(slots: Sequence[tuple[int, Slot]], bench: Bench) -> Iterator[Found]:
     for f, slot in slots:
-        yield from _jobs(f, slot, bench)
+        yield from _steps_of(f, slot, bench)
     if slots:
         drilled = (each for each in bench.holes if each[1].kind != "mark")
         yield from _judge_neighbours([*slots, *drilled], bench.rack.drill.min_edge_distance)
 
 
-def _jobs(f: int, slot: Slot, bench: Bench) -> Iterator[Job]:
+def _steps_of(f: int, slot: Slot, bench: Bench) -> Iterator[WorkingStep]:
     """The ends drilled, where the machine does so and has the drill, and the slot milled."""
     rack, ends, faces = bench.rack, slot_ends(slot), (slot.face,)
     number = bench.number(faces)
@@ -72,13 +72,13 @@ def _jobs(f: int, slot: Slot, bench: Bench) -> Iterator[Job]:
     if rack.drill.slots == "drill-mill" and drills and len(ends) <= 2:
         drilled = Tooling(number, drills, faces, slot.depth, ("slot-end",))
         for x, y in ends:
-            yield Job(x, y, drilled, (f,), slot.source)
+            yield WorkingStep(x, y, drilled, (f,), slot.source)
     path = pocket_path(
         (slot.x, slot.y), (slot.length, slot.height), slot.angle, slot.diameter,
         mill[0].diameter, rack.drill.path_tolerance, slot.depth is not None,
     )  # fmt: skip
     milled = Tooling(number, mill, faces, slot.depth, ("slot-mill",))
-    yield Job(*path[0], milled, (f,), slot.source, path)
+    yield WorkingStep(*path[0], milled, (f,), slot.source, path)
 
 
 def _judge_neighbours(shapes: Sequence[Shape], steel: float) -> Iterator[Said]:

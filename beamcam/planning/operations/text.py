@@ -17,11 +17,12 @@ from beamcam.planning.by_hand import FACE
 from beamcam.planning.lettering import Lettered, place_text, remarks
 from beamcam.planning.lettering_room import Room
 from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.ends import wall_end
 from beamcam.planning.operations.finished_part import OUTSIDE
-from beamcam.planning.operations.job import Found, Job, Settled, Tooling
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.mark import can_scribe
 from beamcam.planning.operations.slot import slot_ends
+from beamcam.planning.operations.working_step import Found, Settled, Tooling, WorkingStep
 
 REASONS = {
     "letter": "a text lettered by strokes",
@@ -52,7 +53,7 @@ def _steps(texts: Sequence[tuple[int, TextMark]], bench: Bench) -> Iterator[Foun
                 yield f, lettered
                 break
             yield from ((f, said) for said in remarks(text, lettered, bench.machine.marks))
-            yield from _jobs(f, text, lettered, bench)
+            yield from _steps_of(f, text, lettered, bench)
 
 
 def _comes_to(face: Face, bench: Bench) -> bool:
@@ -63,17 +64,17 @@ def _comes_to(face: Face, bench: Bench) -> bool:
     return face in bench.machine.marks.faces and face not in missing
 
 
-def _jobs(f: int, text: TextMark, lettered: Lettered, bench: Bench) -> Iterator[Job]:
+def _steps_of(f: int, text: TextMark, lettered: Lettered, bench: Bench) -> Iterator[WorkingStep]:
     marks = bench.machine.marks
     if marks.unit == "stamp" or marks.unit == "printer":
         unit = Tool(marks.unit, lettered.height, FLAT_DEG)
         how = Tooling(marks.faces[text.face], (unit,), (text.face,), None, ("tell",))
         typed = Typed(lettered.text, lettered.height, lettered.angle)
-        yield Job(lettered.x, lettered.y, how, (f,), text.source, text=typed)
+        yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=typed)
         return
     how = _tooling(text.face, bench)
     for stroke in lettered.strokes:
-        yield Job(*stroke[0], how, (f,), text.source, stroke)
+        yield WorkingStep(*stroke[0], how, (f,), text.source, stroke)
 
 
 def _tooling(face: Face, bench: Bench) -> Tooling:
@@ -83,8 +84,30 @@ def _tooling(face: Face, bench: Bench) -> Tooling:
 
 
 def _room(face: Face, bench: Bench) -> Room | None:
-    """Room for a text on a face: between ends, edges and fillets, within the axes' travel."""
-    across, along = bench.finished.across(face), bench.finished.along(face)
+    """Room for a text on a face, within the axes' travel; None where there is none."""
+    low, high = _between_walls(face, bench)
+    if not bench.machine.marks.is_told:
+        bounds = within_axes(_tooling(face, bench), bench.part, bench.machine, (low, high))
+        if bounds is None:
+            return None
+        low, high = bounds
+    start, end = (wall_end(each, face, bench.part.profile) for each in bench.ends)
+    outline = [
+        (start.greatest - low * start.slope, low),
+        (end.least - low * end.slope, low),
+        (end.least - high * end.slope, high),
+        (start.greatest - high * start.slope, high),
+    ]
+    xs = [x for x, _ in outline]
+    room = Room((min(xs), low, max(xs), high))
+    room.bound(outline)
+    _remove_obstacles(room, face, bench)
+    return room
+
+
+def _between_walls(face: Face, bench: Bench) -> tuple[float, float]:
+    """The y of a face between edges, fillets and what is in the tool's way."""
+    across = bench.finished.across(face)
     low, high = 0.0, across.width
     if face in bench.reached:
         low, high = max(low, bench.reached[face].least), min(high, bench.reached[face].greatest)
@@ -97,27 +120,19 @@ def _room(face: Face, bench: Bench) -> Room | None:
                 low = max(low, wall.greatest + wall.radius)
             if wall.greatest >= high:
                 high = min(high, wall.least - wall.radius)
-    if not bench.machine.marks.is_told:
-        bounds = within_axes(_tooling(face, bench), bench.part, bench.machine, (low, high))
-        if bounds is None:
-            return None
-        low, high = bounds
-    outline = [
-        (along.start_x0 - low * along.start_slope, low),
-        (along.end_x0 - low * along.end_slope, low),
-        (along.end_x0 - high * along.end_slope, high),
-        (along.start_x0 - high * along.start_slope, high),
-    ]
-    xs = [x for x, _ in outline]
-    room = Room((min(xs), low, max(xs), high))
-    room.bound(outline)
-    if profile.code == "T" and face == "v":  # its stem stands there
-        for wall in across.walls:
+    return low, high
+
+
+def _remove_obstacles(room: Room, face: Face, bench: Bench) -> None:
+    """Take the stem of a T, and holes and slots, from the steel of a face."""
+    code = bench.part.profile.code
+    if code == "T" and face == "v":
+        for wall in bench.finished.across(face).walls:
             room.remove(
                 box_corners(room.box[0], wall.least - wall.radius, room.box[2],
                             wall.greatest + wall.radius)
             )  # fmt: skip
-    behind = OTHER_SIDE.get(bench.part.profile.code, {}).get(face)
+    behind = OTHER_SIDE.get(code, {}).get(face)
     for feature in bench.part.features:
         if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
             centres = slot_ends(feature) if isinstance(feature, Slot) else ((feature.x, feature.y),)
@@ -125,7 +140,6 @@ def _room(face: Face, bench: Bench) -> Room | None:
                 room.drill(centre, feature.diameter / 2)
             if isinstance(feature, Slot):
                 room.remove(_around(feature))
-    return room
 
 
 def box_corners(x0: float, y0: float, x1: float, y1: float) -> list[tuple[float, float]]:

@@ -32,8 +32,7 @@ class Rack:
         self._sets = sets
         # One object for each tool, so that tools can be told apart by identity.
         self._tools = [(tools, tuple(_tools(tools))) for tools in sets]
-        self._drills: BoundedCache[tuple[tuple[float, ...], tuple[Face, ...]], Tools]
-        self._drills = BoundedCache("planning.drills")
+        self._drills: BoundedCache[object, Tools] = BoundedCache("planning.drills")
         #: for `operations.hole_tools`
         self.toolings: BoundedCache[object, object] = BoundedCache("planning.toolings")
 
@@ -92,8 +91,11 @@ class Rack:
     def taps(self, diameter: float, left: bool, faces: tuple[Face, ...]) -> Tools:
         """The tap of a nominal diameter."""
         hand = "left" if left else "right"
-        taps = (t for t in self.of_kind("tap", faces) if t.hand == hand)
-        return tuple(t for t in taps if abs(t.diameter - diameter) <= self.drill.twin)[:1]
+        return tuple(
+            tap
+            for tap in self.of_kind("tap", faces)
+            if tap.hand == hand and abs(tap.diameter - diameter) <= self.drill.twin
+        )[:1]
 
     def pre_drill(self, tap: Tool) -> float:
         """Diameter of the drill before a tap."""
@@ -128,12 +130,10 @@ class Rack:
         return max((t.diameter for t in self.of_kind("drill", faces)), default=0.0)
 
 
-def _rack(machine: Machine) -> Rack:
-    return Rack(machine.tools, drill_of(machine))
-
-
 #: The tools of a machine; none of one that does not drill.
-rack_of = PerObject("planning.rack", _rack)
+rack_of: PerObject[Machine, Rack] = PerObject(
+    "planning.rack", lambda machine: Rack(machine.tools, drill_of(machine))
+)
 
 
 def _tools(tools: ToolSet) -> Iterable[Tool]:

@@ -1,8 +1,8 @@
 """The work of one part, independent of its place on a bar, and the tools chosen for it.
 
 ends -> each feature by itself: what it needs, and its place on the finished part
-     -> the jobs of each kind of work
-     -> jobs that no axis comes to
+     -> the steps of each kind of work
+     -> steps that no axis comes to
      -> refused, or left out where that is allowed
 """
 
@@ -16,59 +16,54 @@ from beamcam.machine.tools import Tool
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Feature, Part
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, TextOp, WorkOp
-from beamcam.planning.axis_limits import refuse_jobs
+from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.by_hand import listed_by, refuse_mark
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
-from beamcam.planning.operations.job import Job, Settled, Tooling
 from beamcam.planning.operations.kinds import KINDS, kind_of
 from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.saw_cut import SAW_CUT
 from beamcam.planning.operations.tools import Tools, settle
+from beamcam.planning.operations.working_step import Settled, Tooling, WorkingStep
 
 
-class Work(Struct, frozen=True):
+class PartWork(Struct, frozen=True):
     """The work of one part, and the part of it that is refused."""
 
     ends: Ends
     refusals: tuple[Diagnostic, ...]
     remarks: tuple[Diagnostic, ...] = ()
-    jobs: tuple[Job, ...] = ()
-    settled: tuple[Settled, ...] = ()  #: features that need no job
+    steps: tuple[WorkingStep, ...] = ()
+    settled: tuple[Settled, ...] = ()  #: features that need no step
     skipped: Mapping[int, Diagnostic] = {}  #: features left out by permission, and why
 
 
-def work_on(part: Part, line: BarLine, skips: Collection[str]) -> Work:
+def work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     """The work of `part` in its orientation; refusals are in the result, and not raised."""
     try:
         ends, remarks = ends_of(part, line.saw.min_mitre)
     except PlanError as error:
-        return Work(SQUARE, error.diagnostics)
+        return PartWork(SQUARE, error.diagnostics)
     bench = Bench(part, ends, line)
-    of_ends = [*_ends_told(ends, bench)]
+    of_ends = [said for end in ends if (said := SAW_CUT.needs(end, bench))]
+    of_ends += SAW_CUT.refusals(ends, bench)
     _put_features(bench)
     for kind in KINDS:
         bench.take(kind.steps(bench.accepted[kind.name], bench))
-    bench.refuse(refuse_jobs(part, line.machine, line.drill, bench.jobs))
+    bench.refuse(refuse_steps(part, line.machine, line.drill, bench.steps))
     bench.refuse_repeats()
     refused = bench.refused
-    skipped = {f: said for f, said in refused.items() if _is_allowed(said, skips)}
+    skipped = {f: said for f, said in refused.items() if said.code.removeprefix("plan-") in skips}
     refusals = [*errors_in(of_ends), *(refused[f] for f in sorted(refused) if f not in skipped)]
     told = [*remarks, *(said for said in of_ends if said not in refusals), *bench.remarks]
-    return Work(
+    return PartWork(
         ends,
         tuple(refusals),
         tuple(told),
-        tuple(bench.jobs),
+        tuple(bench.steps),
         tuple(bench.settled.values()),
         skipped,
     )
-
-
-def _ends_told(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
-    """Errors and remarks on the cuts at both ends."""
-    yield from (said for end in ends if (said := SAW_CUT.needs(end, bench)))
-    yield from SAW_CUT.refusals(ends, bench)
 
 
 def _put_features(bench: Bench) -> None:
@@ -98,39 +93,34 @@ def _is_made(f: int, mark: Feature, bench: Bench) -> bool:
     return why is None and said is None
 
 
-def _is_allowed(said: Diagnostic, skips: Collection[str]) -> bool:
-    """Whether `--allow-skips` names what refuses a feature."""
-    return said.code.removeprefix("plan-") in skips
-
-
 def spindle_operations(
-    pieces: Sequence[Piece], works: Sequence[Work], line: BarLine
+    pieces: Sequence[Piece], works: Sequence[PartWork], line: BarLine
 ) -> Iterator[WorkOp]:
-    """One operation on features for each job at machine X, piece by piece."""
-    chosen = _choose_tools({id(j.tooling): j.tooling for work in works for j in work.jobs})
+    """One operation on features for each step at machine X, piece by piece."""
+    chosen = _choose_tools({id(s.tooling): s.tooling for work in works for s in work.steps})
     for index, (piece, work) in enumerate(zip(pieces, works, strict=True)):
         offset = line.drill.x + piece.start
-        for job in work.jobs:
-            how = job.tooling
+        for step in work.steps:
+            how = step.tooling
             tool, reasons = chosen[id(how)]
-            features: tuple[FeatureRef, ...] = ((index, job.features[0]),)
-            if len(job.features) > 1:
-                features = tuple([(index, f) for f in job.features])
-            if job.text is not None:
+            features: tuple[FeatureRef, ...] = ((index, step.features[0]),)
+            if len(step.features) > 1:
+                features = tuple([(index, f) for f in step.features])
+            if step.text is not None:
                 yield TextOp(
-                    piece.start + job.x + text_x(line.machine), how.spindle, tool, how.faces, job.y,
-                    job.text, features, reasons, job.source,
+                    piece.start + step.x + text_x(line.machine), how.spindle, tool, how.faces,
+                    step.y, step.text, features, reasons, step.source,
                 )  # fmt: skip
-            elif job.path:
-                path = tuple((offset + x, y) for x, y in job.path)
+            elif step.path:
+                path = tuple((offset + x, y) for x, y in step.path)
                 yield PathOp(
                     path[0][0], how.spindle, tool, how.faces, path, how.depth, features, reasons,
-                    job.source,
+                    step.source,
                 )  # fmt: skip
             else:
                 yield DrillOp(
-                    offset + job.x, how.spindle, tool, how.faces, job.y, how.depth, features,
-                    reasons, job.source,
+                    offset + step.x, how.spindle, tool, how.faces, step.y, how.depth, features,
+                    reasons, step.source,
                 )  # fmt: skip
 
 

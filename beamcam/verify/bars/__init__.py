@@ -31,11 +31,12 @@ from beamcam.verify.bars.stations import Choice, choices_of
 from beamcam.verify.bars.turned import standing
 
 __all__ = [
-    "Bore", "Cut", "FeatureRef", "Made", "Run", "Trail", "interpret", "run", "skippable", "verify",
+    "BarRun", "Bore", "Cut", "FeatureRef", "Made", "Trail", "interpret", "run", "skippable",
+    "verify",
 ]  # fmt: skip
 
 
-class Run(Struct, frozen=True):
+class BarRun(Struct, frozen=True):
     """A program that was interpreted."""
 
     made: Made
@@ -55,10 +56,8 @@ class _Known:
         self.shop = Shop(machine, drill_of(machine))
         grades = {row.grade for row in self.shop.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
-        self._choices: BoundedCache[Profile | None, dict[int, Choice]]
-        self._choices = BoundedCache("verify.stations")
-        self._data: BoundedCache[tuple[str, ...] | None, CuttingData]
-        self._data = BoundedCache("verify.grades")
+        self._choices = BoundedCache[Profile | None, dict[int, Choice]]("verify.stations")
+        self._data = BoundedCache[tuple[str, ...] | None, CuttingData]("verify.grades")
 
     def choices(self, profile: Profile | None) -> dict[int, Choice]:
         """The stations of each spindle number on a section."""
@@ -77,7 +76,7 @@ _known_of = PerObject("verify.machines", _Known)
 def run(
     text: str, machine: Machine, profile: Profile | None = None, name: str = "program",
     grades: tuple[str, ...] | None = None,
-) -> Run:  # fmt: skip
+) -> BarRun:  # fmt: skip
     """A program interpreted on a bar of `profile`, of steel of some grades.
 
     Where they are not given, the section is what the program says, and any grade may be meant.
@@ -93,14 +92,14 @@ def run(
 def run_of_events(
     events: Sequence[BarEvent], machine: Machine, profile: Profile | None, name: str,
     grades: tuple[str, ...] | None = None,
-) -> Run:  # fmt: skip
+) -> BarRun:  # fmt: skip
     """What a program does whose blocks were read."""
     known = _known_of(machine)
     choices = known.choices(profile)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
     unseen = tuple(sorted(cell.unseen))
-    return Run(made, tuple(events), tuple(cell.said), known.dialect, choices, unseen)
+    return BarRun(made, tuple(events), tuple(cell.said), known.dialect, choices, unseen)
 
 
 def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
@@ -160,7 +159,7 @@ def verify(
 
 
 def compared(
-    done: Run, parts: Sequence[Part], machine: Machine, profile: Profile, skips: Collection[str],
+    done: BarRun, parts: Sequence[Part], machine: Machine, profile: Profile, skips: Collection[str],
     name: str, order: str, turn: bool, bar: float | None,
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """What is made otherwise than the parts on the bar have it, and what no machine can hold."""

@@ -77,14 +77,13 @@ def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
 
 def repeats(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
     """The holes that are the same as one that is left out, written again."""
-    works = {face for face in shop.faces if shop.works_on(face, part)}
     for f in left:
         first = part.features[f]
         if isinstance(first, Hole):
-            made = from_behind(first, part, shop, works)
+            made = from_behind(first, part, shop)
             for g, other in enumerate(part.features):
                 if isinstance(other, Hole):
-                    again = from_behind(other, part, shop, works)
+                    again = from_behind(other, part, shop)
                     if again.face == made.face and is_same(again, made, shop.twice):
                         yield g
 
@@ -109,17 +108,16 @@ def _ill_placed(
     part: Part, shop: Shop, stations: Mapping[str, Station]
 ) -> Iterator[tuple[int, str]]:
     """The features that lie where no tool comes, and what such a place is called."""
-    works = {face for face in shop.faces if shop.works_on(face, part)}
     for f, feature in enumerate(part.features):
         if isinstance(feature, Contour) and feature.process != "cut":
-            scribed = feature.face in works and any(shop.of("scribe", feature.face))
+            scribed = shop.works_on(feature.face, part) and any(shop.of("scribe", feature.face))
             if scribed and not _is_clear(feature, stations[feature.face]):
                 yield f, "reach"
             continue
         if not isinstance(feature, Hole | Slot):
             continue
-        made = from_behind(feature, part, shop, works)
-        if made.face not in works:
+        made = from_behind(feature, part, shop)
+        if not shop.works_on(made.face, part):
             continue
         places = [(made.x, made.y), *(slot_corners(made) if isinstance(made, Slot) else ())]
         station = stations[made.face]

@@ -12,13 +12,13 @@ from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.verify import bar_rules as rules
-from beamcam.verify.bars.layout import Laid
+from beamcam.verify.bars.layout import LaidPart
 
 EPSILON = 1e-6
 
 
 def bar_faults(
-    laid: Sequence[Laid], machine: Machine, saw: Saw, bar: float | None, name: str
+    laid: Sequence[LaidPart], machine: Machine, saw: Saw, bar: float | None, name: str
 ) -> Iterator[Diagnostic]:
     """What of the parts on a bar the machine cannot hold, and the bar needed where it is unknown.
 

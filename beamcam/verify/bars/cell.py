@@ -24,14 +24,13 @@ from beamcam.verify import rules
 from beamcam.verify.bars.cell_limits import EPSILON
 from beamcam.verify.bars.cell_state import AXES, CellState
 from beamcam.verify.bars.made import Bore, Made, Trail, made_in_order
-from beamcam.verify.bars.stations import Choice, Station
+from beamcam.verify.bars.stations import NOWHERE, Choice, Station, Tip
 
 _OTHER_WAY = {3: 4, 4: 3}
-_NOWHERE = (nan, nan)
 
 
 class Cell(CellState):
-    """The cell while a program runs; `run` gives what came of it."""
+    """The cell while a program runs; `run` gives the result."""
 
     def run(self, events: Iterable[BarEvent]) -> Made:
         """The features that the events make."""
@@ -66,43 +65,41 @@ class Cell(CellState):
             return
         stations = choice.stations
         first = stations[0]
-        across, stroke = place = end[first.across], end[first.stroke]
+        across, stroke = end[first.across], end[first.stroke]
         if isnan(stroke) or isnan(across):
             return
-        before = self.at.get(first.number, _NOWHERE)
-        if not moved and before == place:
+        before = self.at.get(first.number, NOWHERE)
+        sideways = moved or across != before.across
+        if not sideways and stroke == before.stroke:
             return
         for station in stations:
-            self.at[station.number] = place
+            self.at[station.number] = station.tip(across, stroke)
             for index, axis, least, greatest in station.limits:
                 if not least <= end[index] <= greatest:
                     self.beyond(line, axis, end[index], least, greatest)
         # The controller starts from its last position, even if that was another spindle's.
-        aside = moved or across != before[0] or across != start[first.across]
-        if aside and self._aside(move, first, across, stroke, before, moved):
+        sideways = sideways or across != start[first.across]
+        if sideways and self._aside(move, first, before, moved):
             return
         for station in stations:
-            self._enter(move, station, choice, across, stroke, before[1])
+            self._enter(move, station, choice, before.stroke)
 
-    def _aside(
-        self, move: Move[Place], first: Station, across: float, stroke: float,
-        before: tuple[float, float], moved: bool,
-    ) -> bool:  # fmt: skip
+    def _aside(self, move: Move[Place], first: Station, before: Tip, moved: bool) -> bool:
         """A move along or across the bar; whether nothing is left to be looked at."""
-        outer = first.depth_beside(stroke, first.y(across))
-        was_out = first.depth_beside(before[1], first.y(before[0]))
-        if outer > EPSILON or was_out > EPSILON:
-            if was_out > EPSILON and self._in_work(move):
-                self._lead(move, first, across, stroke)
+        tip = self.at[first.number]
+        if tip.beside > EPSILON or before.beside > EPSILON:
+            if before.beside > EPSILON and self._in_work(move):
+                self._lead(move, first, tip)
                 return True
             letter = "X" if moved else AXES[first.across]
-            at = before[1] if was_out > outer else stroke
+            at = before.stroke if before.beside > tip.beside else tip.stroke
             self.sideways(move.line, f"a move of {letter}", first, at)
             return True
         self.fed_from.clear()
         gap = first.start_gap - self.limits.step
-        if move.rapid and (-outer < gap or -was_out < gap):
-            self._too_close(move, first, -outer if isnan(was_out) else -max(outer, was_out))
+        if move.rapid and (-tip.beside < gap or -before.beside < gap):
+            nearest = tip.beside if isnan(before.beside) else max(tip.beside, before.beside)
+            self._too_close(move, first, -nearest)
             return True
         return False
 
@@ -121,11 +118,10 @@ class Cell(CellState):
             return False
         return self.in_steel() is not None
 
-    def _lead(self, move: Move[Place], station: Station, across: float, stroke: float) -> None:
+    def _lead(self, move: Move[Place], station: Station, tip: Tip) -> None:
         """A tool led on in the material; the point that it went in at is the path's first."""
         self._ready(move, station)
-        point = (move.end[0], station.y(across))
-        depth = station.tip_depth(stroke, point[1])
+        point, depth = (move.end[0], tip.y), tip.depth
         last = self.order[-1] if self.order else None
         if type(last) is Bore and last.kind == self.cycle.kind:
             self.order[-1] = Trail(
@@ -147,7 +143,7 @@ class Cell(CellState):
                 max_depth=max(last.max_depth, depth),
                 feed_mm_min=max(last.feed_mm_min, move.feed_mm_min),
             )
-        self.peck = (self.x, across)
+        self.peck = (self.x, tip.across)
 
     def _ready(self, move: Move[Place], station: Station) -> None:
         """Say what is missing for a feed into the material, and what is wrong with the feed."""
@@ -186,88 +182,77 @@ class Cell(CellState):
             self.say(rules.COOLANT, move.line, found="a move of the bar", expected="off")
         self.peck = None
 
-    def _enter(
-        self, move: Move[Place], station: Station, choice: Choice, across: float, stroke: float,
-        before: float,
-    ) -> None:  # fmt: skip
+    def _enter(self, move: Move[Place], station: Station, choice: Choice, before: float) -> None:
         """One station's stroke axis on its way into the bar, or out of it."""
-        inward = not station.way * (before - stroke) >= 0  # from nowhere counts too
+        tip = self.at[station.number]
+        inward = not station.way * (before - tip.stroke) >= 0  # from nowhere counts too
         if not inward:
             self.fed_since.pop(station.number, None)
-        if self.cycle.kind == "tap" and not inward:
-            self._draw_tap(move, station, across, stroke, before)
-        if not inward:
+            if self.cycle.kind == "tap":
+                self._draw_tap(move, station, tip, before)
             return
         if move.rapid:
-            self._approach(move, station, across, stroke)
+            self._approach(move, station, tip)
             return
-        if before != before:
+        if isnan(before):
             return
-        depth = station.tip_depth(stroke, station.y(across))
-        self.fed_to[station.number] = self.x, across, depth
+        self.fed_to[station.number] = self.x, tip.across, tip.depth
         if station.surface_known:
-            enters = depth > EPSILON
+            enters = tip.depth > EPSILON
         else:
-            enters = depth + station.face_depth > EPSILON
+            enters = tip.beside > EPSILON
             self.unseen.add(station.face)
         if enters:
             self.fed_from.setdefault(station.number, before)
             if self.limits.max_pecks:
-                self._check_peck(move, station, across, stroke, before)
-            self._stroke(move, station, choice, across, stroke, depth, before)
+                self._check_peck(move, station, tip, before)
+            self._stroke(move, station, choice, tip, before)
 
-    def _check_peck(
-        self, move: Move[Place], station: Station, across: float, stroke: float, before: float
-    ) -> None:
+    def _check_peck(self, move: Move[Place], station: Station, tip: Tip, before: float) -> None:
         """A drill fed deeper at once than its chips allow; before the steel it cuts nothing."""
         most = self.limits.max_pecks.get(self.diameter) if self.cycle.kind == "drill" else None
         if most is None:
             return
-        y = station.y(across)
-        drilled = self._drilled(station, across)
-        start = drilled or station.tip_depth(before, y)
+        drilled = self._drilled(station, tip)
+        start = drilled or station.tip_depth(before, tip.y)
         if station.surface_known:
             start = max(start, 0.0)
         elif not drilled:
             most += station.near_gap
-        fed = station.tip_depth(stroke, y) - self.fed_since.setdefault(station.number, start)
+        fed = tip.depth - self.fed_since.setdefault(station.number, start)
         if fed > most + self.limits.step:
             self.say(
                 rules.PECK, move.line, what=self.tool, found=f"{fed:.3f}", expected=f"{most:g}"
             )
 
-    def _draw_tap(
-        self, move: Move[Place], station: Station, across: float, stroke: float, before: float
-    ) -> None:
+    def _draw_tap(self, move: Move[Place], station: Station, tip: Tip, before: float) -> None:
         """Retract of a tap, which has to be screwed out as it was screwed in."""
-        y = station.y(across)
-        if station.tip_depth(before, y) > max(station.tip_depth(stroke, y), 0.0) + EPSILON:
+        if station.tip_depth(before, tip.y) > max(tip.depth, 0.0) + EPSILON:
             back = _OTHER_WAY.get(self.cycle.turns, 0)
             if move.rapid or self.turning != back:
                 found = 0 if move.rapid else self.turning
                 self.say(rules.TURN, move.line, found=found, expected=back)
 
-    def _approach(self, move: Move[Place], station: Station, across: float, stroke: float) -> None:
+    def _approach(self, move: Move[Place], station: Station, tip: Tip) -> None:
         """A rapid towards the bar: to its clearance, or into what is drilled already."""
-        y = station.y(across)
-        depth, gap = station.tip_depth(stroke, y), station.near_gap
+        depth, gap = tip.depth, station.near_gap
         if not station.surface_known:
-            depth, gap = depth + station.face_depth, station.start_gap
+            depth, gap = tip.beside, station.start_gap
             if depth > EPSILON:
                 self.unseen.add(station.face)
                 return
-        elif not station.clear_from <= y <= station.clear_to:  # through the flange's edge
-            depth, gap = station.depth_beside(stroke, y), station.start_gap
-        drilled = self._drilled(station, across)
+        elif not station.clear_from <= tip.y <= station.clear_to:  # through the flange's edge
+            depth, gap = tip.beside, station.start_gap
+        drilled = self._drilled(station, tip)
         if depth > drilled + EPSILON:
             self.say(
                 rules.RAPID, move.line, axis=AXES[station.stroke],
-                found=f"{stroke:g}", depth=f"{depth:.3f}",
+                found=f"{tip.stroke:g}", depth=f"{depth:.3f}",
             )  # fmt: skip
         elif (
             not drilled
             and -depth < gap - self.limits.step
-            and not self._was_fed(station, across, depth)
+            and not self._was_fed(station, tip.across, depth)
         ):
             self._too_close(move, station, -depth, True)
 
@@ -276,9 +261,9 @@ class Cell(CellState):
         x, at, fed = self.fed_to.get(station.number, (nan, nan, nan))
         return (x, at) == (self.x, across) and depth <= fed
 
-    def _drilled(self, station: Station, across: float) -> float:
+    def _drilled(self, station: Station, tip: Tip) -> float:
         """Current depth of the hole under the tool."""
-        if self.peck != (self.x, across):
+        if self.peck != (self.x, tip.across):
             return 0.0
         return max(
             (b.tip_depth for b in self.order[-self.pecked :]
@@ -287,28 +272,27 @@ class Cell(CellState):
         )  # fmt: skip
 
     def _stroke(
-        self, move: Move[Place], station: Station, choice: Choice, across: float, stroke: float,
-        depth: float, before: float,
-    ) -> None:  # fmt: skip
+        self, move: Move[Place], station: Station, choice: Choice, tip: Tip, before: float
+    ) -> None:
         self._ready(move, station)
         self.idle = False
         if self.cycle.feeds and not move.own_feed and move.feed_mm_min > 0:
             self.say(rules.NO_FEED, move.line, found="stroke of " + self.tool)
         self.describe_first(move.line)
         bore = Bore(
-            move.line, station.face, self.x, station.y(across), self.diameter, depth,
-            choice.number, move.feed_mm_min, stroke, self.cycle.kind, self.turning, self.pitch,
+            move.line, station.face, self.x, tip.y, self.diameter, tip.depth,
+            choice.number, move.feed_mm_min, tip.stroke, self.cycle.kind, self.turning, self.pitch,
             self.speed_rpm, before,
         )  # fmt: skip
-        if self.peck == (self.x, across):  # deeper in the same hole
+        if self.peck == (self.x, tip.across):  # deeper in the same hole
             for index in range(len(self.order) - self.pecked, len(self.order)):
                 old = self.order[index]
                 if type(old) is Bore and old.face == station.face:
-                    if depth > old.tip_depth:
+                    if tip.depth > old.tip_depth:
                         self.order[index] = bore
                     return
             self.pecked += 1
         else:
-            self.peck = (self.x, across)
+            self.peck = (self.x, tip.across)
             self.pecked = 1
         self.order.append(bore)

@@ -11,7 +11,7 @@ from beamcam.verify.bars.stations import limits_of
 EPSILON = 1e-6
 
 
-class Limits(Struct, frozen=True):
+class CellLimits(Struct, frozen=True):
     """What the machine's file says about its cell whatever the program is."""
 
     max_pecks: dict[float, float]  #: how deep a drill of each size may be fed at once
@@ -21,9 +21,9 @@ class Limits(Struct, frozen=True):
     per_minute: float  #: makes mm/min of a feed in a template's unit
 
 
-def _limits(machine: Machine) -> Limits:
+def _limits(machine: Machine) -> CellLimits:
     form, layout = machine.format, machine.layout
-    return Limits(
+    return CellLimits(
         _max_pecks(machine),
         limits_of(machine, "X"),
         layout is not None and layout.order == "saw-drill",

@@ -22,7 +22,7 @@ from beamcam.verify.bars.cell_limits import EPSILON, limits_of_cell
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
 from beamcam.verify.bars.made import Cut, Thing, ToldText
 from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
-from beamcam.verify.bars.stations import Choice, Station, limits_of, tilts_of
+from beamcam.verify.bars.stations import NOWHERE, Choice, Station, Tip, limits_of, tilts_of
 
 AXES = "XYZ"
 Values = dict[str, float]  #: parameters of a word by what they carry
@@ -55,10 +55,9 @@ class CellState:
         self.idle = False  #: whether the spindle turns and has not been fed
         self.cooling = False
         self.x = self.furthest = self.feed_mm_min = nan
-        self.at: dict[int, tuple[float, float]] = {}  #: across and stroke of each spindle
-        self.fed_since: dict[
-            int, float
-        ] = {}  #: depth at which each spindle fed on since drawn back
+        self.at: dict[int, Tip] = {}  #: of each spindle
+        #: Depth at which each spindle fed on since it was drawn back.
+        self.fed_since: dict[int, float] = {}
         #: X, across and depth to which each spindle fed last, in steel or before it
         self.fed_to: dict[int, tuple[float, float, float]] = {}
         self.fed_from: dict[int, float] = {}  #: stroke at which a tool's feed into the bar began
@@ -175,7 +174,7 @@ class CellState:
         if station is not None:
             self.say(
                 rules.SPINDLE_STOPPED, line, face=station.face, axis=AXES[station.stroke],
-                at=f"{self.at[station.number][1]:g}",
+                at=f"{self.at[station.number].stroke:g}",
             )  # fmt: skip
         if self.turning and self.idle:
             self.say(rules.SPINDLE_IDLE, line, what=self.tool)
@@ -240,9 +239,9 @@ class CellState:
         if not self.dialect.changes:
             return
         spindles = self.machine.spindles
-        tools = {one.tool for one in self.tools if isinstance(one, Chosen)}
-        stops = any(isinstance(one, Changed) for one in self.tools)
-        if not stops and len(tools) <= min((s.stations for s in spindles), default=0):
+        chosen = [one.tool for one in self.tools if isinstance(one, Chosen)]
+        has_stops = len(chosen) < len(self.tools)
+        if not has_stops and len(set(chosen)) <= min((s.stations for s in spindles), default=0):
             return
         for spindle in spindles:
             for one in wrong_changes(self._of_spindle(spindle.number), spindle.stations):
@@ -341,21 +340,19 @@ class CellState:
         if self.choice is not None:
             for station in self.choice.stations:
                 if self.is_in(station):
-                    self.sideways(line, what, station, self.at[station.number][1])
+                    self.sideways(line, what, station, self.at[station.number].stroke)
 
     def is_in(self, station: Station) -> bool:
         """Whether a station's tool is where material may be beside it."""
-        across, stroke = self.at.get(station.number, (nan, nan))
-        return station.depth_beside(stroke, station.y(across)) > EPSILON
+        return self.at.get(station.number, NOWHERE).beside > EPSILON
 
     def in_steel(self) -> Station | None:
         """The first station of the choice whose tool is in the material behind its face."""
         for station in self.choice.stations if self.choice is not None else ():
-            across, stroke = self.at.get(station.number, (nan, nan))
-            if station.surface_known:
-                depth = station.tip_depth(stroke, station.y(across))
-            else:
-                depth = station.way * (stroke - self.fed_from.get(station.number, nan))
+            tip = self.at.get(station.number, NOWHERE)
+            depth = tip.depth
+            if not station.surface_known:
+                depth = station.way * (tip.stroke - self.fed_from.get(station.number, nan))
             if depth > EPSILON:
                 return station
         return None

@@ -7,17 +7,17 @@ from collections.abc import Collection, Iterator, Sequence
 from math import isnan
 from typing import TYPE_CHECKING
 
-from msgspec import Struct
+from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.absent import saw_of
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile, TextMark
 from beamcam.verify import rules
-from beamcam.verify.bars.ability import may_be_missing, repeats
+from beamcam.verify.bars.ability import FeatureRef, may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
 from beamcam.verify.bars.holes import HoleCheck, Want
-from beamcam.verify.bars.layout import Candidate, Laid, lay_out, wedge_cuts
+from beamcam.verify.bars.layout import Candidate, LaidPart, lay_out, wedge_cuts
 from beamcam.verify.bars.made import Made, ToldText
 from beamcam.verify.bars.part_ends import End, ends_of
 from beamcam.verify.bars.pieces import overlapping, pieces, planes
@@ -48,6 +48,15 @@ class Asked(Struct, frozen=True):
     bar: float | None = None
 
 
+class _Required(Struct):
+    """What the parts on a bar require; features are a part and its feature, by their indices."""
+
+    holes: list[Want] = field(default_factory=list)
+    led: list[Led] = field(default_factory=list)
+    optional: set[FeatureRef] = field(default_factory=set)  #: that may be missing
+    missing: set[FeatureRef] = field(default_factory=set)  #: those that are
+
+
 class Comparison:
     """Comparison of one program with the required parts; `said` holds its faults."""
 
@@ -60,62 +69,63 @@ class Comparison:
         self.profile, self.name = profile, name
         self.targets: dict[int, list[Target]] = {}
         self.holes = HoleCheck(made.bores, shop, profile, choices, name)
-        self.laid: list[Laid] = []  #: the parts, once they are found
+        self.laid: list[LaidPart] = []  #: the parts, once they are found
         self.said: list[Diagnostic] = [*_section(made, profile, self.machine, name)]
 
     def run(self) -> tuple[Diagnostic, ...]:
         """All faults."""
         laid = self.laid = self._lay_out()
         parts = [one.part for one in laid]
-        wants: list[Want] = []
-        led: list[Led] = []
-        optional: dict[tuple[int, int], None] = {}  #: part and feature that may be missing
-        missing: set[tuple[int, int]] = set()  #: those that are
+        required = _Required()
         told = self._told_texts()
         for p, one in enumerate(laid):
             self.said += left_to_hand(one.part, self.machine)
-            has_text = TextMark in map(type, one.part.features)
             if told is not None:
                 self.said += told.check(p, one.part, one.ends, one.start)
-            elif has_text:
-                self._find_texts(p, one, led)
-            targets = self._targets_of(one.part, one.ends)
-            spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
-            optional.update(dict.fromkeys((p, f) for f in spare))
-            from_x = self.shop.drill.x + one.start
-            gone: set[int] = set()  #: slots that are left out, with the holes at their ends
-            for target in targets:
-                if isinstance(target, Lack):
-                    if target.feature in spare:
-                        missing.add((p, target.feature))
-                    else:
-                        self.said.append(_lack(target, one.part))
-                elif isinstance(target, Round):
-                    if not (target.optional and target.feature in gone):
-                        wants.append(Want(p, target, from_x + target.x))
-                elif target.feature in spare and not is_led(
-                    self.made.trails, target, from_x, self.shop
-                ):
-                    gone.add(target.feature)
-                    missing.add((p, target.feature))
-                else:
-                    led.append(Led(p, target, from_x))
+            elif TextMark in map(type, one.part.features):
+                self._find_texts(p, one, required.led)
+            self._require(p, one, required)
         # A hole at the end of a slot is one of the part before it is one that a mill goes into.
-        unmade = self.holes.take(sorted(wants, key=lambda want: want.target.optional))
-        left = self._missed(unmade, optional)
+        wants = sorted(required.holes, key=lambda want: want.target.optional)
+        unmade = self.holes.take(wants)
+        left = self._missed(unmade, required.optional)
         self.said += self.holes.complain(left, parts)
         needed = {(w.part, w.target.feature) for w in left}
-        missing |= {(w.part, w.target.feature) for w in unmade if not w.target.optional} - needed
-        self.said += self._left_out(parts, missing)
-        if self.made.trails or led:
+        gone = {(w.part, w.target.feature) for w in unmade if not w.target.optional}
+        self.said += self._left_out(parts, required.missing | (gone - needed))
+        if self.made.trails or required.led:
             self.said += check_paths(
-                self.made.trails, led, parts, self.shop, self.profile, self.name
+                self.made.trails, required.led, parts, self.shop, self.profile, self.name
             )
         if self.machine.layout is not None and self.machine.layout.order == "drill-saw":
             self.said += self._after_its_cut(laid, told.taken if told is not None else ())
         if told is not None:
             self.said += told.extra()
         return tuple(self.said)
+
+    def _require(self, p: int, one: LaidPart, required: "_Required") -> None:
+        """Add what a part on the bar requires; what the machine cannot make is reported."""
+        targets = self._targets_of(one.part, one.ends)
+        spare = may_be_missing(one.part, targets, self.shop, self.asked.skips)
+        required.optional |= {(p, f) for f in spare}
+        holes, from_x = required.holes, self.shop.drill.x + one.start
+        gone: set[int] = set()  #: slots that are left out, with the holes at their ends
+        for target in targets:
+            if isinstance(target, Round):
+                if not (target.optional and target.feature in gone):
+                    holes.append(Want(p, target, from_x + target.x))
+            elif isinstance(target, Lack):
+                if target.feature in spare:
+                    required.missing.add((p, target.feature))
+                else:
+                    self.said.append(_lack(target, one.part))
+            elif target.feature in spare and not is_led(
+                self.made.trails, target, from_x, self.shop
+            ):
+                gone.add(target.feature)
+                required.missing.add((p, target.feature))
+            else:
+                required.led.append(Led(p, target, from_x))
 
     def _told_texts(self) -> "ToldTexts | None":
         """What a stamp or printer is told; None where strokes letter."""
@@ -125,7 +135,7 @@ class Comparison:
 
         return ToldTexts(self.made.texts, self.shop, self.name)
 
-    def _find_texts(self, p: int, one: Laid, led: list[Led]) -> None:
+    def _find_texts(self, p: int, one: LaidPart, led: list[Led]) -> None:
         """Add the strokes of a part's texts, and what is wrong with their places."""
         from beamcam.verify.bars.texts import texts_of
 
@@ -140,7 +150,7 @@ class Comparison:
             known = self.targets[id(part)] = targets_of(part, ends, self.shop)
         return known
 
-    def _lay_out(self) -> list[Laid]:
+    def _lay_out(self) -> list[LaidPart]:
         """The parts on the bar; faults of its cuts are reported."""
         if self.machine.saw is None:
             return self._come_cut()
@@ -158,7 +168,7 @@ class Comparison:
                 return laid
         return self._complain_of_cuts(laid)
 
-    def _come_cut(self) -> list[Laid]:
+    def _come_cut(self) -> list[LaidPart]:
         """The parts on a line without a saw: the only one begins where the bar does."""
         asked = self.asked
         for cut in self.made.cuts:
@@ -170,9 +180,9 @@ class Comparison:
         ways = [part for part in standing(first) if part.profile == self.profile]
         meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if asked.turn else [first])]
         best = min(meant, key=lambda candidate: self._faults(candidate, 0.0))
-        return [Laid(best.part, 0, best.ends, 0.0, None)]
+        return [LaidPart(best.part, 0, best.ends, 0.0, None)]
 
-    def _complain_of_cuts(self, laid: Sequence[Laid]) -> list[Laid]:
+    def _complain_of_cuts(self, laid: Sequence[LaidPart]) -> list[LaidPart]:
         """The parts placed by the nearest cuts; faults of the cuts are reported."""
         asked = self.asked
         parts: list[Part] = list(asked.parts)
@@ -190,7 +200,7 @@ class Comparison:
             rules.CUT_MISSING.at(last.source, angle=angle, x=f"{x:.6g}", end="end", mark=last.mark)
         ]
         return [
-            Laid(part, i, ends[i], start, None)
+            LaidPart(part, i, ends[i], start, None)
             for i, (part, start) in enumerate(zip(parts, faults.starts, strict=True))
         ]
 
@@ -237,7 +247,7 @@ class Comparison:
             yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.shop)})
 
     def _after_its_cut(
-        self, laid: Sequence[Laid], texts: Sequence[tuple[int, ToldText]]
+        self, laid: Sequence[LaidPart], texts: Sequence[tuple[int, ToldText]]
     ) -> Iterator[Diagnostic]:
         """Holes and texts of a part that has been parted before."""
         place: dict[int, int] = {}  #: line of a cut or bore -> its place in the order of work
@@ -260,10 +270,10 @@ def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Itera
         "width": profile.width,
         "section": float(machine.sections.get(profile.code, -1)),
     }
-    for field, value in made.section:
-        if not isnan(value) and abs(value - expected[field]) > 0.75 * machine.format.resolution:
+    for what, value in made.section:
+        if not isnan(value) and abs(value - expected[what]) > 0.75 * machine.format.resolution:
             yield rules.SECTION.at(
-                Source(name), what=field, found=f"{value:g}", expected=f"{expected[field]:g}"
+                Source(name), what=what, found=f"{value:g}", expected=f"{expected[what]:g}"
             )
 
 

@@ -60,39 +60,41 @@ class CutFaults:
         """One part's cuts; where the next part begins, and whether its start is made already."""
         first, last = ends
         saw, height = self.saw, part.profile.height
-        if begin is not None and (first.square or shared):
-            start = begin
-        else:
+        start = begin
+        if start is None or not (first.square or shared):
             start = self._start(part, ends, begin)
             self._take(first, start + first.blade(saw, height), part)
         self.starts.append(start)
         end = start + part.length
         if last.square:
-            cut = self._take(last, end + saw.kerf / 2, part)
-            return (cut.x - saw.x if cut else end + saw.kerf / 2) + saw.kerf / 2, False
+            return self._take_square(last, end + saw.kerf / 2, part), False
         cut = self._take(last, start + last.blade(saw, height), part)
-        square = End(1, 0.0, 0.0, part.length)
-        # A square cut removes the wedge; it never stands before the middle of the mitre.
-        behind = [end + last.kerf(saw) / 2]
+        behind = self._behind_wedge(end, last, following)
+        at = next((x for x in behind if self._is_there(x, self._places(SQUARE))), None)
+        if at is None and cut is not None:
+            if following is None:
+                # The bar ends with the part, and its wedge falls off.
+                return cut.x - saw.x + saw.kerf / 2, False
+            if self._common(last, following):
+                return cut.x - saw.x - following.blade(saw, height), True
+        return self._take_square(SQUARE, behind[0] if at is None else at, part), False
+
+    def _behind_wedge(self, end: float, last: End, following: End | None) -> list[float]:
+        """Where the square cut may stand that removes the wedge, the likeliest first.
+
+        It never stands before the middle of the mitre.
+        """
+        behind = [end + last.kerf(self.saw) / 2]
         if following is not None and following.square:
             # It makes the next start too, so it says where that is.
-            least = end + saw.kerf / 2 - self.tolerance
-            behind += [c.x - saw.x for c in self._like(square, self.left) if c.x - saw.x >= least][
-                :1
-            ]
-        at = next((x for x in behind if self._stands(square, x)), None)
-        if (
-            at is None
-            and cut is not None
-            and following is not None
-            and self._common(last, following)
-        ):
-            return cut.x - saw.x - following.blade(saw, height), True
-        if at is None and following is None and cut is not None:
-            # The bar ends with the part, and its wedge falls off.
-            return cut.x - saw.x + saw.kerf / 2, False
-        parting = self._take(square, behind[0] if at is None else at, part)
-        return (parting.x - saw.x if parting else behind[0]) + saw.kerf / 2, False
+            least = end + self.saw.kerf / 2 - self.tolerance
+            behind += [x for x in self._places(SQUARE) if x >= least][:1]
+        return behind
+
+    def _take_square(self, end: End, bar_x: float, part: Part) -> float:
+        """Where the next part begins behind a square cut."""
+        cut = self._take(end, bar_x, part)
+        return (cut.x - self.saw.x if cut else bar_x) + self.saw.kerf / 2
 
     def _common(self, end: End, start: End) -> bool:
         """Whether one cut can make an end and the next start."""
@@ -108,9 +110,9 @@ class CutFaults:
         limit = self.angle_tolerance
         return [c for c in cuts if abs(c.angle - angle) <= limit and abs(c.tilt - tilt) <= limit]
 
-    def _stands(self, end: End, bar_x: float) -> bool:
-        """Whether there is a cut for an end at a place."""
-        return self._is_there(bar_x, [c.x - self.saw.x for c in self._like(end, self.left)])
+    def _places(self, end: End) -> list[float]:
+        """Bar x of the cuts that are left and have an end's angles."""
+        return [c.x - self.saw.x for c in self._like(end, self.left)]
 
     def _is_there(self, bar_x: float, places: Sequence[float]) -> bool:
         return any(abs(place - bar_x) <= self.tolerance for place in places)
@@ -119,8 +121,8 @@ class CutFaults:
         """The start of a part: where its first cut fits one at its other end, if there is any."""
         height = part.profile.height
         at, reach = (e.blade(self.saw, height) for e in ends)
-        found = [c.x - self.saw.x - at for c in self._like(ends[0], self.left)]
-        last = [c.x - self.saw.x for c in self._like(ends[1], self.left)]
+        found = [x - at for x in self._places(ends[0])]
+        last = self._places(ends[1])
         for start in found:
             if self._is_there(start + reach, last):
                 return start
@@ -136,43 +138,30 @@ class CutFaults:
         here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
         best = min(self._like(end, here), key=lambda c: abs(c.x - x), default=None)
         if best is None:
-            angles = end.saw_angles(self.saw)
-            right = [c for c in self._like(end, self.left) if abs(c.x - x) <= NEAR]
-            best = min(right, key=lambda c: abs(c.x - x), default=None)
-            if here:
-                best = min(here, key=lambda c: abs(c.angle - angles[0]))
-                self.said.append(
-                    rules.CUT_ANGLE.at(
-                        Source(self.name, best.line),
-                        found=_shown(best.angle, best.tilt),
-                        end=end.name,
-                        mark=part.mark,
-                        expected=_shown(*angles),
-                    )
-                )
-            elif best is not None:
-                self.said.append(
-                    rules.CUT_PLACE.at(
-                        Source(self.name, best.line),
-                        end=end.name,
-                        mark=part.mark,
-                        found=f"{best.x:.6g}",
-                        expected=f"{x:.6g}",
-                    )
-                )
-            else:
-                self.said.append(
-                    rules.CUT_MISSING.at(
-                        part.cut_source("web" if end.web else "flange", end.name),
-                        angle=_shown(*angles),
-                        x=f"{x:.6g}",
-                        end=end.name,
-                        mark=part.mark,
-                    )
-                )
+            best, said = self._instead(end, x, here, part)
+            self.said.append(said)
         if best is not None:
             self.left.remove(best)
         return best
+
+    def _instead(
+        self, end: End, x: float, here: Sequence[Cut], part: Part
+    ) -> tuple[Cut | None, Diagnostic]:
+        """The cut that was meant for an end at machine `x`, and what is wrong with it."""
+        names = {"end": end.name, "mark": part.mark}
+        angle, tilt = end.saw_angles(self.saw)
+        if here:
+            best = min(here, key=lambda c: abs(c.angle - angle))
+            source, found = Source(self.name, best.line), _shown(best.angle, best.tilt)
+            expected = _shown(angle, tilt)
+            return best, rules.CUT_ANGLE.at(source, found=found, expected=expected, **names)
+        near = [c for c in self._like(end, self.left) if abs(c.x - x) <= NEAR]
+        if near:
+            best = min(near, key=lambda c: abs(c.x - x))
+            source, found = Source(self.name, best.line), f"{best.x:.6g}"
+            return best, rules.CUT_PLACE.at(source, found=found, expected=f"{x:.6g}", **names)
+        source = part.cut_source("web" if end.web else "flange", end.name)
+        return None, rules.CUT_MISSING.at(source, angle=_shown(angle, tilt), x=f"{x:.6g}", **names)
 
 
 def _shown(angle: float, tilt: float) -> str:

@@ -18,7 +18,7 @@ from beamcam.verify.bars.depths import REACHES, DepthRange
 from beamcam.verify.bars.made import Bore
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice, stroke_values
-from beamcam.verify.bars.targets import Kind, Round
+from beamcam.verify.bars.targets import Round, RoundKind
 
 NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
 NEAR = 60.0  #: mm; a hole this near to where it should be is taken for it, in the wrong place
@@ -124,7 +124,7 @@ class HoleCheck:
         off = abs(want.x - bore.x) + abs(want.target.y - bore.y)
         return round(abs(want.target.kind.own - bore.diameter), 6), round(off, 6)
 
-    def reach(self, kind: Kind, bore: Bore) -> DepthRange:
+    def reach(self, kind: RoundKind, bore: Bore) -> DepthRange:
         """Permitted depth of the tip in a hole; through holes as deep as the machine strokes."""
         reach = self._reach(kind, bore)
         if kind.hole.depth is None and kind.tool in ("drill", "tap"):
@@ -132,7 +132,7 @@ class HoleCheck:
             return DepthRange(reach.least, max(reach.greatest, self._stroke_end(bore, thickness)))
         return reach
 
-    def _reach(self, kind: Kind, bore: Bore) -> DepthRange:
+    def _reach(self, kind: RoundKind, bore: Bore) -> DepthRange:
         return REACHES[kind.tool](kind, bore.diameter, self.profile.thickness(bore.face), self.shop)
 
     def _stroke_end(self, bore: Bore, thickness: float) -> float:
@@ -144,7 +144,7 @@ class HoleCheck:
         values |= {"depth": thickness + self.shop.drill.breakthrough, "tip": tip, "y": bore.y}
         return self.stations[bore.face].tip_depth(spindle.stroke.bottom(values), bore.y)
 
-    def _wrong_tool(self, kind: Kind, bore: Bore) -> str:
+    def _wrong_tool(self, kind: RoundKind, bore: Bore) -> str:
         """The required tap or countersink if the tool is wrong, else ""."""
         if kind.tool == "tap" and abs(bore.pitch - kind.pitch) > 1e-6:
             return f"pitch {kind.pitch:g}"

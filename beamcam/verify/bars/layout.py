@@ -7,13 +7,12 @@ piece is the part that fits it best; turned ones may stand in any of their eight
 from collections.abc import Callable, Sequence
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.verify.bars.part_ends import End, ends_of
-from beamcam.verify.bars.pieces import Piece, Plane
+from beamcam.verify.bars.pieces import CutPlane, Piece
 from beamcam.verify.bars.turned import standing
 
 
@@ -25,7 +24,7 @@ class Candidate(Struct, frozen=True, gc=False):
     ends: tuple[End, End]
 
 
-class Laid(Struct, frozen=True, gc=False):
+class LaidPart(Struct, frozen=True, gc=False):
     """A part found on the bar."""
 
     part: Part
@@ -35,6 +34,8 @@ class Laid(Struct, frozen=True, gc=False):
     piece: Piece | None  #: None where its ends are not as they should be
 
 
+#: By the identity of a part: how it may lie, each way with its ends.
+Ways = dict[int, list[tuple[Part, tuple[End, End]]]]
 #: How unlike a part is to what is there if it starts at a bar x.
 Faults = Callable[[Candidate, float], tuple[int, int]]
 
@@ -42,14 +43,14 @@ Faults = Callable[[Candidate, float], tuple[int, int]]
 def lay_out(
     found: Sequence[Piece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
     turn: bool, faults: Faults,
-) -> list[Laid]:  # fmt: skip
+) -> list[LaidPart]:  # fmt: skip
     """The parts that pieces are, from one end of the bar to the other.
 
     Those of which no piece has the ends are missing. `free` leaves the order to the program.
     """
-    ways: dict[int, list[Candidate]] = {}
+    ways: Ways = {}
     waiting = [_candidates(part, i, saw, turn, ways) for i, part in enumerate(parts)]
-    laid: list[Laid] = []
+    laid: list[LaidPart] = []
     for piece in found:
         if not waiting:
             break
@@ -65,19 +66,17 @@ def lay_out(
         if len(fitting) > 1:
             best = min(fitting, key=lambda one: faults(one[0], one[1]))
         candidate, start = best
-        laid.append(Laid(candidate.part, candidate.given, candidate.ends, start, piece))
+        laid.append(LaidPart(candidate.part, candidate.given, candidate.ends, start, piece))
         waiting = [c for c in waiting if c[0].given != candidate.given]
     return laid
 
 
-def _candidates(
-    part: Part, given: int, saw: Saw, turn: bool, known: dict[int, list[Candidate]]
-) -> list[Candidate]:
+def _candidates(part: Part, given: int, saw: Saw, turn: bool, known: Ways) -> list[Candidate]:
     """The possible orientations of a part."""
     if id(part) not in known:
         ways = standing(part) if turn else [part]
-        known[id(part)] = [Candidate(p, given, ends_of(p, saw)) for p in ways]
-    return [replace(c, given=given) for c in known[id(part)]]
+        known[id(part)] = [(way, ends_of(way, saw)) for way in ways]
+    return [Candidate(way, given, ends) for way, ends in known[id(part)]]
 
 
 def _distinct(choices: Sequence[Sequence[Candidate]]) -> list[Candidate]:
@@ -105,7 +104,7 @@ def start_of(piece: Piece, candidate: Candidate, machine: Machine, saw: Saw) -> 
     return start if abs(start - by_end) <= machine.format.resolution + 1e-6 else None
 
 
-def is_of(plane: Plane, end: End, machine: Machine, saw: Saw) -> bool:
+def is_of(plane: CutPlane, end: End, machine: Machine, saw: Saw) -> bool:
     """Whether a cut has the angles of an end, to what the output can tell apart."""
     if not plane.cut.line:  # the end of the bar
         return end.square
@@ -115,7 +114,11 @@ def is_of(plane: Plane, end: End, machine: Machine, saw: Saw) -> bool:
 
 
 def wedge_cuts(
-    laid: Sequence[Laid], cuts: Sequence[Plane], machine: Machine, saw: Saw, bar: float | None
+    laid: Sequence[LaidPart],
+    cuts: Sequence[CutPlane],
+    machine: Machine,
+    saw: Saw,
+    bar: float | None,
 ) -> set[int] | None:
     """The lines of the square cuts that remove the wedge behind each skew end.
 
@@ -150,6 +153,6 @@ def wedge_cuts(
     return found
 
 
-def _ends_with(bar: float | None, x: float, last: Laid, machine: Machine, saw: Saw) -> bool:
+def _ends_with(bar: float | None, x: float, last: LaidPart, machine: Machine, saw: Saw) -> bool:
     """Whether nothing of a bar is left behind its last cut; of one of unknown length it may be."""
     return bar is None or bar <= x + last.ends[1].kerf(saw) / 2 + machine.format.resolution

@@ -104,7 +104,7 @@ def _instead(
 
 
 def _drawn(part: Part, face: Face) -> tuple[float, float]:
-    """Angles of start and end as an outline has them; 0 where either is no straight line."""
+    """Angles of start and end as an outline has them; 0 where either is not a straight line."""
     outlines = [
         f for f in part.features
         if isinstance(f, Contour) and f.face == face and f.kind == "outer"

@@ -7,7 +7,7 @@ Both are measured on points so close that what lies between them cannot matter.
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import ceil, cos, hypot, pi, radians, sin, sqrt
+from math import ceil, cos, dist, hypot, pi, radians, sin, sqrt
 
 from beamcam.geometry.curves import Curve, Point
 from beamcam.verify.bars.targets import Pocket
@@ -69,7 +69,7 @@ def _outline(half_x: float, half_y: float, radius: float) -> Iterator[Point]:
     ]  # fmt: skip
     for a, b in pairwise([*points, points[0]]):
         yield a
-        steps = ceil(hypot(b[0] - a[0], b[1] - a[1]) / (2 * STEP))
+        steps = ceil(dist(a, b) / (2 * STEP))
         for i in range(1, steps):
             yield a[0] + (b[0] - a[0]) * i / steps, a[1] + (b[1] - a[1]) * i / steps
 
@@ -85,7 +85,7 @@ def line_error(curves: Sequence[Curve], path: Sequence[Point]) -> float:
     off = max(distance_to(p, path) for p in drawn)
     back = max(distance_to(p, drawn) for p in _between(path))
     (a, b), (c, d) = (drawn[0], drawn[-1]), (path[0], path[-1])
-    ends = min(max(_far(a, c), _far(b, d)), max(_far(a, d), _far(b, c)))
+    ends = min(max(dist(a, c), dist(b, d)), max(dist(a, d), dist(b, c)))
     return max(off, back, ends)
 
 
@@ -106,10 +106,6 @@ def _between(path: Sequence[Point]) -> Iterator[Point]:
         yield a
         yield (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
     yield path[-1]
-
-
-def _far(a: Point, b: Point) -> float:
-    return hypot(a[0] - b[0], a[1] - b[1])
 
 
 def distance_to(point: Point, path: Sequence[Point]) -> float:

@@ -18,7 +18,7 @@ from beamcam.model.part import Profile
 from beamcam.verify.bars.made import Cut
 
 
-class Plane(Struct, frozen=True, gc=False):
+class CutPlane(Struct, frozen=True, gc=False):
     """Position of a cut in the bar: the middle of its slab."""
 
     cut: Cut
@@ -37,11 +37,11 @@ class Plane(Struct, frozen=True, gc=False):
 class Piece(Struct, frozen=True, gc=False):
     """The steel between two cuts."""
 
-    start: Plane
-    end: Plane
+    start: CutPlane
+    end: CutPlane
 
 
-def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[Plane]:
+def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[CutPlane]:
     """The planes of the cuts in their order along the bar, by the middle of the section."""
     rise = (-0.5 if saw.pivot == "o" else 0.5) * profile.height
     found = [_plane(cut, saw) for cut in cuts]
@@ -49,19 +49,19 @@ def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[Plane]:
     return found
 
 
-def pieces(cuts: Sequence[Plane], bar: float | None = None) -> list[Piece]:
+def pieces(cuts: Sequence[CutPlane], bar: float | None = None) -> list[Piece]:
     """The pieces between ordered planes, and before the end of a bar of known length.
 
     The bar's own end counts as a cut of line 0.
     """
     found = [Piece(a, b) for a, b in pairwise(cuts)]
     if bar is not None and cuts:
-        end = Plane(Cut(0, bar, nan, 0.0), 0.0, 0.0, bar, 0.0, 0.0, 0.0)
+        end = CutPlane(Cut(0, bar, nan, 0.0), 0.0, 0.0, bar, 0.0, 0.0, 0.0)
         found.append(Piece(cuts[-1], end))
     return found
 
 
-def overlapping(cuts: Sequence[Plane]) -> bool:
+def overlapping(cuts: Sequence[CutPlane]) -> bool:
     """Whether a cut is made a second time, on what the blade has taken already."""
     return any(
         a.web_deg == b.web_deg
@@ -71,7 +71,7 @@ def overlapping(cuts: Sequence[Plane]) -> bool:
     )
 
 
-def _plane(cut: Cut, saw: Saw) -> Plane:
+def _plane(cut: Cut, saw: Saw) -> CutPlane:
     """The plane of a cut.
 
     A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
@@ -80,8 +80,8 @@ def _plane(cut: Cut, saw: Saw) -> Plane:
     at = cut.x - saw.x
     web = saw.angle_sign * (cut.angle - saw.square)
     if not web and not cut.tilt:
-        return Plane(cut, 0.0, 0.0, at, 0.0, 0.0, saw.kerf / 2)
+        return CutPlane(cut, 0.0, 0.0, at, 0.0, 0.0, saw.kerf / 2)
     tan_web = tan(radians(web))
     tan_flange = tan(radians(saw.tilt_sign * cut.tilt)) / cos(radians(web))
     kerf = saw.kerf * hypot(1.0, tan_web, tan_flange) if saw.kerf_along == "normal" else saw.kerf
-    return Plane(cut, web, degrees(atan(tan_flange)), at, tan_web, tan_flange, kerf / 2)
+    return CutPlane(cut, web, degrees(atan(tan_flange)), at, tan_web, tan_flange, kerf / 2)

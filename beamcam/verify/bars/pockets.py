@@ -53,7 +53,7 @@ def check_paths(
 
 
 def is_led(trails: Sequence[Trail], target: Pocket | Course, from_x: float, shop: Shop) -> bool:
-    """Whether a path is there that makes a pocket or line."""
+    """Whether there is a path that makes a pocket or line."""
     want = Led(0, target, from_x)
     trail = _meant(trails, want, _allowed(shop))
     return trail is not None and _off(trail, want) <= _allowed(shop)
@@ -117,7 +117,12 @@ def _box(points: Sequence[tuple[float, float]]) -> tuple[float, float, float, fl
 
 
 def _tool_and_depth(
-    trail: Trail, target: Pocket | Course, mark: str, shop: Shop, profile: Profile, source: Source
+    trail: Trail,
+    target: Pocket | Course,
+    mark: str,
+    shop: Shop,
+    profile: Profile,
+    source: Source,
 ) -> Iterator[Diagnostic]:
     """Faults of the tool and the depth of a path."""
     x, y = (target.x, target.y) if isinstance(target, Pocket) else target.curves[0].start

@@ -19,7 +19,7 @@ from beamcam.controllers.events import BarEvent, Lettering, Move, Switch
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.verify.bars import Run, compared, run, run_of_events, section_of
+from beamcam.verify.bars import BarRun, compared, run, run_of_events, section_of
 from beamcam.verify.bars.made import Made
 from beamcam.verify.rules import NO_OPERATION, TOOL_CHANGE
 
@@ -72,7 +72,7 @@ def verify_remainder(
     return tuple(said)
 
 
-def _done(whole: Run, last: int) -> Iterator[BarEvent]:
+def _done(whole: BarRun, last: int) -> Iterator[BarEvent]:
     """The events up to the end of the operation that works on a line.
 
     It ends where another begins: with the choice of a spindle or a stop, before a cut or a text

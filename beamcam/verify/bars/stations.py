@@ -11,11 +11,12 @@ straight line in y as well. Where the stroke does not follow the depth the face 
 behind 0, the outermost material on the spindle's side.
 """
 
-from math import inf
+from math import inf, nan
 
 from msgspec import Struct
 
 from beamcam.machine.drill import Spindle
+from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Profile
@@ -23,6 +24,19 @@ from beamcam.model.part import Profile
 SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
 WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges
 _AXIS_INDEX = {"X": 0, "Y": 1, "Z": 2}
+
+
+class Tip(Struct, frozen=True, gc=False):
+    """Where the tip of a spindle's tool stands."""
+
+    across: float  #: places of the two axes
+    stroke: float
+    y: float  #: on the face
+    depth: float  #: in the material behind the face; negative before it
+    beside: float  #: in the outermost material beside it; not above 0 where it moves freely
+
+
+NOWHERE = Tip(nan, nan, nan, nan, nan)  #: before the first move
 
 
 class Station(Struct, frozen=True):
@@ -54,9 +68,11 @@ class Station(Struct, frozen=True):
         """Depth of the tip in the material behind the face; negative before it."""
         return self.way * (stroke - self.surface - self.surface_per_y * y)
 
-    def depth_beside(self, stroke: float, y: float) -> float:
-        """Depth of the tip beside the outermost material; not above 0 where it moves freely."""
-        return self.tip_depth(stroke, y) + self.face_depth
+    def tip(self, across: float, stroke: float) -> Tip:
+        """The tip for places of both axes."""
+        y = self.y(across)
+        depth = self.tip_depth(stroke, y)
+        return Tip(across, stroke, y, depth, depth + self.face_depth)
 
 
 class Choice(Struct, frozen=True):
@@ -77,14 +93,15 @@ def choices_of(machine: Machine, profile: Profile | None) -> dict[int, Choice]:
 
 def stroke_values(machine: Machine, profile: Profile | None, face: str) -> dict[str, float]:
     """The names that the machine's formulas may use, for a face of a section."""
-    values = dict.fromkeys(("y", "depth", "tip", "clearance"), 0.0)
+    values = dict.fromkeys(FORMULA_NAMES, 0.0)
     values["clearance"] = machine.drill.clearance if machine.drill else 0.0
-    values["height"] = profile.height if profile else 0.0
-    values["width"] = profile.width if profile else 0.0
-    values["flange_thickness"] = profile.flange_thickness if profile else 0.0
-    values["web_thickness"] = (profile.web_thickness or 0.0) if profile else 0.0
-    values["thickness"] = profile.thickness(face) if profile else 0.0
-    values["face_depth"] = profile.face_depth(face) if profile else 0.0
+    if profile is not None:
+        values |= {
+            "height": profile.height, "width": profile.width,
+            "flange_thickness": profile.flange_thickness,
+            "web_thickness": profile.web_thickness or 0.0,
+            "thickness": profile.thickness(face), "face_depth": profile.face_depth(face),
+        }  # fmt: skip
     return values
 
 
@@ -131,7 +148,7 @@ def _surface_known(profile: Profile | None, face: str) -> bool:
 
 
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
-    """Name, minimum and maximum of the axis that is no spindle's and moves by `moves`.
+    """Name, minimum and maximum of the axis that is not a spindle's and moves by `moves`.
 
     The angle of a saw is also within the saw's own limits.
     """

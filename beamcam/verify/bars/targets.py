@@ -11,7 +11,7 @@ outer contour      nothing, where the ends of the stock give it
 What nothing of the machine makes is a `Lack`.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator
 from math import cos, floor, radians, sin, tan
 from typing import TypeVar
 
@@ -43,7 +43,7 @@ PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
 THREADS = ("thread", "left-thread")
 
 
-class Kind(Struct, frozen=True, gc=False):
+class RoundKind(Struct, frozen=True, gc=False):
     """A round thing that a tool of one kind leaves, wherever it is."""
 
     tool: str  #: kind of the tool
@@ -63,7 +63,7 @@ class Round(Struct, frozen=True, gc=False):
     x: float
     y: float
     face: Face
-    kind: Kind
+    kind: RoundKind
     optional: bool = False  #: whether it may be there or not
 
 
@@ -108,10 +108,9 @@ Target = Round | Pocket | Course | Lack
 
 def targets_of(part: Part, ends: tuple[End, End], shop: Shop) -> list[Target]:
     """Requirements of every feature of a part; duplicate holes count once."""
-    works = {face for face in shop.faces if shop.works_on(face, part)}
-    kinds: dict[tuple[object, ...], tuple[Kind, ...] | None] = {}
+    kinds: dict[tuple[object, ...], tuple[RoundKind, ...] | None] = {}
     found: list[Target] = []
-    for f, feature in _once(part.features, part, shop, works):
+    for f, feature in _once(part, shop):
         if type(feature) is Hole and feature.kind in PLAIN_KINDS:
             key = feature.face, feature.diameter, feature.depth
             known = kinds.get(key, ())
@@ -127,29 +126,28 @@ def targets_of(part: Part, ends: tuple[End, End], shop: Shop) -> list[Target]:
 Either = TypeVar("Either", bound=Hole | Slot)
 
 
-def from_behind(hole: Either, part: Part, shop: Shop, works: Collection[Face]) -> Either:
+def from_behind(hole: Either, part: Part, shop: Shop) -> Either:
     """A through hole or slot on the plate's other side, if it is only there that it is made."""
-    if hole.face in works:
+    if shop.works_on(hole.face, part):
         return hole
     other = OTHER_SIDE.get(part.profile.code, {}).get(hole.face)
     through = hole.kind == "through" and hole.depth is None
     return replace(hole, face=other) if through and other in shop.faces else hole
 
 
-def _once(
-    features: Sequence[Feature], part: Part, shop: Shop, works: Collection[Face]
-) -> Iterator[tuple[int, Feature]]:
+def _once(part: Part, shop: Shop) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
+    works = {face for face in shop.faces if shop.works_on(face, part)}
     tolerance = shop.twice
     seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
-    for f, feature in enumerate(features):
+    for f, feature in enumerate(part.features):
         if type(feature) is Slot:
-            yield f, from_behind(feature, part, shop, works)
+            yield f, from_behind(feature, part, shop)
             continue
         if type(feature) is not Hole:
             yield f, feature
             continue
-        hole = feature if feature.face in works else from_behind(feature, part, shop, works)
+        hole = feature if feature.face in works else from_behind(feature, part, shop)
         # Most x are whole millimetres, in the middle of their own.
         face, x = hole.face, hole.x + 0.5
         low, high = floor(x - tolerance), floor(x + tolerance)
@@ -215,7 +213,7 @@ def _unsawn_bevel(contour: Contour, ends: tuple[End, End]) -> bool:
     )
 
 
-def _drilled(hole: Hole, part: Part, shop: Shop) -> tuple[Kind, ...] | None:
+def _drilled(hole: Hole, part: Part, shop: Shop) -> tuple[RoundKind, ...] | None:
     """The drilled hole that a plain hole requires; None if no drill makes it."""
     if not shop.works_on(hole.face, part):
         return None
@@ -223,7 +221,7 @@ def _drilled(hole: Hole, part: Part, shop: Shop) -> tuple[Kind, ...] | None:
     limits = shop.fit(hole.diameter)
     if not fitting or limits is None:
         return None
-    return (Kind("drill", f"hole {hole.diameter:g}", *limits, fitting[0], hole),)
+    return (RoundKind("drill", f"hole {hole.diameter:g}", *limits, fitting[0], hole),)
 
 
 def _hole(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
@@ -245,7 +243,7 @@ def _hole(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
         yield from _countersink(f, hole, part, shop)
     elif any(shop.of("punch", hole.face)):
         own = next(iter(shop.sizes("punch", hole.face)), 0.0)
-        kind = Kind("punch", "punch mark", 0.0, float("inf"), own, hole)
+        kind = RoundKind("punch", "punch mark", 0.0, float("inf"), own, hole)
         yield Round(f, hole.x, hole.y, hole.face, kind)
     else:
         yield Lack(f, "the punch mark", "mark", hole)
@@ -264,8 +262,8 @@ def _thread(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
         return
     least, most = shop.fit(before) or (before, before)
     place = (f, hole.x, hole.y, hole.face)
-    yield Round(*place, Kind("drill", f"hole before the {name}", least, most, drills[0], hole))
-    yield Round(*place, Kind("tap", name, size, size, size, hole, pitch))
+    yield Round(*place, RoundKind("drill", f"hole before the {name}", least, most, drills[0], hole))
+    yield Round(*place, RoundKind("tap", name, size, size, size, hole, pitch))
 
 
 def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: Shop) -> bool:
@@ -287,7 +285,7 @@ def _countersink(f: int, sink: Hole, part: Part, shop: Shop) -> Iterator[Target]
     if lack:
         yield Lack(f, f"the {name}", lack, sink)
         return
-    kind = Kind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
+    kind = RoundKind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
     yield Round(f, sink.x, sink.y, sink.face, kind)
 
 
@@ -314,9 +312,8 @@ def _sink_tools(sink: Hole, pilot: float, shop: Shop) -> tuple[str, tuple[float,
 def _pilot(sink: Hole, part: Part, shop: Shop) -> float | None:
     """Diameter of the widest hole that a countersink stands on; None if there is none."""
     tolerance = shop.drill.merge_tolerance + 1e-9
-    works = {face for face in shop.faces if shop.works_on(face, part)}
     near = (
-        from_behind(h, part, shop, works) for h in part.holes
+        from_behind(h, part, shop) for h in part.holes
         if abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
     )  # fmt: skip
     below = [
@@ -346,7 +343,7 @@ def _slot(f: int, slot: Slot, part: Part, shop: Shop) -> Iterator[Target]:
     _, most = shop.fit(slot.diameter) or (0.0, slot.diameter)
     for x, y in slot_corners(slot):
         end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
-        kind = Kind("drill", f"end of the {what}", 0.0, most, slot.diameter, end)
+        kind = RoundKind("drill", f"end of the {what}", 0.0, most, slot.diameter, end)
         yield Round(f, x, y, slot.face, kind, True)
 
 

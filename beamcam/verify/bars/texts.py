@@ -19,7 +19,7 @@ from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import choices_of, stroke_values
 from beamcam.verify.bars.targets import Course, slot_corners
 from beamcam.verify.by_hand import by_hand, is_by_hand
-from beamcam.verify.drawn_texts import Drawn, Found
+from beamcam.verify.drawn_texts import DrawnPieces, DrawnText
 from beamcam.verify.lettering import (
     TEXT,
     TEXT_EXTRA,
@@ -30,7 +30,7 @@ from beamcam.verify.lettering import (
     judge,
     steel_within,
 )
-from beamcam.verify.text_assignment import assigned, found_texts
+from beamcam.verify.text_assignment import assigned, standings
 from beamcam.verify.wanted_texts import Segment, Wanted, told, wanted
 
 ANGLE_DEG = 0.01  #: that a told angle may differ
@@ -107,11 +107,13 @@ class ToldTexts:
         texts: Sequence[Wanted],
         start: float,
         steel: Steel,
-    ) -> list[Found | None]:
+    ) -> list[DrawnText | None]:
         """The texts of a part's face as they are told over it."""
         from_x, face = self.at + start, texts[0].feature.face
         over = [one for one in self.left if one.face == face]
-        founds = [Found(one.x - from_x, one.y, one.height, (), (k,)) for k, one in enumerate(over)]
+        founds = [
+            DrawnText(one.x - from_x, one.y, one.height, (), (k,)) for k, one in enumerate(over)
+        ]
         options = [
             [
                 found if _is_told_as(text, one) and _is_over(text, found, *of) else None
@@ -126,7 +128,7 @@ class ToldTexts:
         return result
 
     def _judge(
-        self, face: Face, group: Sequence[tuple[Wanted, Found | None]], part: Part,
+        self, face: Face, group: Sequence[tuple[Wanted, DrawnText | None]], part: Part,
         steel: Steel,
     ) -> Iterator[Diagnostic]:  # fmt: skip
         marks = self.shop.machine.marks
@@ -166,7 +168,7 @@ def _is_told_as(text: Wanted, one: ToldText) -> bool:
     return one.text == text.text and apart < ANGLE_DEG
 
 
-def _is_over(text: Wanted, found: Found, part: Part, ends: tuple[End, End]) -> bool:
+def _is_over(text: Wanted, found: DrawnText, part: Part, ends: tuple[End, End]) -> bool:
     """Whether the middle of a text lies between the ends of a part; others of the bar may too."""
     middle = box_of(text, found.x, found.y, found.height).centroid
     first, last = (_ends_at(end, text.feature.face, part.profile, middle.y) for end in ends)
@@ -188,31 +190,19 @@ def _on_face(
         for a, b in pairwise(trail.points)
         if all(-OVER <= x - from_x <= part.length + OVER for x in (a[0], b[0]))
     ]
-    drawn = Drawn(pieces, shop.drill.path_tolerance + 2 * shop.machine.format.resolution)
-    asked = [(f, wanted(feature, marks)) for f, feature in texts]
-    there_are = found_texts(
-        [text for _, text in asked], drawn, sure or steel, marks,
-        lambda text, one: _is_over(text, one, part, ends),
-    )  # fmt: skip
-    found = {f: one for (f, _), one in zip(asked, there_are, strict=True)}
-    boxes = {
-        f: box_of(text, there.x, there.y, there.height)
-        for f, text in asked
-        if (there := found[f]) is not None
-    }
-    places = None if sure is None else Places(sure, [*boxes.values()], marks)
+    drawn = DrawnPieces(pieces, shop.drill.path_tolerance + 2 * shop.machine.format.resolution)
+    asked = [wanted(feature, marks) for _, feature in texts]
+    standing = standings(
+        asked, drawn, steel, sure, marks, lambda text, one: _is_over(text, one, part, ends)
+    )
     courses: list[Course] = []
     said: list[Diagnostic] = []
-    for f, text in asked:
-        others = [box for g, box in boxes.items() if g != f]
-        one, feature = found[f], text.feature
-        if one is not None:
-            said += judge(text, one, steel, others, marks, sure or steel)
-            courses += _strokes(f, text, one.x, one.y, one.height)
-        elif places is not None and places.has(text):
-            courses += _strokes(f, text, feature.x, feature.y, text.height)
-        else:
+    for (f, feature), text, one in zip(texts, asked, standing, strict=True):
+        if one is None:
             said.append(by_hand(feature, part, shop.machine))
+        else:
+            said += one.said
+            courses += _strokes(f, text, one.x, one.y, one.height)
     return courses, said
 
 

@@ -28,14 +28,13 @@ def verify_sheet(
     torch.
     """
     from beamcam.verify.sheets.alike import told_apart
-    from beamcam.verify.sheets.compare import compare
+    from beamcam.verify.sheets.compare import compare_part
     from beamcam.verify.sheets.contour_names import with_contours
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.passes import passes_folded
     from beamcam.verify.sheets.radii import radius_faults
     from beamcam.verify.sheets.shared import as_one
     from beamcam.verify.sheets.strokes import is_far, strokes_of
-    from beamcam.verify.sheets.texts import add_texts
 
     torch = machine.needed(machine.torch, "torch")
     done, said = table_run(text, machine, name)
@@ -46,12 +45,7 @@ def verify_sheet(
     torch, said = machine.torch or torch, [*said, *faults]
     rows = rows_of(part, torch)
     strokes, more = strokes_of(
-        done,
-        machine,
-        torch,
-        rows,
-        lambda blocks: table_events(blocks, machine)[0],
-        name,
+        done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
     )
     said += more
     if is_far(strokes.moves, torch):
@@ -59,10 +53,5 @@ def verify_sheet(
     strokes = passes_folded(strokes, rows)
     need = need_of(part, machine, torch, skips)
     strokes = told_apart(strokes, need, torch, shift_of(need, torch))
-    add_texts(need, part, machine, torch, strokes)
-    said += need.said
-    if not need.curves and not strokes.each:
-        return tuple(said)
-    shift = shift_of(need, torch)
-    said += compare(strokes, need, machine, torch, shift, name)
-    return tuple(with_contours(said, done.moves, need, shift, torch.tolerance / 8))
+    said += compare_part(strokes, need, part, machine, torch, name)
+    return tuple(with_contours(said, done.moves, need, shift_of(need, torch), torch.tolerance / 8))

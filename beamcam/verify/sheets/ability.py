@@ -58,14 +58,12 @@ def _min_radius(curve: Bezier | EllipseArc) -> float:
     """The minimum radius of a parabola; of an ellipse that at the ends of its main axis."""
     if isinstance(curve, EllipseArc):
         return curve.major * curve.ratio**2
-    # The curvature of a parabola grows towards its vertex from both sides: it is greatest there,
-    # or at the end that is nearer to it.
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        a, b = low + (high - low) / 3, high - (high - low) / 3
-        if abs(curve.curvature(a)) < abs(curve.curvature(b)):
-            low = a
-        else:
-            high = b
-    bend = max(abs(curve.curvature(t)) for t in (0.0, (low + high) / 2, 1.0))
+    # The curvature |f' x f''| / |f'|^3 is greatest where f' = 2 (a + t b) is shortest: at the
+    # vertex, or at the end that is nearer to it.
+    (x0, y0), (x1, y1), (x2, y2) = curve.points
+    ax, ay, bx, by = x1 - x0, y1 - y0, x2 - 2 * x1 + x0, y2 - 2 * y1 + y0
+    if ax * by == ay * bx:
+        return inf
+    vertex = -(ax * bx + ay * by) / (bx * bx + by * by)
+    bend = abs(curve.curvature(min(max(vertex, 0.0), 1.0)))
     return 1.0 / bend if bend > FLAT else inf

@@ -15,7 +15,7 @@ WIDEST = 1.5  #: of a bridge that is told to be too wide, by the width of one
 
 
 def join_bridged(work: Work, bounds: Bounds, traced: Sequence[Traced]) -> None:
-    """Puts the strokes together that go round a contour with bridges, one behind the other.
+    """Puts the strokes together that go round a contour with bridges, one after the other.
 
     `bounds` are the ways of each stroke, those of leads included. The last stroke ends where the
     first begins, or a bridge lies there too.
@@ -127,7 +127,7 @@ def _is_along_contour(work: Work, end: Floats, start: Floats, reach: float, most
 
 
 def _close(work: Work, bounds: Bounds, traced: Sequence[Traced], first: int, last: int) -> bool:
-    """Whether stroke `last` ends where `first` begins; what is no part of the ring is lead."""
+    """Whether stroke `last` ends where `first` begins; what is not part of the ring is lead."""
     starts, ends, begins = work.path.starts, work.path.ends, work.path.begins
     head, tail = bounds[first][0], bounds[last][1]
     total = begins[tail - 1] + work.path.lengths[tail - 1]

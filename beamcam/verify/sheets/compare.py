@@ -13,14 +13,28 @@ import numpy as np
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.model.part import Part
 from beamcam.verify.sheets.contours import cover
 from beamcam.verify.sheets.look_settings import OrderPlace, settings_faults, turn_faults
-from beamcam.verify.sheets.need import Need
+from beamcam.verify.sheets.need import Need, shift_of
 from beamcam.verify.sheets.order import order_faults
 from beamcam.verify.sheets.overcut import overcut_faults
 from beamcam.verify.sheets.paths import follow
 from beamcam.verify.sheets.strokes import Strokes
+from beamcam.verify.sheets.texts import add_texts
 from beamcam.verify.sheets.work import Traced, Work, work_of
+
+
+def compare_part(
+    strokes: Strokes, need: Need, part: Part, machine: Machine, torch: Torch, name: str,
+    stepped: bool = False,
+) -> list[Diagnostic]:  # fmt: skip
+    """All differences of the strokes from a part with its texts, and what its need says itself."""
+    add_texts(need, part, machine, torch, strokes)
+    if not need.curves and not strokes.each:
+        return need.said
+    shift = shift_of(need, torch)
+    return need.said + compare(strokes, need, machine, torch, shift, name, stepped)
 
 
 def compare(

@@ -58,14 +58,17 @@ def compensated(legs: Sequence[HeadMove], side: Side, radius: float) -> list[Hea
 
     Raises CompensationError where the controller would stop.
     """
-    head = _Head(side, radius, legs[0].start)
+    path = _OffsetPath(side, radius, legs[0].start)
     for leg in legs:
-        head.go(leg)
-    return head.legs(legs[0].feed_mm_min)
+        path.go(leg)
+    return path.legs(legs[0].feed_mm_min)
 
 
-class _Head:
-    """The state of the interpreter: its last move waits, since the next may cut it short."""
+class _OffsetPath:
+    """The path of the beam beside the programmed one.
+
+    Its last move waits, since the next may cut it short.
+    """
 
     def __init__(self, side: Side, radius: float, start: Point) -> None:
         self._left = 1 if side == "left" else -1

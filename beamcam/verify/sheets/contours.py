@@ -16,12 +16,13 @@ import numpy as np
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.alignment import aligned, beside_bends
 from beamcam.verify.sheets.bridges import in_bridges
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.left import left_faults
 from beamcam.verify.sheets.paths import on_contour
 from beamcam.verify.sheets.sides import on_own_side
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.ways import Samples, Ways, kept_samples
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 
 #: Where each of some ways begins and ends, counted along all, and whether it closes.
@@ -35,14 +36,10 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Stretches that are missing, and those followed more than once."""
     beside = work.beside
     dense = min(SPACING, max(work.half_kerf / 2, MIN_SPACING))
-    element, share, owner = work.need.samples(np.where(beside, dense, SPACING))
-    points = work.need.elements.places(element, share)
-    slack = work.slack[owner]
-    reach = slack + np.where(beside[owner], work.half_kerf, 0.0)
-    pairs = work.path.near(points, float(reach.max(initial=0.0)))
-    if work.half_kerf:
-        pairs = _own(work, traced, pairs, beside[owner])
-        pairs = on_own_side(work, (element, share, owner), points, pairs)
+    samples = work.need.samples(np.where(beside, dense, SPACING))
+    points, owner = work.need.elements.places(*samples[:2]), samples[2]
+    reach = _reaches(work)[owner]
+    pairs = _pairs(work, traced, samples, points)
     away, feet = work.path.feet(pairs, len(points))
     missing = np.flatnonzero((away > reach) & ~work.small[owner])
     said: list[Diagnostic] = []
@@ -50,18 +47,61 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         from beamcam.verify.sheets.corners import in_corners
 
         missing = missing[~work.on_kept_off(points[missing]) | beside[owner[missing]]]
-        is_left, corners = in_corners(work, traced, missing, (element, share, owner))
+        is_left, corners = in_corners(work, traced, missing, samples)
         missing = missing[~is_left]
         said = left_faults(work, corners)
-    missing = missing[~in_bridges(work, traced, points[missing])]
-    _, firsts = np.unique(owner[missing], return_index=True)
-    said += [work.missing(int(owner[k]), points[k]) for k in missing[firsts][:SHOWN]]
+    bends, lost = _left_at_bends(work, traced)
+    said += _missing(
+        work,
+        traced,
+        np.concatenate((points[missing], bends)),
+        np.concatenate((owner[missing], lost)),
+    )
     covered = np.flatnonzero(away <= reach)
     places = points
     if work.half_kerf:
         places = np.where((away <= reach)[:, None], feet, points)
-        pairs = work.path.near(places, float(slack.max(initial=0.0)))
-    return said + _twice(work, traced, places, owner, slack, covered, pairs)
+    pairs = work.path.near(places, float(work.slack.max(initial=0.0)))
+    return said + _twice(work, traced, places, owner, work.slack[owner], covered, pairs)
+
+
+def _reaches(work: Work) -> Floats:
+    """How far each curve may be from its path."""
+    reaches: Floats = work.slack + np.where(work.beside, work.half_kerf, 0.0)
+    return reaches
+
+
+def _pairs(work: Work, traced: Sequence[Traced], samples: Samples, points: Floats) -> Pairs:
+    """The samples and the elements of the path that may be of their curve."""
+    owner = samples[2]
+    pairs = work.path.near(points, float(_reaches(work)[owner].max(initial=0.0)))
+    if work.half_kerf:
+        pairs = _own(work, traced, pairs, work.beside[owner])
+        pairs = on_own_side(work, samples, points, pairs)
+    along = aligned(work.need, samples, work.path, pairs, float(work.slack.max(initial=0.0)))
+    return pairs.kept(along | work.beside[owner][pairs.point])
+
+
+def _left_at_bends(work: Work, traced: Sequence[Traced]) -> tuple[Floats, Counts]:
+    """Where the path leaves a curve that the beam stays on, (n, 2), and the curve."""
+    samples = beside_bends(work.need, work.path, float(work.slack.max(initial=0.0)))
+    samples = kept_samples(samples, ~(work.beside | work.small)[samples[2]])
+    points, owner = work.need.elements.places(*samples[:2]), samples[2]
+    away, _ = work.path.feet(_pairs(work, traced, samples, points), len(points))
+    lost = away > work.slack[owner]
+    if work.half_kerf:
+        lost &= ~work.on_kept_off(points)
+    return points[lost], owner[lost]
+
+
+def _missing(
+    work: Work, traced: Sequence[Traced], places: Floats, owner: Counts
+) -> list[Diagnostic]:
+    """That some curves have no path at some places, but for those in bridges."""
+    left = ~in_bridges(work, traced, places)
+    places, owner = places[left], owner[left]
+    _, firsts = np.unique(owner, return_index=True)
+    return [work.missing(int(owner[k]), places[k]) for k in firsts[:SHOWN]]
 
 
 def _own(work: Work, traced: Sequence[Traced], pairs: Pairs, beside: Flags) -> Pairs:
@@ -85,32 +125,12 @@ def _twice(
     `points` are places of the path, or of the contour where the beam stays on that; `pairs` are
     they and the path.
     """
-    need, path = work.need, work.path
     is_long = np.zeros(len(points), dtype=bool)
-    is_long[covered] = need.lengths[owner[covered]] > 8 * work.tolerance
+    is_long[covered] = work.need.lengths[owner[covered]] > 8 * work.tolerance
     reach = float(np.max(slack[is_long], initial=0.0))
-    near = path.by_way(pairs)
-    near_way = path.owner[near.element]
-    kept = is_long[near.point] & on_contour(work, traced)[near_way] & (near.away <= reach)
-    counts = np.bincount(near.point[kept], minlength=len(points))
-    kept &= counts[near.point] > 1
-    if not kept.any():
-        return []
-    kept &= ~_overlap(work, traced, near)
-    at = path.at(near.element[kept], near.along[kept])
-    stroke = work.of_way[near_way[kept]]
-    passes = _passes(near.point[kept], at, stroke, _loops(path, traced), 6 * reach, len(points))
+    passes = _path_passes(work, traced, pairs, is_long, reach)
     doubtful = np.flatnonzero(passes > 1)
-    # Contours side by side have a path each; one that runs back beside itself has a path for each
-    # of its passes.
-    beside = need.near(points[doubtful], work.half_kerf + 2 * reach)
-    if work.region is not None:
-        beside = beside.kept(~work.region.twins[need.owner[beside.element]])
-    at, way = need.at(beside.element, beside.along), need.owner[beside.element]
-    apart = 6 * (work.half_kerf + 2 * reach)
-    ways = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
-    allowed = _passes(beside.point, at, way, ways, apart, len(doubtful))
-    doubtful = doubtful[passes[doubtful] > allowed]
+    doubtful = doubtful[passes[doubtful] > _permitted(work, points[doubtful], reach)]
     said: list[Diagnostic] = []
     for way in sorted(set(owner[doubtful].tolist()))[:SHOWN]:
         mine = doubtful[owner[doubtful] == way]
@@ -125,6 +145,41 @@ def _twice(
             )
         )  # fmt: skip
     return said
+
+
+def _path_passes(
+    work: Work, traced: Sequence[Traced], pairs: Pairs, which: Flags, reach: float
+) -> Counts:
+    """How often the path passes each sample; 0 of those that are none of `which`, or passed once.
+
+    `pairs` are the samples and the path.
+    """
+    near = work.path.by_way(pairs)
+    way = work.path.owner[near.element]
+    kept = which[near.point] & on_contour(work, traced)[way] & (near.away <= reach)
+    kept &= np.bincount(near.point[kept], minlength=len(which))[near.point] > 1
+    if not kept.any():
+        return np.zeros(len(which), dtype=np.int64)
+    kept &= ~_overlap(work, traced, near)
+    at = work.path.at(near.element[kept], near.along[kept])
+    stroke = work.of_way[way[kept]]
+    loops = _loops(work.path, traced)
+    return _passes(near.point[kept], at, stroke, loops, 6 * reach, len(which))
+
+
+def _permitted(work: Work, points: Floats, reach: float) -> Counts:
+    """How many passes places may have.
+
+    Contours side by side have a path each; one that runs back beside itself has a path for each of
+    its passes.
+    """
+    need = work.need
+    beside = need.near(points, work.half_kerf + 2 * reach)
+    if work.region is not None:
+        beside = beside.kept(~work.region.twins[need.owner[beside.element]])
+    at, way = need.at(beside.element, beside.along), need.owner[beside.element]
+    ways = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
+    return _passes(beside.point, at, way, ways, 6 * (work.half_kerf + 2 * reach), len(points))
 
 
 def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:

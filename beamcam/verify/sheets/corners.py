@@ -22,9 +22,9 @@ from msgspec import Struct
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.sides import Samples, is_behind, off, waste_sides
+from beamcam.verify.sheets.sides import is_behind, off, waste_sides
 from beamcam.verify.sheets.touching import waste_rings
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.ways import Samples, Ways
 from beamcam.verify.sheets.work import Traced, Work
 
 HALVINGS = 24  #: of the way between a place that has a path and one that has none
@@ -34,7 +34,7 @@ BEYOND = 64  #: samples behind the end of a stretch among which the beam may tou
 
 
 class Stretch(Struct, frozen=True):
-    """Samples of a ring that have no path, one behind the other."""
+    """Samples of a ring that have no path, one after the other."""
 
     samples: Counts  #: they, with the one before and the one behind them, which have a path
     before: Counts  #: those before them, from the first of them that has none on
@@ -221,7 +221,7 @@ class _Beam:
         return ends[a:b] if a < b else ends[b:a][::-1]
 
     def _turns(self, points: Floats, ways: Counts) -> tuple[Counts, Floats]:
-        """Behind which of some samples, one behind the other, a way ends, and where."""
+        """Behind which of some samples, one after the other, a way ends, and where."""
         turns = np.flatnonzero(np.diff(ways))
         starts, ends = self._work.need.starts[ways[turns]], self._work.need.ends[ways[turns]]
         to_start = np.hypot(*(starts - points[turns + 1]).T)

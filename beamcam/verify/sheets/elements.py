@@ -14,7 +14,7 @@ QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 
 class Pieces(Struct, frozen=True):
-    """What curves are drawn with: lines and arcs one behind the other, curve by curve."""
+    """What curves are drawn with: lines and arcs one after the other, curve by curve."""
 
     counts: Counts  #: of the pieces of each curve
     start: Floats  #: (n, 2)
@@ -149,8 +149,3 @@ class Elements:
             away[beyond] = np.minimum(*ends)
             turn[beyond] = np.where(ends[1] < ends[0], reach[beyond], 0.0)
         return away, turn * radius
-
-
-def points_as_elements(points: Floats) -> Elements:
-    """Points (n, 2) as lines of no length."""
-    return Elements(points, points, np.zeros(len(points), dtype=bool), np.zeros((len(points), 5)))

@@ -180,7 +180,7 @@ def one_way_faults(work: Work) -> list[Diagnostic]:
     angles = [torch.settings[work.asked.looks[work.process][k]].hatch_angle for k in every]
     turns = np.radians(angles)[pairs.point]
     along = legs[:, 0] * np.cos(turns) + legs[:, 1] * np.sin(turns)
-    # What crosses a line is no part of it.
+    # What crosses a line is not part of it.
     back = np.flatnonzero(along < -0.99)
     if not len(back):
         return []

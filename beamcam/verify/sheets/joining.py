@@ -21,7 +21,7 @@ from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.overlaps import Stretches
 from beamcam.verify.sheets.ways import Ways
 
-Chain = list[tuple[int, bool]]  #: ways one behind the other, and whether each is turned round
+Chain = list[tuple[int, bool]]  #: ways one after the other, and whether each is turned round
 
 SAME_POINT = 1e-9  #: ends of the curves of one feature that follow one another
 WRITTEN_SAME = 1e-3  #: ends that are written as one point: coordinates of three decimals
@@ -148,7 +148,7 @@ class _Net:
                 self._at.setdefault(place, set()).add(k)
 
     def rings(self) -> list[Chain]:
-        """What leads back to where it began, each as its ways one behind the other."""
+        """What leads back to where it began, each as its ways one after the other."""
         found: list[Chain] = []
         asked = list(self._at)
         while asked:
@@ -191,7 +191,7 @@ class _Net:
 
 
 def _ways_of(run: _Run) -> Chain:
-    """The ways of a run, one behind the other."""
+    """The ways of a run, one after the other."""
     found: Chain = []
     waiting: list[tuple[_Run, bool]] = [(run, False)]
     while waiting:

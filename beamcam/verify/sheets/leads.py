@@ -54,7 +54,7 @@ class _Shape:
         return end
 
     def ring(self, first: int, last: int, bad: Sequence[bool]) -> tuple[int, int]:
-        """The ways that are no leads: those that close, with the longest leads that may be.
+        """The ways that are not leads: those that close, with the longest leads that may be.
 
         Where nothing closes, what lies off the contours is taken for the leads.
         """

@@ -6,9 +6,13 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Floats
 from beamcam.machine.torch import LookSettings, TorchRow
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.alignment import aligned
+from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.paths import on_contour
+from beamcam.verify.sheets.ways import Samples, kept_samples
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 
 PLAIN = LookSettings()
@@ -33,11 +37,10 @@ def settings_faults(
         return [], []
     owns = [work.torch.settings.get(k, PLAIN) for k in work.asked.looks[work.process]]
     asked = [_asked(row, own) for own in owns]
-    element, share, way = work.path.samples(SPACING)
-    kept = on_contour(work, traced)[way]
-    points = work.path.elements.places(element[kept], share[kept])
-    stroke = work.of_way[way[kept]]
-    pairs = work.need.near(points, work.half_kerf + float(work.slack.max(initial=0.0)))
+    samples = work.path.samples(SPACING)
+    samples = kept_samples(samples, on_contour(work, traced)[samples[2]])
+    points, stroke = work.path.elements.places(*samples[:2]), work.of_way[samples[2]]
+    pairs = _followed(work, samples, points)
     near = work.need.owner[pairs.element]
     said: list[Diagnostic] = []
     turns: list[OrderPlace] = []
@@ -57,6 +60,16 @@ def settings_faults(
         orders = [owns[w].order for w in ways]
         turns.append(OrderPlace(one.line, min(orders), max(orders)))
     return said[:SHOWN], turns
+
+
+def _followed(work: Work, samples: Samples, points: Floats) -> Pairs:
+    """The samples of the path and what they are near; what they cross only if nothing else is."""
+    most = float(work.slack.max(initial=0.0))
+    pairs = work.need.near(points, work.half_kerf + most)
+    along = aligned(work.path, samples, work.need, pairs, most)
+    runs_along = np.zeros(len(points), dtype=bool)
+    runs_along[pairs.point[along]] = True
+    return pairs.kept(along | ~runs_along[pairs.point])
 
 
 def _asked(row: TorchRow, own: LookSettings) -> Settings:

@@ -97,7 +97,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             need.said.append(by_hand(feature, part, machine))
             if isinstance(feature, Hole | Slot):
                 for x, y in _drill_places(feature):
-                    need.add("mark", _cross_at(x, y, torch.cross), index, feature.source)
+                    need.add("mark", _cross(x, y, torch.cross), index, feature.source)
                 continue
             lack = None
         if lack is not None and lack not in skips:
@@ -125,7 +125,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                 kind = cast("TorchProcess", process)
                 need.add(kind, feature.curves, index, feature.source, key or "")
         elif isinstance(feature, Hole) and feature.kind == "mark":
-            need.add("mark", _cross(feature, torch.cross), index, feature.source)
+            need.add("mark", _cross(feature.x, feature.y, torch.cross), index, feature.source)
         else:
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
@@ -204,12 +204,8 @@ def _plain(process: Process) -> str:
     return "mark" if process in ("punch", "powder") else process
 
 
-def _cross(feature: Hole, size: float) -> list[Curve]:
+def _cross(x: float, y: float, size: float) -> list[Curve]:
     """The two strokes that mark a centre, each as long as the cross is to be."""
-    return _cross_at(feature.x, feature.y, size)
-
-
-def _cross_at(x: float, y: float, size: float) -> list[Curve]:
     return [
         Line((x - ux * size / 2, y - uy * size / 2), (x + ux * size / 2, y + uy * size / 2))
         for ux, uy in ((1.0, 0.0), (0.0, 1.0))

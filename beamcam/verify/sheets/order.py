@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from shapely import Polygon
 
 TOUCHING = 0.01  #: mm by which a contour may leave the one around it
-MOST_AT_ONCE = 1 << 16  #: cuts that are looked at together, some 3 MB
+AT_ONCE = 64  #: rings that are looked at together
 
 
 def order_faults(
@@ -55,30 +55,22 @@ def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
     """Pairs of a cut and an earlier one whose ring it lies in.
 
     Boxes are looked at first: in most programs no contour is in the box of an earlier one. That is
-    done for some rings at a time, as many as have `MOST_AT_ONCE` cuts within their X together, so
-    that it takes no more memory the more of them lie above one another.
+    done for some rings at a time, so that it takes no more memory the more of them lie above one
+    another.
     """
+    import shapely
+
     rings = [k for k, t in enumerate(cuts) if t.ring or t.contour is not None]
-    if not rings:
-        return []
-    places = np.array(rings)
-    boxes = np.array([cuts[k].box for k in rings])
-    middles = np.array([t.middle for t in cuts])
-    order = np.argsort(middles[:, 0], kind="stable")
-    xs = middles[order, 0]
-    first, last = np.searchsorted(xs, boxes[:, 0]), np.searchsorted(xs, boxes[:, 2], "right")
-    count = last - first
+    tree = shapely.STRtree(shapely.points(np.array([t.middle for t in cuts]).reshape(-1, 2)))
     pairs: list[tuple[int, int]] = []
-    begins = np.flatnonzero(np.diff(np.cumsum(count) // MOST_AT_ONCE, prepend=-1))
-    for some in np.split(np.arange(len(rings)), begins[1:]):
-        outer = np.repeat(some, count[some])
-        behind = np.cumsum(count[some])
-        inner = order[np.arange(len(outer)) + np.repeat(last[some] - behind, count[some])]
-        y = middles[inner, 1]
-        near = (y >= boxes[outer, 1]) & (y <= boxes[outer, 3]) & (inner > places[outer])
-        found, starts = np.unique(outer[near], return_index=True)
-        for ring, own in zip(found.tolist(), np.split(inner[near], starts)[1:], strict=True):
-            pairs += _within(cuts, own.tolist(), rings[ring])
+    for low in range(0, len(rings), AT_ONCE):
+        some = np.array(rings[low : low + AT_ONCE])
+        boxes = shapely.box(*np.array([cuts[k].box for k in some]).T)
+        number, inner = tree.query(boxes)
+        later = inner > some[number]
+        found, starts = np.unique(some[number[later]], return_index=True)
+        for ring, own in zip(found.tolist(), np.split(inner[later], starts)[1:], strict=True):
+            pairs += _within(cuts, own.tolist(), ring)
     return sorted(pairs)
 
 

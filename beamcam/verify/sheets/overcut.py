@@ -64,7 +64,7 @@ def _beyond(work: Work, t: Traced) -> list[Diagnostic]:
 def _along(work: Work, t: Traced) -> Limits:
     """How far a ring runs over its start, and what is asked: at most half of the way to a bridge.
 
-    A line there and back again is no ring.
+    A line there and back again is not a ring.
     """
     led = _led_along(work, t)
     over = sum(other.over for other in t.members) - led
@@ -99,7 +99,7 @@ def _along_leads(work: Work, t: Traced) -> float:
 
 
 def _led_along(work: Work, t: Traced) -> float:
-    """How far a stroke of steps comes along its contour: it is no overcut, up to its first corner.
+    """How far a stroke of steps comes along its contour: not an overcut, up to its first corner.
 
     From an inner corner a line leads in along the contour. Of paths with known corners that is no
     part of what runs along the ring; see `paths._overs`.

@@ -62,22 +62,28 @@ def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same:
 
     spans: dict[int, list[float]] = {}
     for k in asked.tolist():
-        w, v = int(own[k]), int(other[k])
-        line = _line(found, w)
-        at_start = pairs.point[k] < len(numbers)
+        w, v, place = int(own[k]), int(other[k]), places[pairs.point[k]]
+        at_start = bool(pairs.point[k] < len(numbers))
         for end in (ways.starts[v], ways.ends[v]):
-            point = shapely.Point(end)
-            at = line.project(point)
-            if line.distance(point) > same or not same < at < line.length - same:
-                continue
-            middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
-            if _line(found, v).distance(middle) > same:
-                continue
-            if not is_lost(end, w, v) and not is_lost(places[pairs.point[k]], w, v):
-                spans.setdefault(w, [0.0, line.length])[0 if at_start else 1] = at
+            at = _beginning_of_overlap(found, w, v, end, at_start, same)
+            if at is not None and not is_lost(end, w, v) and not is_lost(place, w, v):
+                whole = [0.0, _line(found, w).length]
+                spans.setdefault(w, whole)[0 if at_start else 1] = at
     for w, (low, high) in spans.items():
         if low < high:
             _replace(found, w, np.array(substring(_line(found, w), low, high).coords))
+
+
+def _beginning_of_overlap(
+    found: Stretches, w: int, v: int, end: Floats, at_start: bool, same: float
+) -> float | None:
+    """How far along way `w` an end of `v` lies, if `w` lies on `v` from its own end up to there."""
+    line, point = _line(found, w), shapely.Point(end)
+    at: float = line.project(point)
+    if line.distance(point) > same or not same < at < line.length - same:
+        return None
+    middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
+    return None if _line(found, v).distance(middle) > same else at
 
 
 def _of_one_course(ways: Ways, some: Counts, others: Counts, same: float) -> Flags:

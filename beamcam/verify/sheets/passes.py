@@ -1,4 +1,4 @@
-"""Contours that are followed several times: passes one behind the other, taken for one stroke."""
+"""Contours that are followed several times: passes one after the other, taken for one stroke."""
 
 from collections.abc import Iterable
 

@@ -2,8 +2,8 @@
 
 With r half the kerf of a beam that keeps off, 0 of any other:
 
-    every sample of a path   has a closed contour at most r away, or an open one on its middle,
-                             but for the leads, which lie in waste
+    every sample of a path   has a closed contour at most r away, or one along its middle (any
+                             contour, with r 0), but for the leads, which lie in waste
     every stroke             closes, or ends where a contour ends
 """
 
@@ -13,9 +13,12 @@ import numpy as np
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.verify.sheets.alignment import aligned, beside_bends
 from beamcam.verify.sheets.bridges import join_bridged
 from beamcam.verify.sheets.ends import end_faults
+from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.leads import Bounds, rings
+from beamcam.verify.sheets.ways import Samples, joined_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
 
 Near = tuple[Floats, Counts, Floats]  #: how far the nearest way is, which, how far along it
@@ -23,31 +26,16 @@ Near = tuple[Floats, Counts, Floats]  #: how far the nearest way is, which, how 
 
 def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     """The strokes without their leads, and what follows no contour."""
-    element, share, way = work.path.samples(SPACING)
-    points = work.path.elements.places(element, share)
-    if work.half_kerf:  # nothing else would see an end that runs on into the waste
-        points = np.concatenate((points, work.path.ends))
-        way = np.concatenate((way, np.arange(work.path.count)))
+    samples = _samples(work)
+    points, way = work.path.elements.places(*samples[:2]), samples[2]
     stroke = work.of_way[way]
-    on, off = _nearest(work, points)
+    on, off = _nearest(work, samples, points)
     followed = on[0] <= work.slack[on[1]]
     ends = np.cumsum(np.bincount(work.of_way, minlength=len(work.strokes))).tolist()
     bounds = list(zip([0, *ends[:-1]], ends, strict=True))
     expected = np.zeros(len(work.strokes))
     if work.half_kerf:
-        beside = off[0] <= work.half_kerf + work.slack[off[1]]
-        total = np.bincount(stroke, minlength=len(work.strokes))
-        on_middle = _count(work, stroke, followed)
-        corners = np.flatnonzero((on_middle < total)[stroke] & ~beside)
-        beside[corners] = _round_corners(work, points[corners])
-        centred = 2 * on_middle > total
-        # A small ring may touch or cross so many open curves that most of its samples are on them.
-        at_side = _count(work, stroke, beside)
-        centred &= at_side <= on_middle
-        both = np.flatnonzero(centred & (at_side == on_middle))
-        centred[both] = ~_close(work, [bounds[k] for k in both.tolist()])
-        expected = np.where(centred, 0.0, work.half_kerf)
-        followed = np.where(centred[stroke], followed, beside)
+        followed, expected = _on_or_beside(work, points, stroke, bounds, followed, off)
     bad = np.zeros(work.path.count, dtype=bool)
     bad[way[~followed]] = True
     traced = _traced(work, rings(work, bounds, bad), expected)
@@ -57,16 +45,48 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     for t in traced:
         t.members = t.members or ([t] if t.closed else [])
     _overs(work, bounds, traced, points, way)
-    said = []
     wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
-    _, firsts = np.unique(stroke[wrong], return_index=True)
-    for k in wrong[firsts][:SHOWN].tolist():
-        away, nearest = work.need.nearest_to(points[k])
-        kept_off = f"{expected[stroke[k]]:g} mm within {work.slack[nearest]:.4f}"
-        off_by = f"{away:.4f} mm off the nearest contour to {work.process}, "
-        off_by += f"that of {work.contour(nearest)}"
-        said.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
+    said = _strays(work, points[wrong], way[wrong], expected)
     return traced, said + end_faults(work, traced)
+
+
+def _on_or_beside(
+    work: Work, points: Floats, stroke: Counts, bounds: Bounds, on: Flags, off: Near
+) -> tuple[Flags, Floats]:
+    """Which samples follow what they should, and how far each stroke keeps off its contour.
+
+    `points` are the samples, `stroke` those that they are of, `on` tells which run along a curve
+    that the beam stays on, `off` what the beam keeps off there. A stroke of which most samples are
+    on such a curve is to stay on it, any other keeps off.
+    """
+    beside = off[0] <= work.half_kerf + work.slack[off[1]]
+    total = np.bincount(stroke, minlength=len(work.strokes))
+    on_middle = _count(work, stroke, on)
+    corners = np.flatnonzero((on_middle < total)[stroke] & ~beside)
+    beside[corners] = _round_corners(work, points[corners])
+    centred = 2 * on_middle > total
+    # A small ring may touch or cross so many open curves that most of its samples are on them.
+    at_side = _count(work, stroke, beside)
+    centred &= at_side <= on_middle
+    both = np.flatnonzero(centred & (at_side == on_middle))
+    centred[both] = ~_close(work, [bounds[k] for k in both.tolist()])
+    return np.where(centred[stroke], on, beside), np.where(centred, 0.0, work.half_kerf)
+
+
+def _strays(work: Work, points: Floats, way: Counts, expected: Floats) -> list[Diagnostic]:
+    """The first place of each stroke at which it follows nothing; `way` is that of each place."""
+    said: list[Diagnostic] = []
+    _, firsts = np.unique(work.of_way[way], return_index=True)
+    for k in firsts[:SHOWN].tolist():
+        apart = float(expected[work.of_way[way[k]]])
+        away, nearest = work.need.nearest_to(points[k])
+        contour = work.contour(nearest)
+        kept_off = f"{apart:g} mm within {work.slack[nearest]:.4f}"
+        off_by = f"{away:.4f} mm off the nearest contour to {work.process}, that of {contour}"
+        if away <= work.slack[nearest] and not apart:
+            off_by, kept_off = f"across the contour of {contour}", "it along one"
+        said.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
+    return said
 
 
 def _close(work: Work, bounds: Bounds) -> Flags:
@@ -111,7 +131,7 @@ def _overs(
     for t, (first, _) in zip(traced, bounds, strict=True):
         if not t.members:
             continue
-        # A lead may come along the contour; what begins where the contour has an end is no lead.
+        # A lead may come along the contour; what begins where the contour has an end is not a lead.
         heads = [work.path.starts[m.first : m.last] for m in t.members]
         for k in np.flatnonzero(outside[first : t.first]).tolist():
             away = np.hypot(*(np.concatenate(heads) - work.path.starts[first + k]).T)
@@ -123,20 +143,41 @@ def _overs(
         t.beyond = float(work.path.lengths[t.last : last].sum() - reached[last] + reached[t.last])
 
 
-def _nearest(work: Work, points: Floats) -> tuple[Near, Near]:
-    """Of each point the nearest curve that the beam stays on, and the nearest that it keeps off."""
-    most = float(work.slack.max(initial=0.0))
+def _samples(work: Work) -> Samples:
+    """Where the path is asked what it follows."""
+    path = work.path
+    found = [path.samples(SPACING), beside_bends(path, work.need, _most(work))]
+    if work.half_kerf:  # nothing else would see an end that runs on into the waste
+        every = np.arange(path.count)
+        found.append((path.last(every), np.ones(path.count), every))
+    return joined_samples(*found)
+
+
+def _most(work: Work) -> float:
+    return float(work.slack.max(initial=0.0))
+
+
+def _nearest(work: Work, samples: Samples, points: Floats) -> tuple[Near, Near]:
+    """The nearest curve that the beam stays on at each sample, and the nearest that it keeps off.
+
+    A curve that the beam stays on runs along its path.
+    """
+    most = _most(work)
+
+    def along(pairs: Pairs) -> Flags:
+        return aligned(work.path, samples, work.need, pairs, most)
+
     if not work.half_kerf:
-        found = work.need.nearest_within(points, (2 * most,))
+        found = work.need.nearest_within(points, (2 * most,), fits=along)
         return found, found
-    on = work.need.nearest_within(points, (most,), ~work.beside)
+    on = work.need.nearest_within(points, (most,), ~work.beside, along)
     reaches = (work.half_kerf + most, _reach(work))
     return on, work.need.nearest_within(points, reaches, work.beside)
 
 
 def _reach(work: Work) -> float:
     """Permitted distance of a path from a corner."""
-    most = float(work.slack.max(initial=0.0))
+    most = _most(work)
     return max(MITRE * work.half_kerf + most, 2 * most)
 
 
@@ -153,7 +194,7 @@ def _round_corners(work: Work, points: Floats) -> Flags:
 
 
 def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:
-    """The ways of the path that are no leads."""
+    """The ways of the path that are not leads."""
     found = np.zeros(work.path.count, dtype=bool)
     for t in traced:
         found[t.first : t.last] = True

@@ -9,6 +9,7 @@ import numpy as np
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.grid import Pairs
+from beamcam.verify.sheets.ways import Samples
 from beamcam.verify.sheets.work import Work
 
 LINE = 0
@@ -16,8 +17,6 @@ BESIDE_LINE = 2e-4  #: mm off a line, where it is asked on which side of it the 
 
 #: Sine of the angle below a contour from which on a place of the path may be behind it.
 BELOW = 0.1
-
-Samples = tuple[Counts, Floats, Counts]  #: element, share of it and way of each
 
 
 def off(work: Work, way: Counts) -> Floats:

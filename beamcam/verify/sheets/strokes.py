@@ -19,7 +19,7 @@ from beamcam.controllers.events import (
     Switch,
     TableEvent,
 )
-from beamcam.controllers.moves import Moves, Run
+from beamcam.controllers.moves import Moves, TableRun
 from beamcam.controllers.rules import SHEET_END
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts
@@ -57,7 +57,7 @@ class HeadStroke(Struct):
 
 
 class Strokes(Struct, frozen=True):
-    """The strokes of a program and their moves, one behind the other."""
+    """The strokes of a program and their moves, one after the other."""
 
     each: list[HeadStroke]
     moves: Moves
@@ -72,8 +72,16 @@ class _Words(Struct, frozen=True):
     pierce_s: float
 
 
+class _Started(Struct):
+    """A stroke while its program runs."""
+
+    stroke: HeadStroke
+    rows: list[_Words]  #: that its words stand for
+    pauses: list[tuple[int, float]]  #: moves before each, and seconds
+
+
 def strokes_of(
-    run: Run,
+    run: TableRun,
     machine: Machine,
     torch: Torch,
     rows: Iterable[TorchRow],
@@ -127,10 +135,7 @@ class _Head:
         self._limits = told_limits(machine)
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
-        self._started: list[HeadStroke] = []
-        self._words: list[_Words] = []  #: of each stroke
-        self._alike: list[list[_Words]] = []  #: of each stroke, rows that are started so
-        self._pauses: list[list[tuple[int, float]]] = []  #: of each stroke, and the moves before
+        self._started: list[_Started] = []
         self._on = False
         self._side: Side = "on"
         self._radius = 0.0
@@ -146,7 +151,7 @@ class _Head:
             self._switch(before, event)
         elif isinstance(event, Pause):
             if self._on:
-                self._pauses[-1].append((before, event.seconds))
+                self._started[-1].pauses.append((before, event.seconds))
         elif isinstance(event, Acceleration):
             self._ramp(before, event)
         elif isinstance(event, Compensation):
@@ -165,19 +170,14 @@ class _Head:
             return
         said = event.said
         starts = self._starting.get(said)
-        ended = [words for words in self._alike[-1] if said in words.off] if self._on else []
+        ended = [w for w in self._started[-1].rows if said in w.off] if self._on else []
         if ended:  # of the rows that are started by one word those that this one stops
-            self._alike[-1], self._words[-1] = ended, ended[0]
-            self._started[-1].row = ended[0].row
+            self._started[-1].rows = ended
             self._stop(before)
         elif starts is not None and not self._on:
             self._on = True
-            self._words.append(starts[0])
-            self._alike.append(starts)
-            self._pauses.append([])
-            self._started.append(
-                HeadStroke(event.line, starts[0].row, self._side, self._radius, before, before)
-            )
+            stroke = HeadStroke(event.line, starts[0].row, self._side, self._radius, before, before)
+            self._started.append(_Started(stroke, starts, []))
         elif any(said in w.off for w in self._known):
             if self._on:
                 expected = "the word that stops the tool that is on"
@@ -188,7 +188,7 @@ class _Head:
             self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
 
     def _stop(self, before: int) -> None:
-        self._started[-1].last = before
+        self._started[-1].stroke.last = before
         self._on = False
 
     def _ramp(self, before: int, event: Acceleration) -> None:
@@ -203,7 +203,7 @@ class _Head:
                 rules.RAMP, event.line, found=f"{event.mm_s2:g} mm/s2 {what}", expected=expected
             )
 
-    def finish(self, run: Run) -> None:
+    def finish(self, run: TableRun) -> None:
         """The end of the program."""
         if self._on:
             self._stop(len(run.moves))
@@ -232,8 +232,8 @@ class _Head:
     def strokes(self, moves: Moves) -> Strokes:
         """The strokes with the moves that are theirs, and what is wrong with how they are made."""
         owner = np.full(len(moves), -1)
-        for number, stroke in enumerate(self._started):
-            owner[stroke.first : stroke.last] = number
+        for number, one in enumerate(self._started):
+            owner[one.stroke.first : one.stroke.last] = number
         on = owner >= 0
         for rule, wrong in ((rules.IDLE, ~on & ~moves.rapid), (rules.RAPID, on & moves.rapid)):
             for k in np.flatnonzero(wrong).tolist():
@@ -242,52 +242,41 @@ class _Head:
         rows = np.flatnonzero(on & ~moves.rapid)
         counts = np.bincount(owner[rows], minlength=len(self._started))
         lasts = np.cumsum(counts)
-        self._tell_apart(moves, rows, (lasts - counts).tolist(), counts.tolist())
-        self._check_pauses(moves, rows, (lasts - counts).tolist(), counts.tolist())
-        self._check_ramps(moves, rows)
-        kept = moves if len(rows) == len(moves) else moves.take(rows)
-        self._check_feeds(kept, owner[rows])
         each = []
-        for stroke, first, last in zip(
+        for one, first, last in zip(
             self._started, (lasts - counts).tolist(), lasts.tolist(), strict=True
         ):
+            stroke = one.stroke
             if first == last:
                 found = "a tool that is started and not moved"
                 self._wrong(rules.TOOL, stroke.line, found=found, expected="a contour")
             else:
+                self._settle(one, moves, rows[first:last])
                 stroke.first, stroke.last = first, last
                 each.append(stroke)
+        self._check_ramps(moves, rows)
+        kept = moves if len(rows) == len(moves) else moves.take(rows)
+        self._check_feeds(kept, owner[rows])
         return Strokes(each, kept)
 
-    def _tell_apart(self, moves: Moves, rows: Counts, firsts: list[int], counts: list[int]) -> None:
-        """Settle the row of strokes that several rows start by one word: that of nearest feed."""
-        for k, (alike, first, count) in enumerate(zip(self._alike, firsts, counts, strict=True)):
-            if len(alike) > 1 and count:
-                feed = float(moves.feed_mm_min[rows[first : first + count]].max())
-                nearest = min(alike, key=lambda w: abs(w.row.feed_mm_min - feed))
-                self._words[k] = nearest
-                self._started[k].row = nearest.row
-                self._started[k].alike = tuple([
-                    w.row for w in alike
-                    if w is not nearest and w.row.feed_mm_min == nearest.row.feed_mm_min
-                ])  # fmt: skip
+    def _settle(self, one: _Started, moves: Moves, own: Counts) -> None:
+        """The row of a stroke, and whether it waits before its first move as long as that says.
 
-    def _check_pauses(
-        self, moves: Moves, rows: Counts, firsts: list[int], counts: list[int]
-    ) -> None:
-        """Whether each stroke waits before its first move as long as its row says."""
-        for words, pauses, first, count in zip(
-            self._words, self._pauses, firsts, counts, strict=True
-        ):
-            if not count:
-                continue
-            row = int(rows[first])
-            pause = sum(seconds for before, seconds in pauses if before <= row)
-            if abs(pause - words.pierce_s) > PAUSE_SLACK_S:
-                self._wrong(
-                    rules.TOOL, int(moves.line[row]), found=f"a pause of {pause:g} s",
-                    expected=f"{words.pierce_s:g} s to pierce",
-                )  # fmt: skip
+        Of several rows that its words stand for it is that of the nearest feed.
+        """
+        if len(one.rows) > 1:
+            fed = float(moves.feed_mm_min[own].max())
+            one.rows = sorted(one.rows, key=lambda words: abs(words.row.feed_mm_min - fed))
+        words, *others = one.rows
+        feed, row = words.row.feed_mm_min, int(own[0])
+        one.stroke.row = words.row
+        one.stroke.alike = tuple([w.row for w in others if w.row.feed_mm_min == feed])
+        pause = sum(seconds for before, seconds in one.pauses if before <= row)
+        if abs(pause - words.pierce_s) > PAUSE_SLACK_S:
+            self._wrong(
+                rules.TOOL, int(moves.line[row]), found=f"a pause of {pause:g} s",
+                expected=f"{words.pierce_s:g} s to pierce",
+            )  # fmt: skip
 
     def _check_ramps(self, moves: Moves, rows: Counts) -> None:
         """Check that both accelerations are set before the first move, where required."""
@@ -301,7 +290,7 @@ class _Head:
 
     def _check_feeds(self, moves: Moves, owner: Counts) -> None:
         """Whether each move has the feed of its row, or the one that the axes can follow."""
-        rows = [stroke.row for stroke in self._started]
+        rows = [one.stroke.row for one in self._started]
         asked = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
         feeds = asked
         if self._limits is not None:

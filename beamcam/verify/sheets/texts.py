@@ -14,18 +14,16 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Part, TextMark
 from beamcam.verify.by_hand import by_hand, is_by_hand
-from beamcam.verify.drawn_texts import EXACT, NEAR, Drawn
+from beamcam.verify.drawn_texts import EXACT, NEAR, DrawnPieces
 from beamcam.verify.lettering import (
-    Places,
     Steel,
     box_of,
     is_clear,
     is_surely_clear,
-    judge,
     steel_within,
 )
 from beamcam.verify.sheets.need import Need, shift_of
-from beamcam.verify.text_assignment import found_texts
+from beamcam.verify.text_assignment import standings
 from beamcam.verify.wanted_texts import Wanted, wanted
 
 if TYPE_CHECKING:
@@ -60,26 +58,17 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
     if machine.stepper is not None:
         _where_they_are(need, asked, part, machine, steel, pieces)
         return
-    drawn = Drawn(pieces, max(NEAR, torch.tolerance))
-    ours = [(index, text) for index, text in asked if text.feature.face in FACES]
-    there_are = found_texts([text for _, text in ours], drawn, steel, marks)
-    found = {index: one for (index, _), one in zip(ours, there_are, strict=True)}
-    boxes = {
-        index: box_of(text, one.x, one.y, one.height)
-        for index, text in asked
-        if (one := found.get(index)) is not None
-    }
-    places = Places(steel, [*boxes.values()], marks)
+    drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
+    ours = {index: text for index, text in asked if text.feature.face in FACES}
+    standing = standings([*ours.values()], drawn, steel, steel, marks)
+    stands = dict(zip(ours, standing, strict=True))
     for index, text in asked:
-        others = [box for other, box in boxes.items() if other != index]
-        there, feature = found.get(index), text.feature
-        if there is not None:
-            need.said += judge(text, there, steel, others, marks)
-            _need(need, process, index, text, there.x, there.y, there.height)
-        elif feature.face in FACES and places.has(text):
-            _need(need, process, index, text, feature.x, feature.y, text.height)
+        one = stands.get(index)
+        if one is None:
+            need.said.append(by_hand(text.feature, part, machine))
         else:
-            need.said.append(by_hand(feature, part, machine))
+            need.said += one.said
+            _need(need, process, index, text, one.x, one.y, one.height)
     need.drawn.clear()
 
 

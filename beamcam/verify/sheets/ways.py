@@ -1,11 +1,12 @@
 """Many curves as elements, and questions about many points at once."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import chain
 from typing import TypeGuard, cast
 
 import numpy as np
+from msgspec.structs import replace
 
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
@@ -15,12 +16,15 @@ from beamcam.verify.sheets.elements import Elements, Pieces, straight_pieces
 from beamcam.verify.sheets.grid import Grid, Pairs
 from beamcam.verify.sheets.spline_arcs import spline_pieces
 
+#: Element, share of it and way of each of some places.
+Samples = tuple[Counts, Floats, Counts]
+
 WIDER = 4.0  #: how much farther is looked where nothing was near
 MOST_TURN_RAD = 0.8  #: between points of an outline
 
 
 class Ways:
-    """Curves one behind the other; lines and arcs are exact, chords of others off by `tolerance`.
+    """Curves one after the other; lines and arcs are exact, chords of others off by `tolerance`.
 
     `shift` moves all of them.
     """
@@ -81,7 +85,7 @@ class Ways:
         """
         self.count = count
         drawn = [(lines, _lines(line_rows)), (arcs, _arcs(arc_rows))]
-        self.rest: Counts = np.array(list(rest), dtype=np.int64)  #: that are no lines and no arcs
+        self.rest: Counts = np.array(list(rest), dtype=np.int64)  #: neither lines nor arcs
         free = {k: curve for k, curve in rest.items() if _is_free(curve)}
         others = {k: curve for k, curve in rest.items() if k not in free}
         if free:
@@ -109,7 +113,7 @@ class Ways:
 
     def _put(self, elements: Elements) -> None:
         self.elements = elements
-        #: How far along all ways, one behind the other, each element begins.
+        #: How far along all ways, one after the other, each element begins.
         self._reached: Floats = np.concatenate(([0.0], np.cumsum(elements.length)))
         self.begins: Floats = self._reached[self._first]
         self.lengths: Floats = self._reached[self._behind] - self.begins
@@ -148,12 +152,17 @@ class Ways:
         return self._grids[-1]
 
     def nearest_within(
-        self, points: Floats, reaches: Sequence[float], which: Flags | None = None
+        self,
+        points: Floats,
+        reaches: Sequence[float],
+        which: Flags | None = None,
+        fits: Callable[[Pairs], Flags] | None = None,
     ) -> tuple[Floats, Counts, Floats]:
         """Of each point the nearest way, of some of them: how far it is, which, how far along it.
 
-        Infinitely far where there is none within the greatest of the `reaches`, which ascend: what
-        is nearer is not looked for farther out, where curves may lie close together.
+        Of the ways `which`, and the pairs that `fits`. Infinitely far where there is none within
+        the greatest of the `reaches`, which ascend: what is nearer is not looked for farther out,
+        where curves may lie close together.
         """
         away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
         along = np.zeros(len(points))
@@ -163,8 +172,11 @@ class Ways:
                 break
             for pairs in self._grid(reach).batches(points[left], reach):
                 best = pairs if which is None else pairs.kept(which[self.owner[pairs.element]])
+                best = replace(best, point=left[best.point])
+                if fits is not None:
+                    best = best.kept(fits(best))
                 best = _nearest(best, best.point)
-                at, owner = left[best.point], self.owner[best.element]
+                at, owner = best.point, self.owner[best.element]
                 away[at], who[at] = best.away, owner
                 along[at] = self.at(best.element, best.along) - self.begins[owner]
             left = left[np.isinf(away[left])]
@@ -197,7 +209,7 @@ class Ways:
         return away, feet
 
     def at(self, element: Counts, along: Floats) -> Floats:
-        """How far along all ways, one behind the other, places on elements lie."""
+        """How far along all ways, one after the other, places on elements lie."""
         return self._reached[element] + along
 
     def nearest(self, points: Floats, likely: float = 0.0) -> tuple[Floats, Counts]:
@@ -267,7 +279,11 @@ class Ways:
         share: Floats = (place - self._reached[element]) / safe
         return element, share
 
-    def samples(self, spacing: float | Floats) -> tuple[Counts, Floats, Counts]:
+    def samples_at(self, way: Counts, at: Floats) -> Samples:
+        """The places so far along ways."""
+        return (*self._element(self.begins[way] + at), way)
+
+    def samples(self, spacing: float | Floats) -> Samples:
         """Places inside each way, three or more, at most `spacing` (or that of each) apart.
 
         The element of each and the share of it, for `places` and `directions`; and the way of
@@ -279,6 +295,18 @@ class Ways:
         part = np.repeat(self.lengths / count, count)
         element, share = self._element(np.repeat(self.begins, count) + (number + 0.5) * part)
         return element, share, owner
+
+
+def joined_samples(*several: Samples) -> Samples:
+    """Samples one behind the other."""
+    element, share, way = (np.concatenate(column) for column in zip(*several, strict=True))
+    return element, share, way
+
+
+def kept_samples(samples: Samples, which: Flags) -> Samples:
+    """Some of the samples."""
+    element, share, way = samples
+    return element[which], share[which], way[which]
 
 
 def _line_rows(curves: Sequence[Curve], which: Sequence[int]) -> Floats:
@@ -341,7 +369,7 @@ def _is_free(curve: Curve) -> TypeGuard[BSpline | Bezier]:
 
 
 def _chords(curves: Sequence[Curve], tolerance: float) -> Pieces:
-    """Chords along curves that are no polynomials."""
+    """Chords along curves that are not polynomials."""
     drawn = polylines(curves, tolerance)
     counts = np.diff(drawn.begins) - 1
     starts = np.delete(np.arange(len(drawn.points)), drawn.begins[1:] - 1)

@@ -44,7 +44,7 @@ class Traced(Struct):
     group: int  #: of strokes of one contour
     goes_round: bool  #: by itself, or with others and the bridges between them
     contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
-    over: float = 0.0  #: mm of its ways that are no part of the ring, and run along a contour
+    over: float = 0.0  #: mm of its ways that are not part of the ring, and run along a contour
     before: float = 0.0  #: of `over`, what lies before the ring
     beyond: float = 0.0  #: mm behind the ring that do not run along it
     bridge_to: tuple[float, float] | None = None  #: start of the stroke behind a bridge at its end
@@ -77,7 +77,7 @@ class Work(Struct, frozen=True):
 
     process: TorchProcess
     strokes: Sequence[HeadStroke]
-    moves: Moves  #: those of the strokes, one behind the other
+    moves: Moves  #: those of the strokes, one after the other
     need: Ways
     asked: Need  #: the curves that `need` is made of, and where the input has them
     path: Ways

@@ -1,6 +1,6 @@
 """Trigger programs of SIMOTION verified: what their operations do, compared with the part.
 
-text -> operations (controllers/simotion) -> strokes (work) -> compared with the contours
+text -> operations (controllers/simotion) -> strokes (execution) -> compared with the contours
 """
 
 from collections.abc import Collection, Sequence
@@ -12,7 +12,8 @@ from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.verify.st.work import Work
+from beamcam.verify.polylines import DrawnPath
+from beamcam.verify.st.execution import Execution, HeadStroke
 
 
 def verify_triggers(
@@ -37,26 +38,30 @@ def verify_triggers(
         from beamcam.verify.st.contour_names import unread, with_contours
 
         return tuple(with_contours(said, unread(text, said), parts[0], machine, skips))
-    work = Work(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
-    work.follow()
-    said = [*trial(machine), *work.said]
+    execution = Execution(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
+    execution.follow()
+    said = [*trial(machine), *execution.said]
     if not parts:
         return tuple(said)
     if errors_in(said):
         from beamcam.verify.st.contour_names import with_contours
 
         return tuple(with_contours(said, job.operations, parts[0], machine, skips))
-    from beamcam.verify.polylines import Drawn, compare_polylines
+    from beamcam.verify.polylines import compare_polylines
     from beamcam.verify.sheets.shared import as_one
 
     part, machine, faults = as_one(parts, machine, skips)
-    said += faults
-    ways: list[Drawn] = []
-    counts_passes = any(row.passes > 1 for row in rows_of(part, torch))
-    for k, stroke in enumerate(work.strokes):
-        if counts_passes and k and stroke.repeats(work.strokes[k - 1]):
+    ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(part, torch)))
+    more = compare_polylines(ways, part, machine, skips, triggers.in_position, name)
+    return (*said, *faults, *more)
+
+
+def _ways(strokes: Sequence[HeadStroke], counts_passes: bool) -> list[DrawnPath]:
+    """What the head draws; a stroke that repeats the one before it is another pass of that."""
+    ways: list[DrawnPath] = []
+    for k, stroke in enumerate(strokes):
+        if counts_passes and k and stroke.repeats(strokes[k - 1]):
             ways[-1] = replace(ways[-1], passes=ways[-1].passes + 1)
         else:
-            ways.append(Drawn(stroke.process, stroke.points, stroke.feeds_mm_min))
-    said += compare_polylines(ways, part, machine, skips, triggers.in_position, name)
-    return tuple(said)
+            ways.append(DrawnPath(stroke.process, stroke.points, stroke.feeds_mm_min))
+    return ways

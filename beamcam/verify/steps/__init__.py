@@ -19,7 +19,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
 from beamcam.verify.steps.follow import Followed
-from beamcam.verify.steps.outline import Outline
+from beamcam.verify.steps.outline import OutlineCheck
 from beamcam.verify.steps.velocities import ROUND, Velocities, stretches
 
 __all__ = ["FORMS", "verify_table"]
@@ -58,12 +58,12 @@ def verify_table(
         part, machine, faults = as_one(parts, machine, skips)
     table: Followed | Velocities
     if form == VELOCITIES:
-        outline = Outline(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
+        outline = OutlineCheck(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
         table = Velocities(machine, name, outline)
         fault = _read(table.follow, stretches(stream, stepper.step))
     else:
         half, simplify = stepper.step * sqrt(0.5), stepper.step * SIMPLIFY
-        outline = Outline(part, machine, skips, half, simplify, name)
+        outline = OutlineCheck(part, machine, skips, half, simplify, name)
         table = Followed(machine, name, outline)
         fault = _read(table.follow, _STEPS[form](stream, stepper))
     if fault is not None:

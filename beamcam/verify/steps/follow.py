@@ -13,8 +13,8 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
-from beamcam.verify.steps.outline import Outline
-from beamcam.verify.steps.speeds import Observed, Seen, Times
+from beamcam.verify.steps.outline import OutlineCheck
+from beamcam.verify.steps.speeds import Observed, Seen, StrokeTimes
 from beamcam.verify.steps.step_rates import StepRates, Swerve
 
 
@@ -66,7 +66,7 @@ class _Motor:
 class Followed:
     """A step table that is followed block by block; its strokes go to an outline."""
 
-    def __init__(self, machine: Machine, name: str, outline: Outline) -> None:
+    def __init__(self, machine: Machine, name: str, outline: OutlineCheck) -> None:
         self.stepper = machine.needed(machine.stepper, "stepping motors")
         self.torch = machine.needed(machine.torch, "torch")
         self.name = name
@@ -140,7 +140,7 @@ class Followed:
     def _end_stroke(self) -> None:
         if self.pace is not None:
             fastest = Seen(self.pace.max_mm_s, self.line)
-            times = Times(self.pace.waited_s, self.pace.lasted_s)
+            times = StrokeTimes(self.pace.waited_s, self.pace.lasted_s)
             path = self.path.digest() if self.outline.counts_passes else b""
             self.outline.end(Observed(fastest, times=times, path=path))
         self.pace = None

@@ -11,12 +11,18 @@ from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
-from beamcam.verify.polylines import Drawn, compare_polylines
+from beamcam.verify.polylines import DrawnPath, compare_polylines
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of
 from beamcam.verify.sheets.texts import text_process
 from beamcam.verify.sheets.ways import Ways
 from beamcam.verify.steps import rules
-from beamcam.verify.steps.speeds import Observed, Times, Work, with_speeds, work_of
+from beamcam.verify.steps.speeds import (
+    Observed,
+    ProcessData,
+    StrokeTimes,
+    process_data,
+    with_speeds,
+)
 
 CORNER = 3.0  #: half kerfs that a path may be off a corner that it goes around
 SECONDS_PER_MINUTE = 60.0
@@ -100,7 +106,7 @@ class _Track:
         shapely.prepare(self.band)
 
 
-class Outline:
+class OutlineCheck:
     """The strokes of a table against the curves of a part; without one they are not looked at.
 
     `rounding` is what a table may be off its path by: half a step along both axes, or the decimals
@@ -122,14 +128,14 @@ class Outline:
         self.skips, self.name = skips, name
         self.rounding, self.simplify = rounding, simplify
         self.said: list[Diagnostic] = []
-        self.ways: list[Drawn] = []
+        self.ways: list[DrawnPath] = []
         self._path = b""  #: of the stroke before
         #: whether anything is followed more than once
         self.counts_passes = part is not None and any(
             row.passes > 1 for row in rows_of(part, self.torch)
         )
         self.tracks: dict[TorchProcess, _Track] = {}
-        self.work: dict[TorchProcess, Work] = {}
+        self.process_data: dict[TorchProcess, ProcessData] = {}
         self.need = Need()
         self._stroke: _StrokeDeviation | None = None
         #: the process of texts, whose strokes are found when all are known; None without texts
@@ -139,7 +145,7 @@ class Outline:
                 self.letters = text_process(machine)
             need = self.need = need_of(part, self.machine, self.torch, skips)
             shift = shift_of(need, self.torch)
-            self.work = work_of(part, self.torch)
+            self.process_data = process_data(part, self.torch)
             fine = self.torch.tolerance / 8
             for process, curves in need.curves.items():
                 ways = Ways(list(curves), fine, shift)
@@ -202,7 +208,7 @@ class Outline:
             expected = f"it within {most:.4f} mm of the path, not {off} mm off it"
             expected += self._beside(np.array(stroke.worst[process]), process)
             self.said.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
-        elif process not in self.work:
+        elif process not in self.process_data:
             found, expected = f"{seen.fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
             said = rules.SPEED.at(source, found=found, process=process, expected=expected)
             self.said.append(said)
@@ -219,7 +225,7 @@ class Outline:
         wrong = {
             feed: [*self._speeds(process, feed, seen, points[0]),
                    *self._pace(process, feed, source, seen, points)]
-            for feed in self.work[process].feeds
+            for feed in self.process_data[process].feeds
         }  # fmt: skip
         feeds = tuple([feed for feed, said in wrong.items() if not said])
         if not feeds:
@@ -231,12 +237,12 @@ class Outline:
             self.ways[-1] = replace(last, passes=passes, feeds_mm_min=tuple(both))
         else:
             places = [(float(x), float(y)) for x, y in points]
-            self.ways.append(Drawn(process, places, feeds, seen.passes))
+            self.ways.append(DrawnPath(process, places, feeds, seen.passes))
         self._path = seen.path
 
     def _asked(self, process: TorchProcess, place: Floats) -> float:
         """The speed that is asked of the contour nearest to a place, in mm/min."""
-        of_process = self.work[process].feeds[0]
+        of_process = self.process_data[process].feeds[0]
         if process not in self.tracks:
             return of_process
         nearest = self.tracks[process].ways.nearest_to(place)[1]
@@ -274,10 +280,10 @@ class Outline:
                 yield rules.SPEED.at(at, found=found, process=process, expected=expected)
 
     def _pierce(
-        self, process: TorchProcess, source: Source, times: Times, place: Floats
+        self, process: TorchProcess, source: Source, times: StrokeTimes, place: Floats
     ) -> Iterator[Diagnostic]:
         """Whether the laser pierces before the head moves."""
-        pierce_s = self.work[process].pierce_s
+        pierce_s = self.process_data[process].pierce_s
         if times.waited_s < pierce_s - 1e-6:
             found = f"a wait of {times.waited_s:.3f} s behind the start of the laser"
             expected = f"{pierce_s:g} s{self._beside(place, process)}"

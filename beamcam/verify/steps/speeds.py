@@ -12,8 +12,8 @@ from beamcam.model.part import Part
 from beamcam.verify.sheets.need import rows_of, rows_on, thickness_of
 
 
-class Work(Struct, frozen=True):
-    """Requirements of a process on a sheet."""
+class ProcessData(Struct, frozen=True):
+    """How a process has to run on a sheet."""
 
     feeds: tuple[float, ...]  #: mm/min: of the process, then of the colours and layers
     pierce_s: float
@@ -26,7 +26,7 @@ class Seen(NamedTuple):
     line: int
 
 
-class Times(NamedTuple):
+class StrokeTimes(NamedTuple):
     """Permitted time of a stroke."""
 
     waited_s: float  #: before the head moves
@@ -38,7 +38,7 @@ class Observed(NamedTuple):
 
     fastest: Seen
     slowest: Seen | None = None
-    times: Times | None = None
+    times: StrokeTimes | None = None
     passes: int = 1
     path: bytes = b""  #: the same of strokes whose places are the same, one by one
 
@@ -62,11 +62,11 @@ def _between(row: TorchRow, part: Part, torch: Torch) -> TorchRow:
     return replace(row, feed_mm_min=float(np.interp(thickness_of(part, torch), up_to, feeds)))
 
 
-def work_of(part: Part, torch: Torch) -> dict[TorchProcess, Work]:
-    """Each process by a table `with_speeds` of the part's sheet."""
-    found: dict[TorchProcess, Work] = {}
+def process_data(part: Part, torch: Torch) -> dict[TorchProcess, ProcessData]:
+    """The data of each process by a table `with_speeds` of the part's sheet."""
+    found: dict[TorchProcess, ProcessData] = {}
     for row in rows_of(part, torch):
-        known = found.get(row.process, Work((), row.pierce_s))
+        known = found.get(row.process, ProcessData((), row.pierce_s))
         feeds = dict.fromkeys((*known.feeds, row.feed_mm_min))
         found[row.process] = replace(known, feeds=tuple(feeds))
     return found

@@ -18,14 +18,15 @@ class _Samples:
     In a long wait all samples would be the same; the first three of them say as much as all.
     """
 
-    def __init__(self, window_us: int, first_us: int) -> None:
-        self.window_us, self._first_us = window_us, first_us
+    def __init__(self, window_us: int, first_us: int, kept: int) -> None:
+        self.window_us, self._first_us, self._kept = window_us, first_us, kept
         self._next = 0  #: the next multiple
         self._times: Counts = np.zeros(0, dtype=np.int64)  #: of the row before
         self._places: Counts = np.zeros((0, 2), dtype=np.int64)
+        self._last: Counts = np.zeros((0, 2), dtype=np.int64)
 
     def take(self, time_us: Counts, places: Counts) -> Counts:
-        """The samples (n, 2) up to the last of some rows."""
+        """The samples (n, 2) up to the last of some rows, behind the last ones of those before."""
         times = np.concatenate((self._times, time_us)) - self._first_us
         places = np.concatenate((self._places, places))
         behind = _once(-(-times // self.window_us))
@@ -34,7 +35,10 @@ class _Samples:
         if len(index):
             self._next = int(index[-1]) + 1
         self._times, self._places = time_us[-1:], places[-1:]
-        return places[np.searchsorted(times, index * self.window_us, side="right") - 1]
+        rows = np.searchsorted(times, index * self.window_us, side="right") - 1
+        found = np.concatenate((self._last, places[rows]))
+        self._last = found[-self._kept :]
+        return found
 
 
 def _once(ascending: Counts) -> Counts:
@@ -55,27 +59,24 @@ class StepRates:
         self.step = step
         self.max_mm_s = 0.0
         self._begin_us: int | None = None
-        self._moved_us = self._last_us = 0  #: the first and the last step
-        self._moved = False
+        self._moved_us: int | None = None  #: the first step
+        self._last_us = 0  #: and the last
         self._here: Counts = np.zeros(2, dtype=np.int64)
         self._samples: list[_Samples] = []
-        self._before: list[Counts] = []
 
     def follow(self, time_us: Counts, places: Counts) -> None:
         """Take some rows of the stroke."""
         if self._begin_us is None:
             self._begin_us, self._here = int(time_us[0]), places[0]
-            self._samples = [_Samples(w, self._begin_us) for w in self.WINDOWS_US]
-            self._before = [places[:0]] * len(self._samples)
+            self._samples = [_Samples(w, self._begin_us, 1) for w in self.WINDOWS_US]
         moved = (places != np.concatenate((self._here[None], places[:-1]))).any(axis=1)
         if moved.any():
             self._last_us = int(time_us[np.flatnonzero(moved)[-1]])
-            if not self._moved:
-                self._moved, self._moved_us = True, int(time_us[np.argmax(moved)])
+            if self._moved_us is None:
+                self._moved_us = int(time_us[np.argmax(moved)])
         self._here = places[-1]
-        for k, samples in enumerate(self._samples):
-            at = np.concatenate((self._before[k], samples.take(time_us, places)))
-            self._before[k] = at[-1:]
+        for samples in self._samples:
+            at = samples.take(time_us, places)
             if len(at) > 1:
                 chords = np.hypot(*np.diff(at, axis=0).T) * self.step
                 sure = float(chords.max()) - sqrt(2.0) * self.step
@@ -84,14 +85,14 @@ class StepRates:
     @property
     def waited_s(self) -> float:
         """Dwell of the head at the start of the stroke."""
-        if self._begin_us is None or not self._moved:
+        if self._begin_us is None or self._moved_us is None:
             return 0.0
         return (self._moved_us - self._begin_us) / 1e6
 
     @property
     def lasted_s(self) -> float:
         """Time for which the head was moving."""
-        return (self._last_us - self._moved_us) / 1e6
+        return (self._last_us - (self._moved_us or 0)) / 1e6
 
 
 class Swerve:
@@ -105,16 +106,14 @@ class Swerve:
 
     def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper
-        self._samples = [_Samples(window_us, 0) for window_us in self.WINDOWS_US]
-        self._before: list[Counts] = [np.zeros((0, 2), dtype=np.int64)] * len(self._samples)
+        self._samples = [_Samples(window_us, 0, 2) for window_us in self.WINDOWS_US]
         self._greatest: Floats = np.zeros((len(self._samples), 2))
         self._places: Counts = np.zeros((len(self._samples), 2, 2), dtype=np.int64)  #: of these
 
     def follow(self, time_us: Counts, places: Counts) -> None:
         """Take some rows."""
         for k, samples in enumerate(self._samples):
-            at = np.concatenate((self._before[k], samples.take(time_us, places)))
-            self._before[k] = at[-2:]
+            at = samples.take(time_us, places)
             if len(at) > 2:
                 second = np.abs(np.diff(at, n=2, axis=0)) * self.stepper.step
                 for axis, row in enumerate(np.argmax(second, axis=0)):

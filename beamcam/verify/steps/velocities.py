@@ -17,16 +17,15 @@ from beamcam.controllers.step_table.rows import Stream, shown
 from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
 from beamcam.verify.steps import rules
-from beamcam.verify.steps.outline import BELOW_GREATEST, SPEED_SLACK, Outline
+from beamcam.verify.steps.outline import BELOW_GREATEST, SPEED_SLACK, OutlineCheck
 from beamcam.verify.steps.speeds import Observed, Seen
 
-COLUMNS = b"x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
+COLUMNS = "x,y,velocity_x,velocity_y,laser,steps_x,steps_y,hz_x,hz_y"
 #: Half of the last decimal of lengths and velocities, and of frequencies.
 ROUND, ROUND_HZ = 0.5e-4, 0.5e-2
 SPACING = 0.25  #: of the points of a stretch that are looked at
 BLOCK = 4096  #: stretches that are looked at together
 NOTHING_FAST, NOTHING_SLOW = Seen(0.0, 0), Seen(inf, 0)
-_FIRST_LINE = re.compile(rb"# beamcam/velocities/1 job [\w.-]+ step (\d+(?:\.\d+)?) mm")
 _NUMBER = rb"(-?\d{1,9}(?:\.\d+)?)"
 _ROW = re.compile(
     b",".join((*[_NUMBER] * 4, rb"([01])", *[rb"(-?\d{1,9})"] * 2, *[rb"(\d{1,9}(?:\.\d+)?)"] * 2))
@@ -51,21 +50,14 @@ class TableRow(NamedTuple):
 
 def stretches(stream: Stream, step: float) -> Iterator[TableRow]:
     """The rows of a velocity table, from the corner on. Raises TableFault."""
-    while (line := stream.take_line(COLUMNS.decode())) != COLUMNS:
-        if not line.startswith(b"#"):
-            raise stream.fault(shown(line), COLUMNS.decode(), stream.line - 1)
-        if line.startswith(b"# beamcam/"):
-            said = _FIRST_LINE.fullmatch(line)
-            if said is None or float(said[1]) != step:
-                expected = f"# beamcam/velocities/1 job JOB step {step:g} mm"
-                raise stream.fault(shown(line), expected, stream.line - 1, row_rules.HEAD)
+    stream.take_head("velocities", COLUMNS, step)
     here = (0.0, 0.0)
     while first := stream.take(1):
         stream.give_back(first)
         line = stream.take_line("a row and its end")
         row = _ROW.fullmatch(line)
         if row is None:
-            raise stream.fault(repr(shown(line)), f"as {COLUMNS.decode()}", stream.line - 1)
+            raise stream.fault(repr(shown(line)), f"as {COLUMNS}", stream.line - 1)
         x, y, vx, vy, laser, nx, ny, fx, fy = row.groups()
         end = float(x), float(y)
         yield TableRow(
@@ -91,7 +83,7 @@ def _rounds(rows: Sequence[TableRow]) -> int:
 class Velocities:
     """A velocity table that is followed row by row; its strokes go to an outline."""
 
-    def __init__(self, machine: Machine, name: str, outline: Outline) -> None:
+    def __init__(self, machine: Machine, name: str, outline: OutlineCheck) -> None:
         self.stepper = machine.needed(machine.stepper, "stepping motors")
         self.torch = machine.needed(machine.torch, "torch")
         self.name = name
@@ -100,9 +92,8 @@ class Velocities:
         self.steps = [0, 0]
         self.here = (0.0, 0.0)
         self.rows = 0
-        self._drawing = False
         self._stretches: list[TableRow] = []  #: of a stroke, not looked at yet
-        self._fastest, self._slowest = NOTHING_FAST, NOTHING_SLOW
+        self._seen: tuple[Seen, Seen] | None = None  #: fastest and slowest of a stroke
 
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
         """Note what is wrong, a few of each kind."""
@@ -176,14 +167,12 @@ class Velocities:
     # -- strokes ----------------------------------------------------------------------------
 
     def _draw(self, row: TableRow) -> None:
-        if not self._drawing:
+        if self._seen is None:
             self.outline.begin(row.line)
-            self._drawing = True
-            self._fastest, self._slowest = NOTHING_FAST, NOTHING_SLOW
+        fastest, slowest = self._seen or (NOTHING_FAST, NOTHING_SLOW)
         seen = Seen(hypot(*row.velocity), row.line)
-        self._fastest = max(self._fastest, seen)
-        if not self._is_at_limit(row):
-            self._slowest = min(self._slowest, seen)
+        slowest = slowest if self._is_at_limit(row) else min(slowest, seen)
+        self._seen = max(fastest, seen), slowest
         self._stretches.append(row)
         if len(self._stretches) >= BLOCK and not self.outline.counts_passes:
             self._look()
@@ -198,8 +187,8 @@ class Velocities:
             self._stretches = []
 
     def _end_stroke(self) -> None:
-        if self._drawing:
-            seen = Observed(self._fastest, self._slowest)
+        if self._seen is not None:
+            seen = Observed(*self._seen)
             if self.outline.counts_passes:
                 passes = _rounds(self._stretches)
                 rows = self._stretches = self._stretches[: len(self._stretches) // passes]
@@ -207,7 +196,7 @@ class Velocities:
                 seen = seen._replace(path=path.encode(), passes=passes)
             self._look()
             self.outline.end(seen)
-            self._drawing = False
+            self._seen = None
 
     def finish(self) -> None:
         """Checks at the end of the table."""

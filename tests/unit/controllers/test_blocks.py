@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import cell_events
-from beamcam.controllers.codesys.blocks import Block, read_block
+from beamcam.controllers.codesys.blocks import Block, Lexer
 from beamcam.machine import load
 
 PLAIN = Block("G", 1, {"X": 5.0, "Y": -2.5})
@@ -28,12 +28,12 @@ def said_of(text: str) -> list[str]:
     "N10 G01 Y-2.5 X5",
 ])  # fmt: skip
 def test_one_block_in_many_forms(text: str) -> None:
-    assert read_block(text) == PLAIN
+    assert Lexer().block(text) == PLAIN
 
 
 @pytest.mark.parametrize("text", ["", "  \t", "(nothing)", "N10"])
 def test_no_block(text: str) -> None:
-    assert read_block(text) is None
+    assert Lexer().block(text) is None
 
 
 @pytest.mark.parametrize(
@@ -82,11 +82,11 @@ def test_a_name_in_the_middle() -> None:
 
 def test_two_accelerations_are_one_word_of_two_values() -> None:
     words = {"X": 100.0, "Y": 90.0, "E": 100.0, "F": 80.0, "E-": -200.0}
-    assert read_block("G01 X100 Y90 E100 F80 E-200") == Block("G", 1, words)
+    assert Lexer().block("G01 X100 Y90 E100 F80 E-200") == Block("G", 1, words)
 
 
 def test_more_letters_where_a_machine_has_them() -> None:
-    assert read_block("M03 S800", frozenset("MS")) == Block("M", 3, {"S": 800.0})
+    assert Lexer(frozenset("MS")).block("M03 S800") == Block("M", 3, {"S": 800.0})
 
 
 words = st.dictionaries(
@@ -105,4 +105,4 @@ def test_order_blanks_and_zeros_count_for_nothing(
     pad = "00" if zeros else ""
     text = gap.join([f"M{pad}{number}", *(f"{w}{given_words[w]}" for w in order)])
     found = {w: float(str(v)) for w, v in given_words.items()}
-    assert read_block(text) == Block("M", number, found)
+    assert Lexer().block(text) == Block("M", number, found)

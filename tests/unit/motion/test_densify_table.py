@@ -5,7 +5,7 @@ import pytest
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line, NewtonCurve
 from beamcam.motion.densify import DensifyRules, densify
-from beamcam.motion.rounding import BELT_ENCODER, MICRON_TRUNCATED, Rounding, decimals
+from beamcam.motion.rounding import truncated
 from beamcam.motion.spans import chord_step_rad
 
 ELLIPSE = EllipseArc((0, 0), (9, 0), 0.5, 0, 90)
@@ -40,7 +40,7 @@ def test_points_are_read_only():
 
 def test_newton_polynomial_ends_on_its_last_node():
     curve = NewtonCurve(((10, 11), (40, 22), (60, 20), (90, 5)))
-    result = densify((curve,), DensifyRules(0.01, decimals(3)))
+    result = densify((curve,), DensifyRules(0.01, 1000))
     assert result.points[-1].tolist() == [90, 5]
 
 
@@ -61,9 +61,9 @@ def test_straight_free_curves_cost_one_step():
 
 def test_points_that_rounding_makes_one_are_put_out_once():
     path = (Line((0, 0), (0.01, 0)), Line((0.01, 0), (5, 0)))
-    result = densify(path, DensifyRules(0.2, BELT_ENCODER))
+    result = densify(path, DensifyRules(0.2, 8))
     assert len(result.points) == 2
-    tiny = densify((Line((0, 0), (0.01, 0)),), DensifyRules(0.2, BELT_ENCODER))
+    tiny = densify((Line((0, 0), (0.01, 0)),), DensifyRules(0.2, 8))
     assert len(tiny.points) == 1
 
 
@@ -74,7 +74,7 @@ def test_a_gap_between_curves_is_paid_out_of_the_tolerance():
 
 def test_truncation_knows_decimal_numbers():
     points = np.array([[0.29, -0.29], [1.001, 0.0019999]])
-    assert MICRON_TRUNCATED.apply(points).tolist() == [[0.29, -0.29], [1.001, 0.001]]
+    assert truncated(points, 1000).tolist() == [[0.29, -0.29], [1.001, 0.001]]
 
 
 @pytest.mark.parametrize(
@@ -84,11 +84,10 @@ def test_truncation_knows_decimal_numbers():
         (lambda: DensifyRules(0.0), "tolerance must be above 0, found 0"),
         (lambda: DensifyRules(0.1, speed_mm_s=0.0), "speed must be above 0, found 0"),
         (lambda: DensifyRules(0.1, cycle_s=-1.0), "no cycle rule: 3 cycles of -1 s"),
-        (lambda: Rounding(-1), "no grid: -1 counts on 1 mm"),
         (lambda: chord_step_rad(0.0, 1.0), "radius 0 and tolerance 1 must be above 0"),
         (
-            lambda: densify((ELLIPSE,), DensifyRules(0.01, BELT_ENCODER)),
-            "tolerance 0.01 is used up: rounding takes 0.0897694",
+            lambda: densify((ELLIPSE,), DensifyRules(0.01, 8)),
+            "tolerance 0.01 is used up: rounding takes 0.176777",
         ),
         (
             lambda: densify((Line((0, 0), (1, 0)), Line((2, 0), (3, 0))), DensifyRules(0.01)),

@@ -19,7 +19,7 @@ from beamcam.pictures.profile import profile_scene, ticks
 from beamcam.pictures.scene import Circle, Polyline, Scene, Text
 from beamcam.pictures.styles import STYLES, css
 from beamcam.pictures.svg import to_svg
-from beamcam.report.velocity_profile import MM_S, RPM, Unit
+from beamcam.report.velocity_profile import MM_S, RPM, VelocityUnit
 from tests.unit.pictures.drawings import Drawing, corners
 
 GUIDE = profile_to_velocity(1000.0, 100.0, 50.0)
@@ -85,7 +85,7 @@ def test_a_profile_has_axes_with_numbers_and_units(unit: object, names: list[str
 
 
 @pytest.mark.parametrize("unit", [MM_S, RPM])
-def test_all_of_a_profile_is_on_the_png_too(unit: Unit) -> None:
+def test_all_of_a_profile_is_on_the_png_too(unit: VelocityUnit) -> None:
     """Each text and each line of the SVG has ink at its place."""
     scene = profile_scene(GUIDE, unit)
     picture = Image.open(io.BytesIO(to_png(scene))).convert("L")

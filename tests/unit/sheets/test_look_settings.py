@@ -44,6 +44,24 @@ def codes(text: str, machine: Machine, part: Part | None = None) -> set[str]:
     return {one.code for one in said}
 
 
+def crossed(colour: str) -> Part:
+    """Thirteen blue lines a millimetre apart, and a line across them."""
+    across = "".join(f'<path d="M{20 + k} 10 v50" stroke="blue"/>' for k in range(13))
+    text = f"""<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm"
+    viewBox="0 0 100 80"><g fill="none"><rect x="5" y="5" width="90" height="70" stroke="red"/>
+    {across}<path d="M20 30 h12" stroke="{colour}"/></g></svg>"""
+    (part,) = read(text.encode(), "t.svg").parts
+    return replace(part, profile=replace(part.profile, web_thickness=3.0))
+
+
+def test_a_line_has_its_own_settings_and_not_those_of_lines_that_it_crosses() -> None:
+    own = {"blue": LookSettings(power=500.0), "magenta": LookSettings(power=120.0)}
+    machine = with_torch(GRBL, {"red": "cut", "blue": "mark", "magenta": "mark"}, settings=own)
+    right, wrong = (post((crossed(c),), machine).text for c in ("magenta", "blue"))
+    assert codes(right, machine, crossed("magenta")) == set()
+    assert "verify-sheet-settings" in codes(wrong, machine, crossed("magenta"))
+
+
 looks = st.builds(
     LookSettings,
     st.none() | st.sampled_from([240.0, 600.0, 1234.5]),

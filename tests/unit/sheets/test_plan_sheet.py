@@ -16,7 +16,7 @@ from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profil
 from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import post
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.order import order, travel
+from beamcam.planning.contours.order import order
 from beamcam.planning.contours.shape import Shape
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
@@ -269,6 +269,13 @@ def test_a_thickness_that_nobody_says_is_asked_for() -> None:
     assert "give it by --thickness" in caught.value.diagnostics[0].message
 
 
+def test_where_the_thickness_of_a_drawing_comes_from_is_said() -> None:
+    plan = plan_sheet((drawing(SQUARE, thickness=None),), table(thickness=3.0))
+    (said,) = plan.remarks
+    assert said.message.startswith("found no thickness in the drawing; the sheet is 3 mm ")
+    assert said.message.endswith(", by the options or the machine's file")
+
+
 def test_a_bar_is_no_sheet() -> None:
     part = Part("B", Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1), 900.0, S)
     with pytest.raises(PlanError, match="plan-stock"):
@@ -390,7 +397,18 @@ def test_the_order_keeps_marks_first_and_is_no_longer_than_as_given(
     given_order = [k for p in ("mark", "cut") for k, s in enumerate(shapes) if s.process == p]
     as_given = [(k, False) for k in given_order]
     # Greedy alone may be longer than a lucky order; it is never twice as long.
-    assert travel(tour, shapes, (0, 0)) <= 2 * travel(as_given, shapes, (0, 0)) + 1e-9
+    assert travel(tour, shapes) <= 2 * travel(as_given, shapes) + 1e-9
+
+
+def travel(tour: list[tuple[int, bool]], shapes: list[Shape]) -> float:
+    """Length of the traverses between the shapes of a tour from 0, 0 on, in its order."""
+    total, here = 0.0, (0.0, 0.0)
+    for index, turned in tour:
+        ends = shapes[index].curves[0].start, shapes[index].curves[-1].end
+        start, end = ends[::-1] if turned and not shapes[index].closed else ends
+        total += dist(here, start)
+        here = end
+    return total
 
 
 @settings(max_examples=40, deadline=None)

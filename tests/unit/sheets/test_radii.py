@@ -49,7 +49,9 @@ def test_an_arc_out_of_the_range_is_refused_and_the_planner_has_none(
 @given(st.sampled_from(NAMES), st.floats(2.0, 60.0), st.sampled_from(("min_radius", "max_radius")))
 def test_an_arc_of_just_that_radius_is_in_range(name: str, radius: float, key: str) -> None:
     part = drawing(contour(circle(0.0, 0.0, 2 * radius)))
-    post((part,), limited(machine_of(name), **{key: radius}))
+    machine = limited(machine_of(name), **{key: radius})
+    posted = post((part,), machine)
+    assert verify_sheet(posted.text, (part,), machine) == ()
 
 
 def test_the_message_has_the_line_and_the_range() -> None:

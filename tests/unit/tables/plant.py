@@ -10,14 +10,14 @@ from typing import Any
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion.axes import Axis
-from beamcam.controllers.simotion.cell import Cell
 from beamcam.controllers.simotion.checker import check
+from beamcam.controllers.simotion.cutting_table import CuttingTable
 from beamcam.controllers.simotion.parser import parse
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.controllers.simotion.trial import project_objects
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
-from beamcam.model.triggers import Round, Switch, Travel, TriggerTable
+from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerTable
 
 from .shop import table_machine
 
@@ -39,7 +39,7 @@ def small_machine(path_objects: bool = False) -> Machine:
 
 def small_job(path_objects: bool = False) -> TriggerTable:
     """A triangle to cut, or with path objects one with a round corner, and a line to mark."""
-    corner = Round(9, 8, 8, 3.5, 8.0) if path_objects else Travel(9, 8, 8.0)
+    corner = ArcTravel(9, 8, 8, 3.5, 8.0) if path_objects else Travel(9, 8, 8.0)
     return TriggerTable(
         "small",
         (Travel(2, 2, 20.0), Switch("cut", True, 0.2), Travel(6, 2, 8.0), corner,
@@ -63,7 +63,7 @@ def units_of(text: str, machine: Machine) -> tuple[Unit, ...]:
     return tuple(units)
 
 
-class Plant(Cell):
+class Plant(CuttingTable):
     """A table that does what the script says, by the number of the cycle."""
 
     def __init__(

@@ -6,8 +6,8 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion import rules as st_rules
-from beamcam.controllers.simotion.cell import Cell
 from beamcam.controllers.simotion.checker import check
+from beamcam.controllers.simotion.cutting_table import CuttingTable
 from beamcam.controllers.simotion.interpreter import Fault
 from beamcam.controllers.simotion.parser import parse
 from beamcam.controllers.simotion.trial import project_objects
@@ -149,7 +149,7 @@ def said_of(text: str) -> list[Diagnostic]:
     said = said or check(units, project_objects(machine), "a.st")
     if said:
         return said
-    cell = Cell(units, machine, "a.st")
+    cell = CuttingTable(units, machine, "a.st")
     try:
         while not cell.said and cell.clock_s < 20:
             cell.start = cell.clock_s > 0.0

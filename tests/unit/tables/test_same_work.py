@@ -15,7 +15,7 @@ from beamcam.machine.torch import LookSettings
 from beamcam.motion.steps import step_table
 from beamcam.pipeline import post
 from beamcam.verify.steps.follow import Followed
-from beamcam.verify.steps.outline import Outline
+from beamcam.verify.steps.outline import OutlineCheck
 from tests.unit.sheets.parts import box, contour, drawing
 
 from .plant import DONE, Plant, units_of
@@ -50,7 +50,7 @@ def by_simotion() -> shapely.LineString:
     return shapely.LineString(plant.points["cut"])
 
 
-class Kept(Outline):
+class Kept(OutlineCheck):
     """An outline that keeps all points of its strokes."""
 
     def begin(self, line: int) -> None:

@@ -24,7 +24,7 @@ from beamcam.model.triggers import Switch, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
 from beamcam.verify.st import verify_triggers
-from beamcam.verify.st.work import Work
+from beamcam.verify.st.execution import Execution
 from tests.unit.sheets.parts import circle, contour, drawing
 
 from .plant import DONE, Plant, units_of
@@ -65,15 +65,15 @@ def test_what_is_read_is_what_an_executor_of_the_text_does(
     assert said == []
     assert job is not None
     assert machine.torch is not None
-    work = Work(job, machine, machine.torch.rows, "a.st")
-    work.follow()
-    assert work.said == []
+    execution = Execution(job, machine, machine.torch.rows, "a.st")
+    execution.follow()
+    assert execution.said == []
     plant = Plant(units_of(text, machine), machine)
     plant.press_start()
     plant.run_until(DONE, 600.0)
     assert plant.said == []
-    for process in {stroke.process for stroke in work.strokes}:
-        lines = [s.points for s in work.strokes if s.process == process]
+    for process in {stroke.process for stroke in execution.strokes}:
+        lines = [s.points for s in execution.strokes if s.process == process]
         way = shapely.MultiLineString(lines)
         ran = shapely.LineString(plant.points[process])
         assert max(shapely.distance(shapely.points(plant.points[process]), way)) <= 0.001

@@ -82,10 +82,11 @@ def test_depth_is_what_the_formulas_say_backwards(
     values = {"y": y, "depth": depth, "tip": 3.0, "height": 300.0, "clearance": 5.0,
               "face_depth": BEAM.face_depth(face)}  # fmt: skip
     bottom = spindle.stroke.bottom(values)
-    assert station.y(spindle.across.position(values)) == pytest.approx(y, abs=1e-9)
-    assert station.tip_depth(bottom, y) == pytest.approx(depth + 3.0, abs=1e-9)
-    free = spindle.stroke.start(values)
-    assert station.depth_beside(free, y) == pytest.approx(-5.0, abs=1e-9)
+    across = spindle.across.position(values)
+    at_work = station.tip(across, bottom)
+    assert (at_work.y, at_work.depth) == pytest.approx((y, depth + 3.0), abs=1e-9)
+    free = station.tip(across, spindle.stroke.start(values))
+    assert free.beside == pytest.approx(-5.0, abs=1e-9)
 
 
 def test_a_hole_drilled_as_deep_as_at_another_y_is_caught() -> None:

@@ -23,8 +23,8 @@ class Tooling(Struct, frozen=True):
     ring: float = 0.0  #: diameter of the circle that a mill leaves; 0 for a stroke
 
 
-class Job(Struct, frozen=True):
-    """One operation of a spindle, at its place on the part."""
+class WorkingStep(Struct, frozen=True):
+    """One operation of a spindle, at its place on the part (the workingstep of ISO 14649)."""
 
     x: float
     y: float
@@ -36,7 +36,7 @@ class Job(Struct, frozen=True):
 
 
 class Settled(Struct, frozen=True):
-    """A feature that needs no job of its own."""
+    """A feature that needs no working step of its own."""
 
     feature: int
     how: Literal["made", "duplicate", "listed"]
@@ -45,4 +45,4 @@ class Settled(Struct, frozen=True):
 
 
 Said = tuple[int, Diagnostic]  #: a message about a feature, by its index
-Found = Job | Settled | Said
+Found = WorkingStep | Settled | Said

@@ -24,7 +24,7 @@ BRAKE = 2.0  #: a stop brakes so many times as hard as work does
 REFUSED = 1
 
 
-class Cell:
+class CuttingTable:
     """Runs a program cycle by cycle."""
 
     def __init__(self, units: Sequence[Unit], machine: Machine, name: str) -> None:
@@ -37,6 +37,9 @@ class Cell:
             Axis(axis, place, brake) for axis, place in zip(triggers.axes, BEGIN, strict=True)
         )
         self.path = Path(*self.axes) if triggers.path_objects else None
+        self.objects: dict[str, Any] = {axis.name.upper(): axis for axis in self.axes}
+        if self.path is not None:
+            self.objects[triggers.path_object.upper()] = self.path
         self.ends = tuple(
             triggers.back_off + s + triggers.overrun for s in (torch.length, torch.width)
         )
@@ -63,14 +66,6 @@ class Cell:
 
     # -- what the program reaches -----------------------------------------------------------
 
-    def find(self, name: str) -> Any:
-        for axis in self.axes:
-            if axis.name.upper() == name.upper():
-                return axis
-        if self.path is not None and name.upper() == self.triggers.path_object.upper():
-            return self.path
-        return None
-
     def system(self, base: Any, name: str) -> Any:
         """A system variable; a group of them is its axis with the name of the group."""
         if isinstance(base, Axis):
@@ -88,28 +83,31 @@ class Cell:
         return axis.actual
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
+        """Carry out a command; 0 if it was accepted."""
         if values["NEXTCOMMAND"] != "IMMEDIATELY":
             self._command(line, f"nextCommand {values['NEXTCOMMAND']}", "IMMEDIATELY in a cycle")
-        if name.startswith("_MOVEPATH"):
-            return self._path(name, values, line)
         if name == "_STOPPATH":
             values["PATHOBJECT"].stop()
             return 0
-        axis: Axis = values["AXIS"]
+        moved: tuple[Axis, ...] = (values["AXIS"],) if "AXIS" in values else self.axes
         if name == "_ENABLEAXIS":
-            return axis.enable()
+            return moved[0].enable()
         if name == "_RESETAXISERROR":
-            return axis.reset()
-        if not axis.enabled or axis.error:
+            return moved[0].reset()
+        fit = all(axis.enabled and not axis.error for axis in moved)
+        if not fit or not self._dynamics(values, line):
             return REFUSED
+        if name.startswith("_MOVEPATH"):
+            return self._path(name, values, line)
+        if name == "_HOMING":
+            return self._homing(moved[0], values, line)
         if name == "_STOP":
-            axis.stop()
-        elif name == "_HOMING":
-            return self._homing(axis, values, line)
+            moved[0].stop()
         elif name == "_MOVE":
-            return self._move(axis, values, line)
+            sign = -1.0 if values["DIRECTION"] == "NEGATIVE" else 1.0
+            moved[0].run(sign * values["VELOCITY"], self.triggers.acceleration)
         elif name == "_POS":
-            return self._pos(axis, values, line)
+            self._pos(moved[0], values, line)
         return 0
 
     def _command(self, line: int, found: str, expected: str) -> None:
@@ -132,13 +130,6 @@ class Cell:
             self._command(line, "a smooth profile", "TRAPEZOIDAL, so that axes arrive together")
         return True
 
-    def _move(self, axis: Axis, values: dict[str, Any], line: int) -> int:
-        if not self._dynamics(values, line):
-            return REFUSED
-        sign = -1.0 if values["DIRECTION"] == "NEGATIVE" else 1.0
-        axis.run(sign * values["VELOCITY"], self.triggers.acceleration)
-        return 0
-
     def _homing(self, axis: Axis, values: dict[str, Any], line: int) -> int:
         if values["HOMINGMODE"] != "DIRECT_HOMING" or values["HOMEPOSITIONTYPE"] != "DIRECT":
             self._command(line, f"{values['HOMINGMODE']}", "DIRECT_HOMING to a DIRECT position")
@@ -148,21 +139,16 @@ class Cell:
         axis.home(values["HOMEPOSITION"])
         return 0
 
-    def _pos(self, axis: Axis, values: dict[str, Any], line: int) -> int:
-        if not self._dynamics(values, line):
-            return REFUSED
+    def _pos(self, axis: Axis, values: dict[str, Any], line: int) -> None:
         if values["POSITIONINGMODE"] != "ABSOLUTE" or values["MERGEMODE"] != "IMMEDIATELY":
             mode = f"{values['POSITIONINGMODE']} with {values['MERGEMODE']}"
             self._command(line, mode, "ABSOLUTE with IMMEDIATELY")
         axis.go(
             values["POSITION"], values["VELOCITY"], values["POSITIVEACCEL"], values["NEGATIVEACCEL"]
         )
-        return 0
 
     def _path(self, name: str, values: dict[str, Any], line: int) -> int:
-        fit = all(axis.enabled and not axis.error for axis in self.axes)
-        if not fit or self.path is None or not self._dynamics(values, line):
-            return REFUSED
+        assert self.path is not None  # names that are not declared were said before
         here = (self.axes[0].position, self.axes[1].position)
         points = [here, (values["X"], values["Y"])]
         if values["PATHPLANE"] != "X_Y" or values["PATHMODE"] != "ABSOLUTE":
@@ -175,7 +161,7 @@ class Cell:
             points = circle_points(here, (values["I"], values["J"]), points[1])
             if not points:
                 return REFUSED
-        self.path.add(points, values["VELOCITY"], values["POSITIVEACCEL"], values["NEGATIVEACCEL"])
+        self.path.go(points, values["VELOCITY"], values["POSITIVEACCEL"], values["NEGATIVEACCEL"])
         return 0
 
     # -- time -------------------------------------------------------------------------------

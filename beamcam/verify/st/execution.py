@@ -44,8 +44,8 @@ class HeadStroke(Struct):
         return said[0] == said[1]
 
 
-class Work:
-    """Follows the operations of a job.
+class Execution:
+    """A trigger program executed: its operations followed one by one, from rest to rest.
 
     `rows` are those that run on the part's sheet, or all of the machine where no part is known.
     """
@@ -161,7 +161,7 @@ class Work:
         return points
 
     def _speed(self, op: Operation, way: float) -> None:
-        """Note a move; moves of one speed, one behind another, are judged together."""
+        """Note a move; moves of one speed, one after another, are judged together."""
         what = self.on.process if self.on is not None else "traverse"
         if self.run and (self.run[0].speed, self.what) != (op.speed, what):
             self._judge()
