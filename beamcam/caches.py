@@ -14,6 +14,7 @@ from msgspec import Struct
 Asked = ParamSpec("Asked")
 Value = TypeVar("Value")
 Key = TypeVar("Key", bound=Hashable)
+Other = TypeVar("Other", bound=Hashable)
 
 
 class Kept(Struct, frozen=True):
@@ -143,3 +144,21 @@ class PerObject(Generic[Key, Value]):
                     return value
             self._known = ((key, made), *self._known[: self._max_entries - 1])
         return made
+
+
+class PerObjectAndKey(Generic[Key, Other, Value]):
+    """Calls `make` once for each object and each key beside it: a machine and a section.
+
+    Objects are told apart as in `PerObject`; what is known of one is a `BoundedCache`.
+    """
+
+    def __init__(self, objects: str, keys: str, make: Callable[[Key, Other], Value]) -> None:
+        self._known = PerObject[Key, BoundedCache[Other, Value]](
+            objects, lambda _: BoundedCache(keys)
+        )
+        self._make = make
+
+    def __call__(self, one: Key, key: Other) -> Value:
+        known = self._known(one)
+        found = known.get(key)
+        return known.keep(key, self._make(one, key)) if found is None else found

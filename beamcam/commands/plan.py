@@ -27,8 +27,8 @@ from beamcam.plain_text import terminal_text
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import Explanation, explain
 from beamcam.planning.operations.line import line_of
-from beamcam.planning.orientation import Trial, try_turns
 from beamcam.planning.stock import from_store
+from beamcam.planning.turn_choice import Trial, try_turns
 from beamcam.report.ledger import ledger_of
 from beamcam.report.run import as_message
 

@@ -5,7 +5,7 @@ from typing import cast
 
 from msgspec import Struct
 
-from beamcam.caches import BoundedCache, PerObject
+from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
 from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.drill import Drill
@@ -39,16 +39,10 @@ class Section(Struct, frozen=True):
     made: BoundedCache[tuple[object, ...], SpindleStroke]  #: by the steel's grade and the operation
 
 
-_sections_of: PerObject[Machine, BoundedCache[Profile, Section]] = PerObject(
-    "motion.machines", lambda _: BoundedCache("motion.sections")
-)
-
-
-def _section_of(profile: Profile, machine: Machine) -> Section:
-    known = _sections_of(machine)
-    return known.get(profile) or known.keep(
-        profile, Section(Strokes(profile, machine), BoundedCache("motion.strokes"))
-    )
+_section_of: PerObjectAndKey[Machine, Profile, Section] = PerObjectAndKey(
+    "motion.machines", "motion.sections",
+    lambda machine, profile: Section(Strokes(profile, machine), BoundedCache("motion.strokes")),
+)  # fmt: skip
 
 
 class _Names(Struct, frozen=True):
@@ -83,7 +77,7 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
         if piece.turn != AS_GIVEN:
             # Whoever loads the bar cannot see it in the figures, since the part is not marked yet.
             yield Comment(f"part {index + 1}, {piece.part.mark}: {piece.turn}")
-    section = _section_of(profile, machine)
+    section = _section_of(machine, profile)
     waiting = list(plan.reloads)
     of_part = not PART_NAMES.isdisjoint(said)
     stations = [*stations_of(plan, machine)] if "station" in said else None

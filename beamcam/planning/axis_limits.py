@@ -18,12 +18,12 @@ from collections.abc import Iterator, Sequence
 
 from msgspec import Struct
 
-from beamcam.caches import BoundedCache, PerObject
-from beamcam.errors import Diagnostic, Rule, Severity
-from beamcam.machine.drill import Drill
+from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
+from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.machine.absent import drill_of
 from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.description import named
-from beamcam.model.part import Face, Feature, Part, Profile
+from beamcam.model.part import Face, Feature, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
 from beamcam.model.stroke import Strokes
 from beamcam.planning.operations.working_step import Said, Tooling, WorkingStep
@@ -61,37 +61,39 @@ class Beyond(Struct, frozen=True):
     face: Face
 
 
-class StrokePlaces(Struct, frozen=True):
-    """Spindle positions on a section, and the results of checking their strokes."""
+class SpindleTravel(Struct, frozen=True):
+    """The spindles of a machine on one section: their strokes, and the axes' travel."""
 
+    machine: Machine
+    profile: Profile
     strokes: Strokes
-    known: BoundedCache[tuple[object, ...], Beyond | None]
+    known: BoundedCache[tuple[object, ...], Beyond | None]  #: by tooling and place across
 
 
+travel_on: PerObjectAndKey[Machine, Profile, SpindleTravel] = PerObjectAndKey(
+    "planning.machines", "planning.sections",
+    lambda machine, profile: SpindleTravel(
+        machine, profile, Strokes(profile, machine), BoundedCache("planning.strokes")
+    ),
+)  # fmt: skip
 _UNKNOWN = Beyond(ControlledAxis("", "X", 0.0, 0.0), 0.0, "v")  #: not looked at yet
-
-
-_rooms: PerObject[Machine, BoundedCache[Profile, StrokePlaces]] = PerObject(
-    "planning.machines", lambda _: BoundedCache("planning.sections")
-)
+_TRIAL = Source("")  #: of a stroke that is tried; no message names it
 
 
 def refuse_steps(
-    part: Part, machine: Machine, drill: Drill, steps: Sequence[WorkingStep]
+    features: Sequence[Feature], steps: Sequence[WorkingStep], travel: SpindleTravel
 ) -> Iterator[Said]:
     """The features of steps that the axes of the spindles do not make, and why."""
-    yield from _refuse_beyond(part, machine, steps)
-    if fixed_faces(machine):
-        yield from _refuse_strokes(part, machine, drill, steps)
+    yield from _refuse_beyond(features, steps, travel)
+    if fixed_faces(travel.machine):
+        yield from _refuse_strokes(features, steps, travel)
 
 
-def _refuse_beyond(part: Part, machine: Machine, steps: Sequence[WorkingStep]) -> Iterator[Said]:
+def _refuse_beyond(
+    features: Sequence[Feature], steps: Sequence[WorkingStep], travel: SpindleTravel
+) -> Iterator[Said]:
     """The features of steps for which a spindle's axis cannot go far enough, and why."""
-    rooms = _rooms(machine)
-    room = rooms.get(part.profile) or rooms.keep(
-        part.profile, StrokePlaces(Strokes(part.profile, machine), BoundedCache("planning.strokes"))
-    )
-    known = room.known
+    known = travel.known
     for step in steps:
         if step.text is not None:
             continue  # no spindle's axis takes part
@@ -101,34 +103,32 @@ def _refuse_beyond(part: Part, machine: Machine, steps: Sequence[WorkingStep]) -
             key = how.faces, how.tools, how.depth, y
             beyond = known.get(key, _UNKNOWN)
             if beyond is _UNKNOWN:
-                beyond = known.keep(key, _beyond(how, y, part, machine, room.strokes))
+                beyond = known.keep(key, _beyond(how, y, travel))
             if beyond is not None:
                 for f in step.features:
-                    yield f, _refusal(part.features[f], beyond)
+                    yield f, _refusal(features[f], beyond)
 
 
 def within_axes(
-    how: Tooling, part: Part, machine: Machine, sides: tuple[float, float]
+    how: Tooling, sides: tuple[float, float], travel: SpindleTravel
 ) -> tuple[float, float] | None:
     """Those y between two sides of a face to which the axes bring a tool; None if there are none.
 
     They are looked for in steps of a millimetre.
     """
-    strokes = Strokes(part.profile, machine)
     low, high = sides
     count = int(high - low)
     ys = [*(low + k for k in range(count + 1)), high]
-    found = [y for y in ys if _beyond(how, y, part, machine, strokes) is None]
+    found = [y for y in ys if _beyond(how, y, travel) is None]
     return _min_and_max(found) if len(found) > 1 else None
 
 
-def _beyond(
-    how: Tooling, y: float, part: Part, machine: Machine, strokes: Strokes
-) -> Beyond | None:
+def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:
     """The first axis that does not come to all places of a stroke; None if all do."""
+    machine, strokes = travel.machine, travel.strokes
     faces = {strokes.spindles[face].number: face for face in how.faces}
     for tool in how.tools:
-        op = DrillOp(0.0, how.spindle, tool, how.faces, y, how.depth, (), (), part.source)
+        op = DrillOp(0.0, how.spindle, tool, how.faces, y, how.depth, (), (), _TRIAL)
         stroke = strokes(op, y)
         across, along = strokes.axes(op)
         places = {across: (stroke.across,), along: (stroke.start, stroke.near, stroke.bottom)}
@@ -217,24 +217,23 @@ fixed_faces: PerObject[Machine, frozenset[Face]] = PerObject(
 
 
 def _refuse_strokes(
-    part: Part, machine: Machine, drill: Drill, steps: Sequence[WorkingStep]
+    features: Sequence[Feature], steps: Sequence[WorkingStep], travel: SpindleTravel
 ) -> Iterator[Said]:
     """The features of steps that a fixed stroke does not make, and why."""
-    faces = fixed_faces(machine)
-    strokes = Strokes(part.profile, machine)
-    resolution = machine.format.resolution
+    faces = fixed_faces(travel.machine)
+    resolution = travel.machine.format.resolution
     for step in steps:
         how = step.tooling
         if step.text is not None:
             continue
         for face in faces.intersection(how.faces):
-            op = DrillOp(step.x, 0, how.tools[0], (face,), step.y, how.depth, (), (), part.source)
-            reach = _deepest(op, part, strokes)
-            least, greatest = _wanted(op, part, drill)
+            op = DrillOp(step.x, 0, how.tools[0], (face,), step.y, how.depth, (), (), _TRIAL)
+            reach = _deepest(op, travel)
+            least, greatest = _wanted(op, travel)
             if least - resolution <= reach <= greatest + resolution:
                 continue
             for f in step.features:
-                feature = part.features[f]
+                feature = features[f]
                 expected = f"{least:.3f}" if least == greatest else f"at least {least:.3f}"
                 yield f, STROKE.at(
                     feature.source, what=named(feature), face=face, found=f"{reach:.3f}",
@@ -242,18 +241,20 @@ def _refuse_strokes(
                 )  # fmt: skip
 
 
-def _deepest(op: DrillOp, part: Part, strokes: Strokes) -> float:
+def _deepest(op: DrillOp, travel: SpindleTravel) -> float:
     """Depth of the tool's point behind the surface of its face."""
-    stroke = strokes(op, op.y)
+    stroke = travel.strokes(op, op.y)
     way = 1.0 if stroke.bottom >= stroke.start else -1.0
-    return way * stroke.bottom - part.profile.face_depth(op.faces[0])
+    return way * stroke.bottom - travel.profile.face_depth(op.faces[0])
 
 
-def _wanted(op: DrillOp, part: Part, drill: Drill) -> tuple[float, float]:
+def _wanted(op: DrillOp, travel: SpindleTravel) -> tuple[float, float]:
     """Required and maximum depth; drills and taps may go on behind the far side."""
     kind = op.tool.kind
     tip = op.tool.tip if kind == "drill" else 0.0
     if op.depth is not None:
         return op.depth + tip, op.depth + tip
-    through = part.profile.thickness(op.faces[0]) + tip
-    return through, float("inf") if kind in ("drill", "tap") else through + drill.breakthrough
+    through = travel.profile.thickness(op.faces[0]) + tip
+    if kind in ("drill", "tap"):
+        return through, float("inf")
+    return through, through + drill_of(travel.machine).breakthrough

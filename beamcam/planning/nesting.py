@@ -27,16 +27,56 @@ greedy path, part by part.
 from collections.abc import Sequence
 from itertools import pairwise
 
+from msgspec import Struct
+
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.machine.machine import Layout
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
-from beamcam.model.plan import Bar
+from beamcam.model.plan import Bar, Order, Piece
 from beamcam.planning import rules
 from beamcam.planning.operations.ends import End, Ends
+from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.saw_cut import kerf_along_bar, share_cut
+from beamcam.planning.operations.work import PartWork
+from beamcam.planning.orientation import OrientedPart
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all
+
+
+class LaidParts(Struct, frozen=True):
+    """Parts where they lie on one bar."""
+
+    pieces: tuple[Piece, ...]
+    works: tuple[PartWork, ...]  #: of the pieces
+    bar: Bar
+    remarks: tuple[Diagnostic, ...]
+
+
+def lay(
+    oriented: Sequence[OrientedPart], line: BarLine, order: Order, length: float | None
+) -> LaidParts:
+    """The parts laid on a bar of `length`, as they are given or as they nest best.
+
+    Raises PlanError as `lay_on_bar` and, for a line without a saw, `lay_cut_part` do.
+    """
+    remarks: tuple[Diagnostic, ...] = ()
+    works = [each.work for each in oriented]
+    if order == "best" and len(works) > 1:
+        best, remarks = best_order([w.part for w in works], [w.ends for w in works], line.saw)
+        oriented = [oriented[i] for i in best]
+        works = [each.work for each in oriented]
+    parts = [work.part for work in works]
+    if line.machine.saw is None:
+        (starts, bar), said = lay_cut_part(parts, line)
+    else:
+        ends = [work.ends for work in works]
+        (starts, bar), said = lay_on_bar(parts, ends, line.layout, line.saw, length)
+    pieces = tuple(
+        Piece(each.work.part, start, each.given, each.turn)
+        for each, start in zip(oriented, starts, strict=True)
+    )
+    return LaidParts(pieces, tuple(works), bar, remarks + said)
 
 
 def lay_on_bar(
@@ -69,6 +109,33 @@ def lay_on_bar(
     if length is not None and remnant >= layout.min_remnant:
         remarks = (rules.REMNANT.at(source, found=f"{remnant:.3f}"),)
     return (tuple(starts), bar), remarks
+
+
+def lay_cut_part(
+    parts: Sequence[Part], line: BarLine
+) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
+    """The start of the only part, which comes in cut, its account as a bar, and a remark.
+
+    Raises PlanError for several parts, and for one that the machine cannot hold.
+    """
+    layout, machine = line.layout, line.machine
+    first = parts[0]
+    if len(parts) > 1:
+        raise PlanError(rules.NO_SAW.at(first.source, found=len(parts), machine=machine.name))
+    length = first.length
+    if length < layout.min_bar:
+        said = rules.BAR_SHORT.at(
+            first.source, found=f"{length:.3f}", expected=f"{layout.min_bar:g}"
+        )
+        raise PlanError(said)
+    if layout.max_bar is not None and length > layout.max_bar:
+        said = rules.BAR_LONG.at(
+            first.source, found=f"{length:.3f}", expected=f"{layout.max_bar:g}"
+        )
+        raise PlanError(said)
+    account = Bar(length, 0.0, length, 0.0, 0.0)
+    remark = rules.COMES_CUT.at(first.source, found=f"{length:.3f}", machine=machine.name)
+    return ((0.0,), account), (remark,)
 
 
 def _starts(

@@ -41,7 +41,7 @@ from typing import Literal
 
 from msgspec import Struct
 
-from beamcam.machine.machine import Times
+from beamcam.machine.machine import Machine, Times
 from beamcam.model.part import Face
 from beamcam.model.plan import FeatureRef, Operation, PathOp, SawOp, WorkOp
 
@@ -63,13 +63,24 @@ CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("
 
 
 def sort_along_x(
+    cuts: Iterable[SawOp], strokes: Iterable[WorkOp], machine: Machine
+) -> tuple[Operation, ...]:
+    """The operations of a line in order of X, with minimum time for changes of spindle and tool.
+
+    Raises TypeError if the machine has no layout.
+    """
+    layout = machine.needed(machine.layout, "layout")
+    return in_order_of_x(cuts, strokes, machine.format.resolution, layout.order, machine.times)
+
+
+def in_order_of_x(
     cuts: Iterable[SawOp],
     strokes: Iterable[WorkOp],
     resolution: float,
     layout: Literal["saw-drill", "drill-saw"] = "saw-drill",
     times: Times | None = None,
 ) -> tuple[Operation, ...]:
-    """The operations in order of X, with minimum time for changes of spindle and tool.
+    """The operations in order of X.
 
     Without `times` a tool and a spindle take the same, and of equal times the fewest changes count.
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.model.part import Part
+from beamcam.model.part import Part, Profile
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.operations.line import BarLine
@@ -62,9 +62,14 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
         fault = section_fault(mine)
         if fault is not None:
             yield rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code)
-        for station, size in (("saw", line.saw), ("drill", line.drill)):
-            if mine.height > size.max_height or mine.width > size.max_width:
-                yield rules.SECTION_SIZE.at(
-                    part.source, found=f"{mine.height:g} x {mine.width:g}", station=station,
-                    expected=f"{size.max_height:g} x {size.max_width:g}",
-                )  # fmt: skip
+        yield from refuse_size(mine, line, part.source)
+
+
+def refuse_size(profile: Profile, line: BarLine, source: Source) -> Iterator[Diagnostic]:
+    """Errors for a section that is too large, as it lies, for a station of the line."""
+    for station, size in (("saw", line.saw), ("drill", line.drill)):
+        if profile.height > size.max_height or profile.width > size.max_width:
+            yield rules.SECTION_SIZE.at(
+                source, found=f"{profile.height:g} x {profile.width:g}", station=station,
+                expected=f"{size.max_height:g} x {size.max_width:g}",
+            )  # fmt: skip

@@ -24,8 +24,7 @@ from beamcam.machine.drill import Drill
 from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model import drill_cycle
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
-from beamcam.model.part import Profile
-from beamcam.model.plan import Operation, PathOp, Plan, SawOp, SpindleOp, TextOp
+from beamcam.model.plan import Operation, PathOp, Piece, Plan, SawOp, SpindleOp, TextOp
 from beamcam.model.stroke import Strokes
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.magazine import tool_loads
@@ -70,15 +69,12 @@ def blocks_of(template: Sequence[str]) -> tuple[Block, ...]:
 
 def work_time(plan: Plan, machine: Machine) -> WorkTime:
     """Work time of a plan on its machine."""
-    grades = tuple(piece.part.grade for piece in plan.pieces)
-    return time_of(plan.operations, plan.profile, grades, machine)
+    return time_of(plan.operations, plan.pieces, machine)
 
 
-def time_of(
-    operations: Sequence[Operation], profile: Profile, grades: Sequence[str], machine: Machine
-) -> WorkTime:
-    """Work time of operations; `grades` are the steels of the pieces."""
-    clock = _Clock(profile, grades, machine)
+def time_of(operations: Sequence[Operation], pieces: Sequence[Piece], machine: Machine) -> WorkTime:
+    """Work time of the operations on the pieces of one bar."""
+    clock = _Clock(pieces, machine)
     seconds = tuple(clock.seconds(op) for op in operations)
     reloads = sum(load.out is not None for load in tool_loads(operations, machine))
     return WorkTime(seconds, reloads * machine.times.reload_s)
@@ -106,14 +102,15 @@ def with_axes(machine: Machine, drill: Drill) -> Machine:
 class _Clock:
     """The state of the machine during the operations."""
 
-    def __init__(self, profile: Profile, grades: Sequence[str], machine: Machine) -> None:
+    def __init__(self, pieces: Sequence[Piece], machine: Machine) -> None:
+        profile = pieces[0].part.profile
         self._machine, self._saw, self._drill = machine, saw_of(machine), drill_of(machine)
         # What a program does not say of the section its simulation does not know either.
         machine = with_axes(machine, self._drill)
         header = " ".join(machine.words.header)
         height_alone = "{height}" in header and "{width}" not in header
         self._cell = CellMotion(machine, profile.height if height_alone else profile.width)
-        self._grades = grades
+        self._grades = [piece.part.grade for piece in pieces]
         self._strokes = Strokes(profile, machine)
         self._words: dict[str, tuple[Block, ...]] = {}
         self._cycles = _cycles_of(machine)

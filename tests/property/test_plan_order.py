@@ -14,7 +14,7 @@ from beamcam.machine.machine import Times
 from beamcam.machine.tools import Tool
 from beamcam.model.plan import DrillOp, Operation, SawOp
 from beamcam.planning.magazine import tool_loads
-from beamcam.planning.order import sort_along_x, travel
+from beamcam.planning.order import in_order_of_x, travel
 
 SOURCE = Source("a.nc1", 1)
 RESOLUTION = 0.001
@@ -143,7 +143,7 @@ def in_order(
 ) -> tuple[Operation, ...]:
     cuts = [op for op in ops if isinstance(op, SawOp)]
     strokes = [op for op in ops if not isinstance(op, SawOp)]
-    return sort_along_x(cuts, strokes, RESOLUTION, layout, times)
+    return in_order_of_x(cuts, strokes, RESOLUTION, layout, times)
 
 
 def assert_best_order(ops: list[Operation], layout: Layout, times: Times) -> None:

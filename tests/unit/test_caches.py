@@ -22,6 +22,10 @@ def hasty() -> Iterator[None]:
     sys.setswitchinterval(before)
 
 
+#: How many of its first arguments are names of the table.
+NAMES_OF = {"cached": 1, "BoundedCache": 1, "PerObject": 1, "PerObjectAndKey": 2}
+
+
 def test_every_cache_has_a_bound_and_a_reason() -> None:
     for name, kept in CACHES.items():
         assert 0 < kept.max_entries <= 4096, name
@@ -38,12 +42,9 @@ def test_nothing_is_kept_elsewhere() -> None:
             if isinstance(node, ast.ImportFrom) and node.module == "functools":
                 names = {alias.name for alias in node.names}
                 assert not names & {"cache", "lru_cache"}, path
-            if isinstance(node, ast.Call) and ast.unparse(node.func).split("[")[0] in (
-                "cached",
-                "BoundedCache",
-                "PerObject",
-            ):
-                used.append(ast.literal_eval(node.args[0]))
+            if isinstance(node, ast.Call):
+                names_of = NAMES_OF.get(ast.unparse(node.func).split("[")[0], 0)
+                used += map(ast.literal_eval, node.args[:names_of])
     assert set(used) == set(CACHES)
 
 

@@ -10,10 +10,11 @@ from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Hole, Part, Slot
 from beamcam.model.section import OTHER_SIDE
+from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
 from beamcam.planning.operations.line import BarLine
-from beamcam.planning.operations.reach import reach_of
+from beamcam.planning.operations.reach import reached_by
 from beamcam.planning.operations.working_step import Found, Said, Settled, WorkingStep
 
 FROM_BEHIND = Rule(
@@ -40,7 +41,8 @@ class Bench:
         self.part, self.ends, self.line = part, ends, line
         self.machine, self.rack = line.machine, line.rack
         self.finished = FinishedPart(part, ends, line.machine, line.drill)
-        self.reached = reach_of(part.profile, line.machine)
+        self.reached = reached_by(line.machine, part.profile)
+        self.travel = travel_on(line.machine, part.profile)
         #: Features that can be made, by kind of work, each on the face that it is made from.
         self.accepted: defaultdict[str, list[tuple[int, Any]]] = defaultdict(list)
         self.behind: set[int] = set()  #: features that are made from the other side of their wall

@@ -154,7 +154,7 @@ def _make(
     for tooling in toolings:
         path = _ring(x, y, tooling, bench) if tooling.ring else ()
         steps.append(WorkingStep(x, y, tooling, features, hole.source, path))
-    if len(group) == 2 and any(refuse_steps(bench.part, bench.machine, bench.rack.drill, steps)):
+    if len(group) == 2 and any(refuse_steps(bench.part.features, steps, bench.travel)):
         return _one_by_one(group, bench, pilot, place)
     found: list[Found] = [*steps]
     if hole.depth is not None:

@@ -5,7 +5,7 @@ from math import inf
 
 from msgspec import Struct
 
-from beamcam.caches import BoundedCache, PerObject
+from beamcam.caches import PerObjectAndKey
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
@@ -43,32 +43,27 @@ class Reach(Struct, frozen=True):
 Reached = Mapping[Face, Reach]
 
 
-_reaches: PerObject[Machine, BoundedCache[Profile, Reached]] = PerObject(
-    "planning.machines", lambda _: BoundedCache("planning.reaches")
-)
-
-
-def reach_of(profile: Profile, machine: Machine) -> Reached:
-    """The faces of a section that the machine's spindles reach."""
-    known = _reaches(machine)
-    found = known.get(profile)
-    if found is None:
-        out = NO_PLATE.get(profile.code, ())
-        found = {
-            s.face: Reach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
-            for s in machine.spindles
-            if s.face not in out
-        }
-        known.keep(profile, found)
-    return found
-
-
 def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
     """Range of y in which a tool reaches a face; unbounded where no flange is beside it."""
     if face != "v" or profile.code not in ("I", "U", "C", "L"):
         return -inf, inf
     flange = profile.flange_thickness
     return flange, (inf if profile.code == "L" else profile.height - flange)
+
+
+def _reached(machine: Machine, profile: Profile) -> Reached:
+    out = NO_PLATE.get(profile.code, ())
+    return {
+        s.face: Reach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
+        for s in machine.spindles
+        if s.face not in out
+    }
+
+
+#: The faces of a section that the machine's spindles reach.
+reached_by: PerObjectAndKey[Machine, Profile, Reached] = PerObjectAndKey(
+    "planning.machines", "planning.reaches", _reached
+)
 
 
 def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic:

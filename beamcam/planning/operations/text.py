@@ -87,7 +87,7 @@ def _room(face: Face, bench: Bench) -> Room | None:
     """Room for a text on a face, within the axes' travel; None where there is none."""
     low, high = _between_walls(face, bench)
     if not bench.machine.marks.is_told:
-        bounds = within_axes(_tooling(face, bench), bench.part, bench.machine, (low, high))
+        bounds = within_axes(_tooling(face, bench), (low, high), bench.travel)
         if bounds is None:
             return None
         low, high = bounds

@@ -15,14 +15,14 @@ from beamcam.machine.absent import text_x
 from beamcam.machine.tools import Tool
 from beamcam.model.marks import policy_on
 from beamcam.model.part import Feature, Part
-from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, TextOp, WorkOp
+from beamcam.model.plan import Bar, DrillOp, FeatureRef, PathOp, Piece, SawOp, TextOp, WorkOp
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.by_hand import listed_by, refuse_mark
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.kinds import KINDS, kind_of
 from beamcam.planning.operations.line import BarLine
-from beamcam.planning.operations.saw_cut import SAW_CUT
+from beamcam.planning.operations.saw_cut import SAW_CUT, cuts_of
 from beamcam.planning.operations.tools import Tools, settle
 from beamcam.planning.operations.working_step import Settled, Tooling, WorkingStep
 
@@ -30,6 +30,7 @@ from beamcam.planning.operations.working_step import Settled, Tooling, WorkingSt
 class PartWork(Struct, frozen=True):
     """The work of one part, and the part of it that is refused."""
 
+    part: Part
     ends: Ends
     refusals: tuple[Diagnostic, ...]
     remarks: tuple[Diagnostic, ...] = ()
@@ -43,20 +44,21 @@ def work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     try:
         ends, remarks = ends_of(part, line.saw.min_mitre)
     except PlanError as error:
-        return PartWork(SQUARE, error.diagnostics)
+        return PartWork(part, SQUARE, error.diagnostics)
     bench = Bench(part, ends, line)
     of_ends = [said for end in ends if (said := SAW_CUT.needs(end, bench))]
     of_ends += SAW_CUT.refusals(ends, bench)
     _put_features(bench)
     for kind in KINDS:
         bench.take(kind.steps(bench.accepted[kind.name], bench))
-    bench.refuse(refuse_steps(part, line.machine, line.drill, bench.steps))
+    bench.refuse(refuse_steps(bench.part.features, bench.steps, bench.travel))
     bench.refuse_repeats()
     refused = bench.refused
     skipped = {f: said for f, said in refused.items() if said.code.removeprefix("plan-") in skips}
     refusals = [*errors_in(of_ends), *(refused[f] for f in sorted(refused) if f not in skipped)]
     told = [*remarks, *(said for said in of_ends if said not in refusals), *bench.remarks]
     return PartWork(
+        part,
         ends,
         tuple(refusals),
         tuple(told),
@@ -93,7 +95,20 @@ def _is_made(f: int, mark: Feature, bench: Bench) -> bool:
     return why is None and said is None
 
 
-def spindle_operations(
+def operations_on(
+    pieces: Sequence[Piece], works: Sequence[PartWork], line: BarLine, bar: Bar | None = None
+) -> tuple[list[SawOp], list[WorkOp]]:
+    """The cuts of a line with a saw, and the operations on features, piece by piece.
+
+    Behind a skew end at the end of `bar` nothing is left to be squared.
+    """
+    cuts: list[SawOp] = []
+    if line.machine.saw is not None:
+        cuts += cuts_of(pieces, [work.ends for work in works], line.saw, bar)
+    return cuts, [*_spindle_operations(pieces, works, line)]
+
+
+def _spindle_operations(
     pieces: Sequence[Piece], works: Sequence[PartWork], line: BarLine
 ) -> Iterator[WorkOp]:
     """One operation on features for each step at machine X, piece by piece."""

@@ -12,8 +12,8 @@ from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import SAID, explain
 from beamcam.planning.operations.line import line_of
-from beamcam.planning.orientation import try_turns
 from beamcam.planning.times import work_time
+from beamcam.planning.turn_choice import try_turns
 from beamcam.planning.turning import TURNS
 from tests.unit.planning.shop import CHANNEL, TUBE, hole, part, plan
 
