@@ -16,6 +16,7 @@ from beamcam.planning import rules
 from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.work import PartWork, operations_on, work_on
 from beamcam.planning.order import sort_along_x
+from beamcam.planning.stock import refuse_size
 from beamcam.planning.times import time_of
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
@@ -51,6 +52,10 @@ def try_turns(part: Part, line: BarLine, skips: Collection[str]) -> tuple[Trial,
         same = next((t for t in trials if t.seconds is not None and alike(t.part, lying)), None)
         if same is not None:
             trials.append(Trial(turn, lying, None, f"no different from {same.turn.name!r}"))
+            continue
+        too_large = next(refuse_size(lying.profile, line, part.source), None)
+        if too_large is not None:
+            trials.append(Trial(turn, lying, None, f"{too_large.code}: {too_large.message}"))
             continue
         work = work_on(lying, line, skips)
         # What `--allow-skips` would leave out is better made, in another orientation.

@@ -165,6 +165,19 @@ def test_a_bar_lies_one_way_for_all_its_parts() -> None:
         plan_bar([above, below], machine, turn=True)
 
 
+def test_no_part_is_turned_to_where_the_section_is_too_large() -> None:
+    """On its side it would be made whole, but the line takes 200 x 120 and not 120 x 200."""
+    machine = load("beamline-pusher")
+    below = part(hole(500, 60, face="h"), hole(700, 60, face="v"), profile=TUBE)
+    assert machine.drill is not None
+    narrow = replace(machine, drill=replace(machine.drill, max_width=150.0))
+    found = plan_bar([below], narrow, turn=True, skips=("face",))
+    assert found.pieces[0].part.profile.height == TUBE.height
+    assert sorted(o.how for o in found.outcomes) == ["made", "skipped"]
+    sideways = [t for t in try_turns(below, line_of(narrow), ()) if t.turn.swap]
+    assert {t.because.partition(":")[0] for t in sideways} == {"plan-section"}
+
+
 def test_axes_that_the_file_does_not_have_are_usual_ones() -> None:
     machine = load("beamline")
     bare = replace(machine, axes=())
