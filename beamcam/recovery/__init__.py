@@ -11,7 +11,7 @@ from beamcam.machine.machine import Machine
 from beamcam.recovery import rules
 from beamcam.recovery.bars import recover_bars
 from beamcam.recovery.found import Recovered, Stock, with_marks
-from beamcam.verify.head import head_of
+from beamcam.verify.head import head_of, head_remarks
 
 __all__ = ["Recovered", "Stock", "recover", "with_marks"]
 
@@ -21,18 +21,20 @@ STOCK = Stock()  #: of which nothing is known
 def recover(text: str, machine: Machine, name: str = "program", stock: Stock = STOCK) -> Recovered:
     """The parts that a program makes, those of a bar in their order along it.
 
-    `stock` is what is known of the bar or the sheet. Where an error
-    is among what is said there are no parts.
+    `stock` is what is known of the bar or the sheet. Where an error is among what is said there are
+    no parts. A program that was made for another machine is remarked upon first.
     """
+    head = head_of(text)
+    said = tuple(head_remarks(head, machine, name))
     if machine.torch is None:
         found = recover_bars(text, machine, name, stock)
     else:
         from beamcam.recovery.sheets import recover_sheet
 
         found = recover_sheet(text, machine, name, stock.has_thickness)
-    if errors_in(found.said):
-        return Recovered((), found.said)
-    head = head_of(text)
-    if head is None or not head.by_hand:
-        return found
-    return Recovered(found.parts, (*found.said, rules.BY_HAND.at(Source(name), found=head.by_hand)))
+    said += found.said
+    if errors_in(said):
+        return Recovered((), said)
+    if head is not None and head.by_hand:
+        said = (*said, rules.BY_HAND.at(Source(name), found=head.by_hand))
+    return Recovered(found.parts, said)

@@ -132,6 +132,14 @@ def test_a_broken_program_is_refused_with_the_messages_of_the_read_back() -> Non
     assert any(d.code.startswith("verify-") for d in found.said)
 
 
+def test_another_machine_than_the_head_names_is_said_first() -> None:
+    text = post((bar(),), load("beamline")).text
+    found = recover(text, load("plate-linuxcnc"), "p")
+    assert found.parts == ()
+    assert [d.code for d in found.said][:2] == ["verify-machine-changed", "verify-sheet-syntax"]
+    assert "found a program for the machine beamline" in found.said[0].message
+
+
 def test_a_sheet_needs_its_thickness() -> None:
     machine = table("plate-linuxcnc", thickness=6.0)
     text = post((drawing(contour(box(0, 0, 60, 40))),), machine).text
