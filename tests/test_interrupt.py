@@ -5,9 +5,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from math import inf
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 
@@ -117,52 +116,49 @@ def test_a_command_that_is_to_hear_of_no_interrupt_hears_of_none(shop: Path) -> 
     assert run.stdout.endswith("True\n")
 
 
-class Started(NamedTuple):
-    process: "subprocess.Popen[bytes]"
-    messages: Path
+def ended(command: str, shop: Path, messages: Path, after_s: float) -> tuple[int, float, str]:
+    """Status, seconds until the end and messages of a command sent Ctrl-C after a while.
 
-
-@pytest.fixture
-def started(shop: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Started]:
-    """The command, with a standard input that gives nothing and does not end.
-
-    Its messages go to a file: it would wait for who reads them once a pipe is full.
+    Its standard input gives nothing and does not end. Its messages go to a file: it would wait for
+    who reads them once a pipe is full.
     """
-    messages = tmp_path / "messages.txt"
     with messages.open("wb") as told:
         process = subprocess.Popen(
-            [sys.executable, "-m", "beamcam", *request.param.split()], cwd=shop,
+            [sys.executable, "-m", "beamcam", *command.split()], cwd=shop,
             env={**os.environ, "PYTHONPATH": str(ROOT)}, stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL, stderr=told,
         )  # fmt: skip
-    yield Started(process, messages)
-    process.kill()
-    process.communicate()
+    try:
+        time.sleep(after_s)
+        assert process.poll() is None, "it ended before it was asked to"
+        begun = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        status = process.wait(timeout=30)
+        took = time.monotonic() - begun
+    finally:
+        process.kill()
+        process.communicate()
+    return status, took, messages.read_text()
 
 
-def ended(started: Started, after_s: float) -> tuple[int, float, str]:
-    """Status, seconds until the end and what was said, of a process sent Ctrl-C after a while."""
-    process = started.process
-    time.sleep(after_s)
-    assert process.poll() is None, "it ended before it was asked to"
-    begun = time.monotonic()
-    process.send_signal(signal.SIGINT)
-    status = process.wait(timeout=30)
-    took = time.monotonic() - begun
-    return status, took, started.messages.read_text()
+def assert_ends(command: str, shop: Path, messages: Path, after_s: float) -> None:
+    """Ends within a second once in three times: other work on the machine may take it once."""
+    fastest = inf
+    for _ in range(3):
+        status, took, said = ended(command, shop, messages, after_s)
+        assert status == 130, said
+        assert "Traceback" not in said
+        fastest = min(fastest, took)
+        if fastest < WITHIN_S:
+            break
+    assert fastest < WITHIN_S
 
 
-@pytest.mark.parametrize("started", WAITING, indirect=True)
-def test_a_command_that_waits(started: Started) -> None:
-    status, took, said = ended(started, 0.6)
-    assert status == 130, said
-    assert took < WITHIN_S
-    assert "Traceback" not in said
+@pytest.mark.parametrize("command", WAITING)
+def test_a_command_that_waits(command: str, shop: Path, tmp_path: Path) -> None:
+    assert_ends(command, shop, tmp_path / "messages.txt", 0.6)
 
 
-@pytest.mark.parametrize("started", WORKING, indirect=True)
-def test_a_command_at_work(started: Started) -> None:
-    status, took, said = ended(started, 0.7)
-    assert status == 130, said
-    assert took < WITHIN_S
-    assert "Traceback" not in said
+@pytest.mark.parametrize("command", WORKING)
+def test_a_command_at_work(command: str, shop: Path, tmp_path: Path) -> None:
+    assert_ends(command, shop, tmp_path / "messages.txt", 0.7)
