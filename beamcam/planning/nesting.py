@@ -18,6 +18,8 @@ Cuts that stand close are in an order that a machine can follow along X: the mit
 part, the parting cut behind it, the mitre that starts the next. So a parting cut never stands
 before the middle of the mitre that it follows.
 
+A line without a saw gets parts that come in cut: each is a bar by itself.
+
 The order in which parts lie may be free. For each two parts the length that a common cut saves is
 known, so the best order is the path through all parts that saves most: exact for few parts
 (M. Held, R. M. Karp, A dynamic programming approach to sequencing problems, 1962), and for many a

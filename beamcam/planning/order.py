@@ -37,7 +37,6 @@ for its drill, a sink for its hole.
 from collections.abc import Collection, Iterable
 from itertools import pairwise
 from operator import attrgetter, itemgetter
-from typing import Literal
 
 from msgspec import Struct
 
@@ -55,7 +54,6 @@ Setup = tuple[int, int, _Tool]  #: stage, spindle and tool
 Station = dict[Setup, list[WorkOp]]  #: the operations at one X by their setup, the setups sorted
 _Placed = tuple[int, Setup, float, float, tuple[FeatureRef, ...], WorkOp]  #: X in steps first
 Held = frozenset[tuple[Face, tuple[int, _Tool]]]  #: stage and tool that each face's spindle holds
-ALIKE = Times(tool_change_s=1.0, spindle_change_s=1.0)
 MOST_STATES = 48  #: that are followed from one X to the next; the cheapest
 MOST_SETUPS = 8  #: setups at one X up to which all orders are tried; more are taken as sorted
 CUT_RANK = {("mitre", "end"): 0, ("common", "end"): 0, ("parting", "end"): 1, ("trim", "start"): 2,
@@ -67,26 +65,11 @@ def sort_along_x(
 ) -> tuple[Operation, ...]:
     """The operations of a line in order of X, with minimum time for changes of spindle and tool.
 
-    Raises TypeError if the machine has no layout.
+    Of equal times the fewest changes count. X that the output cannot tell apart count as one; there
+    the cuts come before the spindles if the bar reaches the saw first, else after them. Raises
+    TypeError if the machine has no layout.
     """
-    layout = machine.needed(machine.layout, "layout")
-    return in_order_of_x(cuts, strokes, machine.format.resolution, layout.order, machine.times)
-
-
-def in_order_of_x(
-    cuts: Iterable[SawOp],
-    strokes: Iterable[WorkOp],
-    resolution: float,
-    layout: Literal["saw-drill", "drill-saw"] = "saw-drill",
-    times: Times | None = None,
-) -> tuple[Operation, ...]:
-    """The operations in order of X.
-
-    Without `times` a tool and a spindle take the same, and of equal times the fewest changes count.
-
-    X that the output cannot tell apart (`resolution`) count as one. There the cuts come before
-    the spindles if the bar reaches the saw first, else after them.
-    """
+    layout, resolution = machine.needed(machine.layout, "layout"), machine.format.resolution
     sawn_at: dict[int, list[SawOp]] = {}
     for cut in cuts:
         sawn_at.setdefault(round(cut.x / resolution), []).append(cut)
@@ -96,13 +79,13 @@ def in_order_of_x(
     stations: dict[int, Station] = {}
     for place, setup, _, _, _, stroke in sorted(placed, key=_order):
         stations.setdefault(place, {}).setdefault(setup, []).append(stroke)
-    setups = iter(_cheapest(stations.values(), times or ALIKE))
+    setups = iter(_cheapest(stations.values(), machine.times))
     result: list[Operation] = []
     for place in sorted(sawn_at.keys() | stations.keys()):
         sawn = sorted(sawn_at.get(place, ()), key=_cut_rank)
         station = stations.get(place, {})
         worked = [op for _ in station for op in station[next(setups)]]
-        result += (*sawn, *worked) if layout == "saw-drill" else (*worked, *sawn)
+        result += (*sawn, *worked) if layout.order == "saw-drill" else (*worked, *sawn)
     return tuple(result)
 
 

@@ -14,10 +14,10 @@ from beamcam.machine.machine import Times
 from beamcam.machine.tools import Tool
 from beamcam.model.plan import DrillOp, Operation, SawOp
 from beamcam.planning.magazine import tool_loads
-from beamcam.planning.order import in_order_of_x, travel
+from beamcam.planning.order import sort_along_x, travel
 
 SOURCE = Source("a.nc1", 1)
-RESOLUTION = 0.001
+LINE = load("beamline")
 Layout = Literal["saw-drill", "drill-saw"]
 SETUPS = (
     (2, Tool("drill", 14)), (2, Tool("drill", 22)), (13, Tool("drill", 14)), (1, Tool("drill", 14)),
@@ -139,11 +139,13 @@ def test_strokes_and_cuts_where_the_drill_comes_first(ops: list[Operation], seco
 
 
 def in_order(
-    ops: list[Operation], layout: Layout = "saw-drill", times: Times | None = None
+    ops: list[Operation], layout: Layout = "saw-drill", times: Times = LINE.times
 ) -> tuple[Operation, ...]:
     cuts = [op for op in ops if isinstance(op, SawOp)]
     strokes = [op for op in ops if not isinstance(op, SawOp)]
-    return in_order_of_x(cuts, strokes, RESOLUTION, layout, times)
+    assert LINE.layout is not None
+    line = replace(LINE, layout=replace(LINE.layout, order=layout), times=times)
+    return sort_along_x(cuts, strokes, line)
 
 
 def assert_best_order(ops: list[Operation], layout: Layout, times: Times) -> None:
