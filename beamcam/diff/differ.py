@@ -34,12 +34,20 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.verify.bars.made import Bore, Cut, Made, ToldText, Trail
+from beamcam.verify.bars.machined_features import (
+    Bore,
+    Cut,
+    MachinedFeatures,
+    MachinedPath,
+    ToldText,
+)
 
 Dot = TypeVar("Dot", Bore, ToldText)
 
 
-def diff_programs(a: Made, b: Made, resolution: float) -> tuple[Difference, ...]:
+def diff_programs(
+    a: MachinedFeatures, b: MachinedFeatures, resolution: float
+) -> tuple[Difference, ...]:
     """Differences of program B from program A; lengths nearer than `resolution` are
     one."""
     step = resolution / 2 + 1e-9
@@ -77,7 +85,7 @@ def part_pairs(a: Part, b: Part) -> Iterator[Pair]:
         yield from _pairs(first, second, _place, _feature)
 
 
-def made_pairs(a: Made, b: Made, resolution: float) -> Iterator[Pair]:
+def made_pairs(a: MachinedFeatures, b: MachinedFeatures, resolution: float) -> Iterator[Pair]:
     """The cuts, holes and paths of two programs, each with its like in the other."""
     kinds = _kinds(resolution / 2 + 1e-9)
     cut = kinds.pop("cuts")
@@ -107,22 +115,22 @@ def _pairs(
 
 
 def _kinds(step: float) -> dict[str, Kind[Any]]:
-    """The things that a program makes, by the name that they have in `Made`."""
+    """The things that a program makes, by the name that they have in `MachinedFeatures`."""
     return {
         "cuts": Kind(
             "cut", "cuts", _cut_place, _cut_name, lambda x, y: _cut(x, y, step),
             lambda x, y: replace(x, x=y.x),
         ),
         "bores": Kind("hole", "holes", _place, _bore_name, lambda x, y: _bore(x, y, step), _put),
-        "trails": Kind(
-            "feature", "paths", _trail_place, _trail_name, lambda x, y: _trail(x, y, step),
-            _trail_to,
+        "paths": Kind(
+            "feature", "paths", _path_place, _path_name, lambda x, y: _path(x, y, step),
+            _path_to,
         ),
         "texts": Kind("feature", "texts", _place, _text_name, lambda x, y: _text(x, y, step), _put),
     }  # fmt: skip
 
 
-def _section(a: Made, b: Made) -> Iterator[Difference]:
+def _section(a: MachinedFeatures, b: MachinedFeatures) -> Iterator[Difference]:
     first, second = dict(a.section), dict(b.section)
     for name in sorted(first.keys() | second.keys()):
         old, new = first.get(name), second.get(name)
@@ -130,7 +138,7 @@ def _section(a: Made, b: Made) -> Iterator[Difference]:
             yield Difference("section", "changed", f"{name} {shown(old)} to {shown(new)}")
 
 
-def _order(made: Made) -> list[tuple[object, ...]]:
+def _order(made: MachinedFeatures) -> list[tuple[object, ...]]:
     return [astuple(op)[1 : 3 if type(op) is Cut else 4] for op in made.order]
 
 
@@ -152,7 +160,7 @@ def _figures(pairs: Iterable[tuple[str, float, float]], step: float) -> list[str
     return [f"{name} {old:g} to {new:g}" for name, old, new in pairs if abs(old - new) > step]
 
 
-def _feed(a: Cut | Bore | Trail, b: Cut | Bore | Trail) -> list[str]:
+def _feed(a: Cut | Bore | MachinedPath, b: Cut | Bore | MachinedPath) -> list[str]:
     if abs(a.feed_mm_min - b.feed_mm_min) > 1e-6:
         return [f"feed {a.feed_mm_min:.6g} to {b.feed_mm_min:.6g} mm/min"]
     return []
@@ -183,20 +191,20 @@ def _bore(a: Bore, b: Bore, step: float) -> list[str]:
     return [*changes, *_figures(turns, 1e-6), *_feed(a, b)]
 
 
-def _trail_place(trail: Trail) -> tuple[float, float]:
+def _path_place(trail: MachinedPath) -> tuple[float, float]:
     return trail.points[0]
 
 
-def _trail_to(trail: Trail, at: Trail) -> Trail:
+def _path_to(trail: MachinedPath, at: MachinedPath) -> MachinedPath:
     (x, y), (to_x, to_y) = trail.points[0], at.points[0]
     return replace(trail, points=tuple((p + to_x - x, q + to_y - y) for p, q in trail.points))
 
 
-def _trail_name(trail: Trail) -> str:
+def _path_name(trail: MachinedPath) -> str:
     return f"path of a {trail.kind} {trail.face} at x {trail.points[0][0]:.1f}"
 
 
-def _trail(a: Trail, b: Trail, step: float) -> list[str]:
+def _path(a: MachinedPath, b: MachinedPath, step: float) -> list[str]:
     (ax, ay), (bx, by) = a.points[0], b.points[0]
     changes = moved(bx - ax, by - ay, step)
     if len(a.points) != len(b.points) or any(

@@ -32,7 +32,13 @@ from beamcam.pictures.views import (
     spread,
     titles,
 )
-from beamcam.verify.bars.made import Bore, Cut, Made, ToldText, Trail
+from beamcam.verify.bars.machined_features import (
+    Bore,
+    Cut,
+    MachinedFeatures,
+    MachinedPath,
+    ToldText,
+)
 from beamcam.verify.bars.pieces import CutPlane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
@@ -53,7 +59,7 @@ class Piece(Struct, frozen=True):
 class BarMade(Struct, frozen=True):
     """Features that a program makes on a bar, and other data of the bar."""
 
-    made: Made
+    made: MachinedFeatures
     profile: Profile
     machine: Machine
     name: str  #: of the program
@@ -137,7 +143,7 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
             face, f"{face}   {FACE_NAMES.get(face, '')}",
             (0.0, 0.0, bar.drawn_end, max(bar.profile.face_width(face), 1.0)),
             tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
-                  | {round(t.points[0][0] - drill_x, 3) for t in made.trails if t.face == face}),
+                  | {round(t.points[0][0] - drill_x, 3) for t in made.paths if t.face == face}),
             tuple({round(b.y, 3) for b in made.bores if b.face == face}),
         )
         for face in faces
@@ -158,13 +164,13 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
     drawn += footing(notes, y + 76.0)
     about = (
         f"program {bar.name} as interpreted: {len(made.cuts)} cuts, {len(made.bores)} holes, "
-        f"{len(made.trails)} paths; sha-256 {bar.sha256}"
+        f"{len(made.paths)} paths; sha-256 {bar.sha256}"
     )
     return Scene(bar.name, about, WIDTH, y + 122.0, tuple(drawn))
 
 
 def _faces(bar: BarMade) -> tuple[str, ...]:
-    used = {b.face for b in bar.made.bores} | {t.face for t in bar.made.trails} | {"v"}
+    used = {b.face for b in bar.made.bores} | {t.face for t in bar.made.paths} | {"v"}
     used |= {t.face for t in bar.made.texts}
     used |= {s.face for s in bar.machine.spindles if bar.profile.face_width(s.face)}
     return tuple(f for f in ("h", "o", "v", "u") if f in used)
@@ -222,16 +228,16 @@ def _break(top: Point, bottom: Point) -> Polyline:
     return Polyline("dim break", points, False, "the bar goes on")
 
 
-def tool_numbers(made: Made) -> dict[tuple[str, float], int]:
+def tool_numbers(made: MachinedFeatures) -> dict[tuple[str, float], int]:
     """The tools of a program, numbered as they are first used."""
     tools: dict[tuple[str, float], int] = {}
     for op in made.order:
-        if isinstance(op, Bore | Trail):
+        if isinstance(op, Bore | MachinedPath):
             tools.setdefault((op.kind, op.diameter), len(tools))
     return tools
 
 
-def order_numbers(made: Made) -> dict[int, int]:
+def order_numbers(made: MachinedFeatures) -> dict[int, int]:
     """The number of each operation by its line, from 1; a stroke of two spindles is one."""
     numbers: dict[int, int] = {}
     for op in made.order:
@@ -279,7 +285,7 @@ def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:
 
 
 def _stroke(
-    op: Bore | Trail | ToldText, number: int, bar: BarMade, frame: Frame, drill_x: float,
+    op: Bore | MachinedPath | ToldText, number: int, bar: BarMade, frame: Frame, drill_x: float,
     tools: dict[tuple[str, float], int],
 ) -> tuple[Shape, Point, float]:  # fmt: skip
     """What an operation makes, the place that its number stands beside, and how far off it."""
@@ -288,7 +294,7 @@ def _stroke(
         return text, text.at, 2.0
     colour = tools[op.kind, op.diameter] % len(TOOL_COLOURS)
     tip = f"{number}: {op.kind} {op.diameter:g}"
-    if isinstance(op, Trail):
+    if isinstance(op, MachinedPath):
         points = frame.all([(x - drill_x, y) for x, y in op.points])
         return Polyline(f"path-{colour} trail", points, False, tip, op.line), points[0], 2.5
     at, radius = frame.at(op.x - drill_x, op.y), _radius(op, frame)
@@ -320,7 +326,7 @@ def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Po
     frame = paper.frames[view.name]
     here: tuple[float, float] | None = None
     for op in bar.made.order:
-        if not isinstance(op, Bore | Trail) or op.face != view.name:
+        if not isinstance(op, Bore | MachinedPath) or op.face != view.name:
             continue
         first, last = ((op.x, op.y),) * 2 if isinstance(op, Bore) else (op.points[0], op.points[-1])
         if here is not None:
@@ -335,7 +341,7 @@ def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
     stations = {Cut: saw_x, ToldText: text_x(bar.machine)}
     stops: dict[float, float] = {}
     for op in bar.made.order:
-        x = op.points[0][0] if isinstance(op, Trail) else op.x
+        x = op.points[0][0] if isinstance(op, MachinedPath) else op.x
         stops.setdefault(round(x, 3), x - stations.get(type(op), drill_x))
     yield Text("figure", (SIDE - 38.0, y + 4.0), "stop", 9.0)
     rows = sorted((place, x) for x, place in stops.items())

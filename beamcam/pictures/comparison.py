@@ -37,7 +37,7 @@ from beamcam.pictures.views import (
     laid_out,
     titles,
 )
-from beamcam.verify.bars.made import Bore, ToldText, Trail
+from beamcam.verify.bars.machined_features import Bore, MachinedPath, ToldText
 
 MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
@@ -149,7 +149,7 @@ def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
 
 def _compared_bars(a: BarMade, b: BarMade) -> Compared:
     used = {bore.face for made in (a.made, b.made) for bore in made.bores} | {"v"}
-    used |= {trail.face for made in (a.made, b.made) for trail in made.trails}
+    used |= {path.face for made in (a.made, b.made) for path in made.paths}
     used |= {text.face for made in (a.made, b.made) for text in made.texts}
     faces = [f for f in ("h", "o", "v", "u") if f in used]
     end = max(a.end, b.end)
@@ -173,7 +173,7 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
         shifted = Frame(frame.scale, frame.left - drill * frame.scale, frame.base)
         for pair in _rising(pairs):
             thing = pair.a or pair.b
-            if isinstance(thing, Bore | Trail | ToldText) and thing.face == view.name:
+            if isinstance(thing, Bore | MachinedPath | ToldText) and thing.face == view.name:
                 drawn += _pair(pair, partial(_made_shapes, frame=shifted), shifted)
         drawn += figures(view, paper, "mm", -drill)
     return _done("two programs", lines, drawn, paper, pairs)
@@ -200,7 +200,7 @@ def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]
                 yield Polyline("same cut-of", line)
 
 
-def _made_shapes(thing: Bore | Trail | ToldText, frame: Frame) -> Iterator[Shape]:
+def _made_shapes(thing: Bore | MachinedPath | ToldText, frame: Frame) -> Iterator[Shape]:
     if isinstance(thing, Bore):
         radius = max(thing.diameter / 2 * frame.scale, 1.2)
         tip = f"{thing.kind} {thing.diameter:g} at machine x {thing.x:g}, y {thing.y:g}"

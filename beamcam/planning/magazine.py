@@ -53,7 +53,7 @@ def reloads(
 
     An error instead where the machine has no word that stops the program for them.
     """
-    # Tools come from one rack, so there are no more tools than there are objects.
+    # Tools come from one library, so there are no more tools than there are objects.
     objects = {id(op.tool) for op in operations if isinstance(op, (DrillOp, PathOp))}
     if len(objects) <= min((s.stations for s in machine.spindles), default=0):
         return (), ()

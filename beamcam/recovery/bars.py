@@ -23,7 +23,7 @@ from beamcam.recovery.paths import NotAFeature, feature_of
 from beamcam.recovery.section import section_of
 from beamcam.verify.bars import run
 from beamcam.verify.bars.compare import Asked, Comparison
-from beamcam.verify.bars.made import Bore, Made, Trail
+from beamcam.verify.bars.machined_features import Bore, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.pieces import CutPlane, Piece, pieces, planes
 from beamcam.verify.bars.shop import Shop
 
@@ -59,7 +59,9 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
     return Recovered(parts, tuple(told))
 
 
-def _bar_pieces(made: Made, machine: Machine, saw: Saw, profile: Profile) -> list[Piece]:
+def _bar_pieces(
+    made: MachinedFeatures, machine: Machine, saw: Saw, profile: Profile
+) -> list[Piece]:
     """The pieces between cuts that are not wedges: a wedge has a square cut on one side."""
     least = NEAR_NOTHING * machine.format.resolution
     lift = profile.height if saw.pivot == "o" else 0.0
@@ -90,7 +92,7 @@ class _Bar:
         self.lift = profile.height if saw.pivot == "o" else 0.0
         self.said: list[Diagnostic] = []
 
-    def part(self, piece: Piece, made: Made, stock: Stock) -> Part:
+    def part(self, piece: Piece, made: MachinedFeatures, stock: Stock) -> Part:
         """One piece as a part."""
         form = self.machine.format
         start, end = piece.start, piece.end
@@ -107,16 +109,16 @@ class _Bar:
             grade=stock.grade, cuts=cuts, features=self._features(piece, first, made),
         )  # fmt: skip
 
-    def _features(self, piece: Piece, first: float, made: Made) -> tuple[Feature, ...]:
+    def _features(self, piece: Piece, first: float, made: MachinedFeatures) -> tuple[Feature, ...]:
         from_x = first + self.shop.drill.x
-        paths = [self._path(t, from_x) for t in made.trails if self._in(piece, t.face, t.points[0])]
+        paths = [self._path(t, from_x) for t in made.paths if self._in(piece, t.face, t.points[0])]
         led = [f for f in paths if f is not None]
         bores = [b for b in made.bores if self._in(piece, b.face, (b.x, b.y))]
         here = [replace(b, x=self._x(b, from_x)) for b in bores]
         texts = self._texts(piece, first, made)
         return (*holes_of(here, led, self.shop, self.profile, self.name), *led, *texts)
 
-    def _texts(self, piece: Piece, first: float, made: Made) -> Iterator[TextMark]:
+    def _texts(self, piece: Piece, first: float, made: MachinedFeatures) -> Iterator[TextMark]:
         """What a stamp or printer is told on a piece, as the unit spells it."""
         form, at = self.machine.format, text_x(self.machine)
         for t in made.texts:
@@ -128,7 +130,7 @@ class _Bar:
         form = self.machine.format
         return plain(bore.x - from_x, form.resolution, form.length_decimals)
 
-    def _path(self, trail: Trail, from_x: float) -> Feature | None:
+    def _path(self, trail: MachinedPath, from_x: float) -> Feature | None:
         moved = replace(trail, points=tuple([(x - from_x, y) for x, y in trail.points]))
         found = feature_of(moved, self.shop, self.profile, Source(self.name, trail.line))
         if isinstance(found, NotAFeature):

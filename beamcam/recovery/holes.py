@@ -13,7 +13,7 @@ from beamcam.errors import Source
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Feature, Hole, Profile, Slot
 from beamcam.recovery.found import plain
-from beamcam.verify.bars.made import Bore
+from beamcam.verify.bars.machined_features import Bore
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import slot_corners
 

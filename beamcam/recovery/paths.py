@@ -11,7 +11,7 @@ from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Contour, Hole, Profile, Slot
 from beamcam.recovery.found import plain
-from beamcam.verify.bars.made import Trail
+from beamcam.verify.bars.machined_features import MachinedPath
 from beamcam.verify.bars.paths import pocket_error
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import Pocket
@@ -27,7 +27,7 @@ class NotAFeature(Struct, frozen=True):
 
 
 def feature_of(
-    trail: Trail, shop: Shop, profile: Profile, source: Source
+    trail: MachinedPath, shop: Shop, profile: Profile, source: Source
 ) -> Hole | Slot | Contour | NotAFeature:
     """The feature that a path makes; its x counts from the part's start."""
     points = _apart(trail.points)
@@ -54,7 +54,7 @@ def feature_of(
 
 
 def _pockets(
-    points: Sequence[Point], trail: Trail, slack: float, decimals: int
+    points: Sequence[Point], trail: MachinedPath, slack: float, decimals: int
 ) -> Iterator[Pocket]:
     """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 

@@ -11,7 +11,7 @@ from beamcam.pictures.bar import BarMade, order_numbers
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.made import Bore, Cut, Thing, ToldText
+from beamcam.verify.bars.machined_features import Bore, Cut, Thing, ToldText
 
 MIN_MOVE = 1e-6
 

@@ -27,7 +27,7 @@ from beamcam.pictures.bar import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.made import ToldText
+from beamcam.verify.bars.machined_features import ToldText
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees
@@ -128,7 +128,7 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
         "trails": [
             {"line": t.line, "face": t.face,
              "points": [[_rounded(x - drill_x), _rounded(y)] for x, y in t.points]}
-            for t in made.trails
+            for t in made.paths
         ] + [
             {"line": t.line, "face": t.face, "points": _underline(t, machine)} for t in made.texts
         ],

@@ -31,7 +31,7 @@ class DrawnPath(Struct, frozen=True):
 
 
 def compare_polylines(
-    ways: Sequence[DrawnPath],
+    drawn: Sequence[DrawnPath],
     part: Part,
     machine: Machine,
     skips: Collection[str],
@@ -49,22 +49,22 @@ def compare_polylines(
 
     torch = machine.needed(machine.torch, "torch")
     loose = replace(torch, tolerance=torch.tolerance + slack)
-    strokes = _strokes(ways, rows_on(part, torch), loose if is_simplified else None)
+    strokes = _strokes(drawn, rows_on(part, torch), loose if is_simplified else None)
     need = need_of(part, machine, torch, skips)
     return compare_part(strokes, need, part, machine, loose, name, True)
 
 
 def _strokes(
-    ways: Sequence[DrawnPath], rows: Sequence[TorchRow], simplified_by: Torch | None
+    drawn: Sequence[DrawnPath], rows: Sequence[TorchRow], simplified_by: Torch | None
 ) -> "Strokes":
-    """Ways that move as strokes, each with the rows that it may be of."""
+    """Paths that move, as strokes, each with the rows that it may be of."""
     import numpy as np
 
     from beamcam.controllers.moves import straight_moves
     from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
     paths: Sequence[Floats] = [
-        np.array(way.points, dtype=np.float64).reshape(-1, 2) for way in ways
+        np.array(way.points, dtype=np.float64).reshape(-1, 2) for way in drawn
     ]
     if simplified_by is not None:
         paths = _with_places(paths, simplified_by)
@@ -72,7 +72,7 @@ def _strokes(
     each: list[HeadStroke] = []
     chains = []
     count = 0
-    for number, (way, places) in enumerate(zip(ways, paths, strict=True), 1):
+    for number, (way, places) in enumerate(zip(drawn, paths, strict=True), 1):
         moved = np.any(places[1:] != places[:-1], axis=1)
         if moved.any():
             chains.append((number, places[:-1][moved], places[1:][moved]))

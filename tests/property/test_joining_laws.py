@@ -12,7 +12,7 @@ from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.verify.sheets.joining import rings_of
 from beamcam.verify.sheets.overlaps import whole
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 GAP = 0.05
 CELL = 20.0
@@ -60,7 +60,7 @@ def planned(curves: Sequence[Curve]) -> set[frozenset[int]]:
 
 def checked(curves: Sequence[Curve]) -> set[frozenset[int]]:
     """The closed contours of the checker, those of specks left out."""
-    rings = rings_of(whole(Ways(list(curves), 0.002), 0.002), range(len(curves)), GAP)
+    rings = rings_of(whole(Toolpaths(list(curves), 0.002), 0.002), range(len(curves)), GAP)
     members = [[k for k, _ in ring] for ring in rings]
     return {
         frozenset(ring)

@@ -20,7 +20,7 @@ from beamcam.controllers.scan import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
 from beamcam.verify.sheets.gaps import widest_gap
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 numbers = st.decimals(-9999, 9999, places=4).map(lambda d: f"{d.normalize():f}")
 
@@ -185,7 +185,7 @@ def test_what_is_near_is_found(seed: int) -> None:
     curves = random_curves(random, 40)
     points = [(random.uniform(-5, 65), random.uniform(-5, 65)) for _ in range(200)]
     reach = random.choice([0.05, 1.0, 7.0])
-    pairs = Ways(curves, 0.01).near(np.array(points), reach)
+    pairs = Toolpaths(curves, 0.01).near(np.array(points), reach)
     found = dict(
         zip(zip(pairs.point.tolist(), pairs.element.tolist(), strict=True), pairs.away, strict=True)
     )
@@ -196,7 +196,7 @@ def test_what_is_near_is_found(seed: int) -> None:
                 assert ((i, k) in found) == (away < reach)
             if (i, k) in found:
                 assert found[i, k] == pytest.approx(away, abs=1e-9)
-    away, who = Ways(curves, 0.01).nearest(np.array(points))
+    away, who = Toolpaths(curves, 0.01).nearest(np.array(points))
     for i, point in enumerate(points):
         every = [distance(curve, point) for curve in curves]
         assert away[i] == pytest.approx(min(every), abs=1e-9)
@@ -244,9 +244,9 @@ free_curves = st.one_of(
 @given(st.lists(free_curves, min_size=1, max_size=3))
 def test_what_splines_are_drawn_with(curves: list[BSpline | Bezier]) -> None:
     """No place of a curve is farther from its arcs and chords than it may be, nor one of these."""
-    drawn = Ways(curves, 0.01)
+    drawn = Toolpaths(curves, 0.01)
     for k, curve in enumerate(curves):
-        one = Ways([curve], 0.01)
+        one = Toolpaths([curve], 0.01)
         assert drawn.lengths[k] == pytest.approx(one.lengths[0])
         assert one.starts[0] == pytest.approx(curve.start, abs=1e-8)
         assert one.ends[0] == pytest.approx(curve.end, abs=1e-8)
@@ -257,7 +257,7 @@ def test_what_splines_are_drawn_with(curves: list[BSpline | Bezier]) -> None:
         assert away.max() <= 0.01 + 1e-9
         element, share, _ = one.samples(one.lengths[0] / 90 + 1e-6)
         places = one.elements.places(element, share)
-        back, _ = Ways(_lines_through(fine), 0.01).nearest(places)
+        back, _ = Toolpaths(_lines_through(fine), 0.01).nearest(places)
         assert back.max() <= 0.01 + _max_sagitta(fine) + 1e-9
 
 
@@ -278,12 +278,12 @@ def _max_sagitta(points: NDArray[np.float64]) -> float:
 def test_a_smooth_spline_takes_few_arcs() -> None:
     control = [(10 * cos(k), 10 * sin(k)) for k in range(12)]
     smooth = BSpline(3, tuple(control), tuple(float(k) for k in range(16)))
-    drawn = Ways([smooth], 0.0025)
+    drawn = Toolpaths([smooth], 0.0025)
     assert drawn.elements.is_arc.all()
     assert len(drawn.elements) < 100  # it would be 193 chords
     straight = BSpline(3, tuple((float(k), 0.0) for k in range(8)), tuple(map(float, range(12))))
-    assert not Ways([straight], 0.0025).elements.is_arc.any()
+    assert not Toolpaths([straight], 0.0025).elements.is_arc.any()
     # It turns back on itself, where no circle stands for it: chords all the way to the tip.
     cusp = Bezier(((0.0, 0.0), (10.0, 10.0), (0.0, 10.0), (10.0, 0.0)))
     tip = np.array([[5.0, 7.5]])
-    assert Ways([cusp], 0.0025).nearest(tip)[0][0] <= 0.0025
+    assert Toolpaths([cusp], 0.0025).nearest(tip)[0][0] <= 0.0025

@@ -70,8 +70,8 @@ def test_all_threads_have_one_value(hasty: None) -> None:
     class Thing:
         pass
 
-    made = PerObject("planning.rack", lambda _: object())
-    things = [Thing() for _ in range(CACHES["planning.rack"].max_entries)]
+    made = PerObject("planning.library", lambda _: object())
+    things = [Thing() for _ in range(CACHES["planning.library"].max_entries)]
     with ThreadPoolExecutor(8) as pool:
         found = list(pool.map(lambda k: (k % len(things), made(things[k % len(things)])),
                               range(4000)))  # fmt: skip
@@ -80,8 +80,8 @@ def test_all_threads_have_one_value(hasty: None) -> None:
 
 def test_the_oldest_object_goes_first() -> None:
     counts: list[int] = []
-    made = PerObject("planning.rack", counts.append)
-    bound = CACHES["planning.rack"].max_entries
+    made = PerObject("planning.library", counts.append)
+    bound = CACHES["planning.library"].max_entries
     keys = [10_000 + k for k in range(bound + 1)]
     for key in keys:
         made(key)

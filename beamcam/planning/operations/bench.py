@@ -39,7 +39,7 @@ class Bench:
 
     def __init__(self, part: Part, ends: Ends, line: BarLine) -> None:
         self.part, self.ends, self.line = part, ends, line
-        self.machine, self.rack = line.machine, line.rack
+        self.machine, self.library = line.machine, line.library
         self.finished = FinishedPart(part, ends, line.machine, line.drill)
         self.reached = reached_by(line.machine, part.profile)
         self.travel = travel_on(line.machine, part.profile)

@@ -29,7 +29,7 @@ from beamcam.planning.operations.merging import (
 )
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
-from beamcam.planning.operations.tools import Rack, rack_of
+from beamcam.planning.operations.tools import ToolLibrary, library_of
 from beamcam.planning.operations.working_step import Found, Settled, Tooling, WorkingStep
 
 DUPLICATE = Rule(
@@ -88,7 +88,7 @@ partner_faces: PerObject[Machine, dict[Face, Face]] = PerObject(
 
 
 def _steps(holes: Sequence[tuple[int, Hole]], bench: Bench) -> list[Found]:
-    drill = bench.rack.drill
+    drill = bench.library.drill
     placed = tuple(sorted((hole.x, f, hole) for f, hole in holes))
     kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
     found: list[Found] = [*_repeats(repeats, bench)]
@@ -144,7 +144,7 @@ def _make(
         hole.kind, diameters, hole.depth, hole.angle, faces, thickness, bench.number(faces), why,
         pilot,
     )  # fmt: skip
-    toolings = toolings_of(bench.rack, work)
+    toolings = toolings_of(bench.library, work)
     if not isinstance(toolings, tuple):
         if len(group) == 2:
             return _one_by_one(group, bench, pilot, place)
@@ -170,7 +170,7 @@ def _one_by_one(
 
 
 def _ring(x: float, y: float, tooling: Tooling, bench: Bench) -> tuple[Point, ...]:
-    mill, tolerance = tooling.tools[0].diameter, bench.rack.drill.path_tolerance
+    mill, tolerance = tooling.tools[0].diameter, bench.library.drill.path_tolerance
     is_blind = tooling.depth is not None
     return pocket_path((x, y), (0.0, 0.0), 0.0, tooling.ring, mill, tolerance, is_blind)
 
@@ -235,9 +235,9 @@ def _sinks(
 def _rejected(op: WorkOp, plan: Plan, machine: Machine) -> Iterator[str]:
     """The drills that would do too, and why a hole is not made together with one beside it."""
     if isinstance(op, DrillOp):
-        rack = rack_of(machine)
-        yield from _other_drills(op, plan, rack)
-        yield from _missed_merges(op, plan, machine, rack)
+        library = library_of(machine)
+        yield from _other_drills(op, plan, library)
+        yield from _missed_merges(op, plan, machine, library)
 
 
 def _holes(op: WorkOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
@@ -247,26 +247,28 @@ def _holes(op: WorkOp, plan: Plan) -> Iterator[tuple[FeatureRef, Hole]]:
             yield (p, f), feature
 
 
-def _other_drills(op: DrillOp, plan: Plan, rack: Rack) -> Iterator[str]:
+def _other_drills(op: DrillOp, plan: Plan, library: ToolLibrary) -> Iterator[str]:
     """The drills that are within the tolerance too."""
     diameters = tuple(hole.diameter for _, hole in _holes(op, plan))
     if op.tool.kind != "drill" or op.reasons[0] not in DRILL_REASONS:
         return
-    for tool in rack.fitting(diameters, op.faces):
+    for tool in library.fitting(diameters, op.faces):
         if tool != op.tool:
             off = max(abs(tool.diameter - d) for d in diameters)
             used = max(abs(op.tool.diameter - d) for d in diameters)
-            because = "no nearer" if off - used <= rack.drill.twin + 1e-9 else "further off"
+            because = "no nearer" if off - used <= library.drill.twin + 1e-9 else "further off"
             yield f"{tool.name}: {off:g} mm off, {because}"
 
 
-def _missed_merges(op: DrillOp, plan: Plan, machine: Machine, rack: Rack) -> Iterator[str]:
+def _missed_merges(
+    op: DrillOp, plan: Plan, machine: Machine, library: ToolLibrary
+) -> Iterator[str]:
     """Holes on the opposite flange that are nearly the same."""
     for ref, hole in _holes(op, plan) if len(op.faces) == 1 else ():
         partner = partner_faces(machine).get(hole.face)
         for f, other in enumerate(plan.pieces[ref[0]].part.features):
             if isinstance(other, Hole) and other.face == partner:
-                because = unmerged_because(hole, other, rack.drill)
+                because = unmerged_because(hole, other, library.drill)
                 if because is not None:
                     yield f"both flanges at once ({other.source}, feature {f + 1}): {because}"
 

@@ -23,7 +23,7 @@ from msgspec import Struct
 from beamcam.errors import Rule, Severity
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Face, HoleKind
-from beamcam.planning.operations.tools import ROUNDING, Rack, Tools, fit_of
+from beamcam.planning.operations.tools import ROUNDING, ToolLibrary, Tools, fit_of
 from beamcam.planning.operations.working_step import Tooling
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 
@@ -72,58 +72,60 @@ class Refusal(Struct, frozen=True):
     values: Mapping[str, object]
 
 
-def toolings_of(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
+def toolings_of(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
     """The tools that make a hole, in order; or why there are none."""
-    known = rack.toolings.get(hole)
+    known = library.toolings.get(hole)
     if known is None:
-        known = rack.toolings.keep(hole, _toolings(rack, hole))
+        known = library.toolings.keep(hole, _toolings(library, hole))
     return cast("tuple[Tooling, ...] | Refusal", known)
 
 
-def _toolings(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
+def _toolings(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
     match hole.kind:
         case "through" | "blind":
-            return _plain(rack, hole)
+            return _plain(library, hole)
         case "thread" | "left-thread":
-            return _thread(rack, hole)
+            return _thread(library, hole)
         case "countersink":
-            return _sink(rack, hole)
+            return _sink(library, hole)
         case "mark":
-            punches = rack.of_kind("punch", hole.faces)
+            punches = library.of_kind("punch", hole.faces)
             if not punches:
                 why = no_unit("punch")
                 return Refusal(MARK, {"found": "a centre punch", "face": hole.faces[0], "why": why})
-            return (_step(hole, punches[:1], hole.depth or rack.drill.punch_depth, "punch-mark"),)
+            return (
+                _step(hole, punches[:1], hole.depth or library.drill.punch_depth, "punch-mark"),
+            )
 
 
 def _step(hole: HoleWork, tools: Tools, depth: float | None, reason: str) -> Tooling:
     return Tooling(hole.spindle, tools, hole.faces, depth, (reason, *hole.why))
 
 
-def _plain(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
+def _plain(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
     faces, spindle, depth = hole.faces, hole.spindle, hole.depth
-    drills = rack.drills(hole.diameters, faces)
+    drills = library.drills(hole.diameters, faces)
     if drills:
         return (Tooling(spindle, drills, faces, depth, hole.why, diameter=hole.diameters[0]),)
     diameter = max(hole.diameters)
-    if len(faces) == 1 and diameter > rack.largest_drill(faces):
-        mills = rack.ring_mill(diameter, faces)
+    if len(faces) == 1 and diameter > library.largest_drill(faces):
+        mills = library.ring_mill(diameter, faces)
         if mills:
             reasons = ("mill-circle", *hole.why)
             return (Tooling(spindle, mills, faces, depth, reasons, ring=diameter),)
-    return _no_tool(rack, hole)
+    return _no_tool(library, hole)
 
 
-def _thread(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
+def _thread(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
     depth, thickness = hole.depth, hole.thickness
-    taps = rack.taps(max(hole.diameters), hole.kind == "left-thread", hole.faces)
-    drills = rack.drills((rack.pre_drill(taps[0]),), hole.faces) if taps else ()
+    taps = library.taps(max(hole.diameters), hole.kind == "left-thread", hole.faces)
+    drills = library.drills((library.pre_drill(taps[0]),), hole.faces) if taps else ()
     if not drills:
-        return _no_tool(rack, hole)
+        return _no_tool(library, hole)
     drilled = None
     if depth is not None:
         # The point has to stay inside too, or a blind thread would have a hole at its end.
-        drilled = depth + rack.drill.runout_pitches * taps[0].pitch
+        drilled = depth + library.drill.runout_pitches * taps[0].pitch
         deepest = drilled + drills[0].tip
         if thickness and deepest > thickness + ROUNDING:
             expected = f"{max(0.0, thickness - (deepest - depth)):.1f}"
@@ -135,53 +137,53 @@ def _thread(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
     )
 
 
-def _sink(rack: Rack, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
+def _sink(library: ToolLibrary, hole: HoleWork) -> tuple[Tooling, ...] | Refusal:
     faces, depth, pilot, diameter = hole.faces, hole.depth, hole.pilot, max(hole.diameters)
     if pilot is None:
         return Refusal(NO_PILOT, {"found": f"{diameter:g}", "face": faces[0]})
     cone = hole.angle or FLAT_DEG
     if cone >= FLAT_DEG:
-        tools = rack.sinks(diameter, FLAT_DEG, True, faces) if depth else ()
-        return (_step(hole, tools, depth, "sink-flat"),) if tools else _no_tool(rack, hole)
+        tools = library.sinks(diameter, FLAT_DEG, True, faces) if depth else ()
+        return (_step(hole, tools, depth, "sink-flat"),) if tools else _no_tool(library, hole)
     slope = tan(radians(cone) / 2)
     cone_depth = (diameter - pilot) / 2 / slope
     deep = depth or cone_depth
-    if deep < cone_depth - rack.drill.sink_tolerance:
+    if deep < cone_depth - library.drill.sink_tolerance:
         values = {
             "found": f"{diameter:g}", "depth": f"{deep:g}", "face": faces[0],
             "expected": f"{cone_depth:.2f}",
         }  # fmt: skip
         return Refusal(SINK_DEPTH, values)
-    below = deep > cone_depth + rack.drill.sink_tolerance
-    tools = rack.sinks(diameter, cone, below, faces)
+    below = deep > cone_depth + library.drill.sink_tolerance
+    tools = library.sinks(diameter, cone, below, faces)
     point = deep + pilot / 2 / slope if below else diameter / 2 / slope
     reason = "sink-deep" if below else "sink-cone"
-    return (_step(hole, tools, point, reason),) if tools else _no_tool(rack, hole)
+    return (_step(hole, tools, point, reason),) if tools else _no_tool(library, hole)
 
 
-def _no_tool(rack: Rack, hole: HoleWork) -> Refusal:
+def _no_tool(library: ToolLibrary, hole: HoleWork) -> Refusal:
     values = {
         "kind": hole.kind, "found": f"{max(hole.diameters):g}", "face": hole.faces[0],
-        "expected": _nearest_tools(rack, hole),
+        "expected": _nearest_tools(library, hole),
     }  # fmt: skip
     return Refusal(NO_TOOL, values)
 
 
-def _nearest_tools(rack: Rack, hole: HoleWork) -> str:
+def _nearest_tools(library: ToolLibrary, hole: HoleWork) -> str:
     """The tools that the machine has instead, for a message."""
     kind, faces, diameter = hole.kind, hole.faces, max(hole.diameters)
     if kind in ("thread", "left-thread"):
-        taps = [f"M{t.diameter:g}" for t in rack.of_kind("tap", faces) if t.hand == "right"]
+        taps = [f"M{t.diameter:g}" for t in library.of_kind("tap", faces) if t.hand == "right"]
         return f"one of {', '.join(taps)}" if taps else "none, the machine has no tap"
     if kind == "countersink":
-        sinks = sorted({t.diameter for t in rack.of_kind("countersink", faces)})
+        sinks = sorted({t.diameter for t in library.of_kind("countersink", faces)})
         shown = ", ".join(f"{d:g}" for d in sinks)
         return f"one that the countersinks {shown} make" if sinks else "none, it has no countersink"
-    near = sorted((abs(t.diameter - diameter), t.diameter) for t in rack.of_kind("drill", faces))
+    near = sorted((abs(t.diameter - diameter), t.diameter) for t in library.of_kind("drill", faces))
     if not near:
         return "none, the machine has no drill"
     shown = " or ".join(f"{d:g}" for _, d in near[:2])
-    fit = fit_of(diameter, rack.drill.fits)
+    fit = fit_of(diameter, library.drill.fits)
     if fit is None:
         return f"a hole near a drill of {shown}"
     limits = f"{diameter - fit.minus:g} to {diameter + fit.plus:g}"

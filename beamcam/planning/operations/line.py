@@ -6,7 +6,7 @@ from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.saw import Saw
-from beamcam.planning.operations.tools import Rack, rack_of
+from beamcam.planning.operations.tools import ToolLibrary, library_of
 
 
 class BarLine(Struct, frozen=True):
@@ -16,10 +16,10 @@ class BarLine(Struct, frozen=True):
     saw: Saw
     drill: Drill
     layout: Layout
-    rack: Rack
+    library: ToolLibrary
 
 
 def line_of(machine: Machine) -> BarLine:
     """The line of a machine. Raises TypeError if it has no layout."""
     layout = machine.needed(machine.layout, "layout")
-    return BarLine(machine, saw_of(machine), drill_of(machine), layout, rack_of(machine))
+    return BarLine(machine, saw_of(machine), drill_of(machine), layout, library_of(machine))

@@ -27,7 +27,7 @@ REASONS = {"scribe-line": "a line that is marked and not cut"}
 
 def can_scribe(face: Face, bench: Bench) -> bool:
     """Whether a spindle comes to the face and takes a scribe."""
-    return face in bench.reached and bool(bench.rack.of_kind("scribe", (face,)))
+    return face in bench.reached and bool(bench.library.of_kind("scribe", (face,)))
 
 
 def _length(line: Contour) -> str:
@@ -54,13 +54,13 @@ def _refusals(line: Contour, bench: Bench) -> Iterator[Diagnostic]:
 
 def _steps(lines: Sequence[tuple[int, Contour]], bench: Bench) -> Iterator[Found]:
     """Each line scribed, from that end of it that comes first along the bar."""
-    drill = bench.rack.drill
+    drill = bench.library.drill
     for f, line in lines:
         path = line_points(line.curves, drill.path_tolerance)
         if path[-1][0] < path[0][0]:
             path = path[::-1]
         faces = (line.face,)
-        scribes = bench.rack.of_kind("scribe", faces)[:1]
+        scribes = bench.library.of_kind("scribe", faces)[:1]
         number = bench.number(faces)
         tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
         yield WorkingStep(*path[0], tooling, (f,), line.source, path)

@@ -34,9 +34,9 @@ def _needs(slot: Slot, bench: Bench) -> Diagnostic | None:
     expected = ""
     if slot.kind not in ("through", "blind"):
         expected = f"a slot without a {slot.kind}"
-    elif not bench.rack.slot_mill(slot.diameter, (slot.face,)):
+    elif not bench.library.slot_mill(slot.diameter, (slot.face,)):
         expected = "no slot, the machine has no mill"
-        mills = bench.rack.of_kind("mill", (slot.face,))
+        mills = bench.library.of_kind("mill", (slot.face,))
         if mills:
             expected = f"one at least {mills[0].diameter:g} wide, as the smallest mill"
     if expected:
@@ -60,22 +60,22 @@ def _steps(slots: Sequence[tuple[int, Slot]], bench: Bench) -> Iterator[Found]:
         yield from _steps_of(f, slot, bench)
     if slots:
         drilled = (each for each in bench.holes if each[1].kind != "mark")
-        yield from _judge_neighbours([*slots, *drilled], bench.rack.drill.min_edge_distance)
+        yield from _judge_neighbours([*slots, *drilled], bench.library.drill.min_edge_distance)
 
 
 def _steps_of(f: int, slot: Slot, bench: Bench) -> Iterator[WorkingStep]:
     """The ends drilled, where the machine does so and has the drill, and the slot milled."""
-    rack, ends, faces = bench.rack, slot_ends(slot), (slot.face,)
+    library, ends, faces = bench.library, slot_ends(slot), (slot.face,)
     number = bench.number(faces)
-    drills = rack.drills((slot.diameter,), faces)
-    mill = rack.slot_mill(slot.diameter, faces)
-    if rack.drill.slots == "drill-mill" and drills and len(ends) <= 2:
+    drills = library.drills((slot.diameter,), faces)
+    mill = library.slot_mill(slot.diameter, faces)
+    if library.drill.slots == "drill-mill" and drills and len(ends) <= 2:
         drilled = Tooling(number, drills, faces, slot.depth, ("slot-end",))
         for x, y in ends:
             yield WorkingStep(x, y, drilled, (f,), slot.source)
     path = pocket_path(
         (slot.x, slot.y), (slot.length, slot.height), slot.angle, slot.diameter,
-        mill[0].diameter, rack.drill.path_tolerance, slot.depth is not None,
+        mill[0].diameter, library.drill.path_tolerance, slot.depth is not None,
     )  # fmt: skip
     milled = Tooling(number, mill, faces, slot.depth, ("slot-mill",))
     yield WorkingStep(*path[0], milled, (f,), slot.source, path)

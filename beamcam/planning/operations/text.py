@@ -79,8 +79,8 @@ def _steps_of(f: int, text: TextMark, lettered: Lettered, bench: Bench) -> Itera
 
 def _tooling(face: Face, bench: Bench) -> Tooling:
     faces = (face,)
-    scribes = bench.rack.of_kind("scribe", faces)[:1]
-    return Tooling(bench.number(faces), scribes, faces, bench.rack.drill.mark_depth, ("letter",))
+    scribes = bench.library.of_kind("scribe", faces)[:1]
+    return Tooling(bench.number(faces), scribes, faces, bench.library.drill.mark_depth, ("letter",))
 
 
 def _room(face: Face, bench: Bench) -> Room | None:

@@ -23,9 +23,9 @@ ROUNDING = 1e-9  #: of decimal tolerances in binary numbers
 MILL_ROOM = 0.98  #: a mill that leads round a circle is smaller than it by this at least
 
 
-class Rack:
+class ToolLibrary:
     """The tools of a machine by kind and face. It keeps what it was asked, and is otherwise
-    immutable; `rack_of` gives the same one for the same machine."""
+    immutable; `library_of` gives the same one for the same machine."""
 
     def __init__(self, sets: tuple[ToolSet, ...], drill: Drill) -> None:
         self.drill = drill
@@ -131,8 +131,8 @@ class Rack:
 
 
 #: The tools of a machine; none of one that does not drill.
-rack_of: PerObject[Machine, Rack] = PerObject(
-    "planning.rack", lambda machine: Rack(machine.tools, drill_of(machine))
+library_of: PerObject[Machine, ToolLibrary] = PerObject(
+    "planning.library", lambda machine: ToolLibrary(machine.tools, drill_of(machine))
 )
 
 

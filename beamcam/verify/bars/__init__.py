@@ -25,21 +25,21 @@ from beamcam.verify.bars.bar_limits import bar_faults
 from beamcam.verify.bars.cell import Cell
 from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.cutting_data import CuttingData
-from beamcam.verify.bars.made import Bore, Cut, Made, Trail
+from beamcam.verify.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice, choices_of
 from beamcam.verify.bars.turned import standing
 
 __all__ = [
-    "BarRun", "Bore", "Cut", "FeatureRef", "Made", "Trail", "interpret", "run", "skippable",
-    "verify",
+    "BarRun", "Bore", "Cut", "FeatureRef", "MachinedFeatures", "MachinedPath", "interpret", "run",
+    "skippable", "verify",
 ]  # fmt: skip
 
 
 class BarRun(Struct, frozen=True):
     """A program that was interpreted."""
 
-    made: Made
+    made: MachinedFeatures
     events: tuple[BarEvent, ...]
     diagnostics: tuple[Diagnostic, ...]  #: what is wrong with it by itself
     dialect: Dialect
@@ -116,7 +116,7 @@ def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine)
     return Profile(code, "", height, width, 0.0, None)  # type: ignore[arg-type]
 
 
-def interpret(text: str, machine: Machine, name: str = "program") -> Made:
+def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFeatures:
     """The features that a program makes. Raises VerifyError if the program is faulty by itself."""
     done = run(text, machine, None, name)
     if errors_in(done.diagnostics):
@@ -177,7 +177,7 @@ def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:
     return _lying_section(run(text, machine, part.profile).made, part) if turn else part.profile
 
 
-def _lying_section(made: Made, part: Part) -> Profile:
+def _lying_section(made: MachinedFeatures, part: Part) -> Profile:
     """The section of a part as it lies by what the program says of it."""
     said = dict(made.section)
     size = said.get("height"), said.get("width")

@@ -23,7 +23,12 @@ from beamcam.controllers.rules import WORD
 from beamcam.verify import rules
 from beamcam.verify.bars.cell_limits import EPSILON
 from beamcam.verify.bars.cell_state import AXES, CellState
-from beamcam.verify.bars.made import Bore, Made, Trail, made_in_order
+from beamcam.verify.bars.machined_features import (
+    Bore,
+    MachinedFeatures,
+    MachinedPath,
+    made_in_order,
+)
 from beamcam.verify.bars.stations import NOWHERE, Choice, Station, Tip
 
 _OTHER_WAY = {3: 4, 4: 3}
@@ -32,7 +37,7 @@ _OTHER_WAY = {3: 4, 4: 3}
 class Cell(CellState):
     """The cell while a program runs; `run` gives the result."""
 
-    def run(self, events: Iterable[BarEvent]) -> Made:
+    def run(self, events: Iterable[BarEvent]) -> MachinedFeatures:
         """The features that the events make."""
         for event in events:
             kind = type(event)
@@ -124,7 +129,7 @@ class Cell(CellState):
         point, depth = (move.end[0], tip.y), tip.depth
         last = self.order[-1] if self.order else None
         if type(last) is Bore and last.kind == self.cycle.kind:
-            self.order[-1] = Trail(
+            self.order[-1] = MachinedPath(
                 last.line,
                 last.face,
                 last.kind,
@@ -135,7 +140,7 @@ class Cell(CellState):
                 last.spindle,
                 last.feed_mm_min,
             )
-        elif type(last) is Trail and self.peck is not None:
+        elif type(last) is MachinedPath and self.peck is not None:
             self.order[-1] = replace(
                 last,
                 points=(*last.points, point),

@@ -20,7 +20,7 @@ from beamcam.machine.machine import Machine
 from beamcam.verify import rules
 from beamcam.verify.bars.cell_limits import EPSILON, limits_of_cell
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
-from beamcam.verify.bars.made import Cut, Thing, ToldText
+from beamcam.verify.bars.machined_features import Cut, Thing, ToldText
 from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
 from beamcam.verify.bars.stations import NOWHERE, Choice, Station, Tip, limits_of, tilts_of
 

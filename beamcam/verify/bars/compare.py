@@ -18,7 +18,7 @@ from beamcam.verify.bars.ability import FeatureRef, may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
 from beamcam.verify.bars.holes import HoleCheck, Want
 from beamcam.verify.bars.layout import Candidate, LaidPart, lay_out, wedge_cuts
-from beamcam.verify.bars.made import Made, ToldText
+from beamcam.verify.bars.machined_features import MachinedFeatures, ToldText
 from beamcam.verify.bars.part_ends import End, ends_of
 from beamcam.verify.bars.pieces import overlapping, pieces, planes
 from beamcam.verify.bars.pockets import Led, check_paths, is_led
@@ -61,7 +61,7 @@ class Comparison:
     """Comparison of one program with the required parts; `said` holds its faults."""
 
     def __init__(
-        self, made: Made, asked: Asked, shop: Shop, profile: Profile,
+        self, made: MachinedFeatures, asked: Asked, shop: Shop, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
         self.made, self.asked, self.shop, self.saw = made, asked, shop, saw_of(shop.machine)
@@ -93,9 +93,9 @@ class Comparison:
         needed = {(w.part, w.target.feature) for w in left}
         gone = {(w.part, w.target.feature) for w in unmade if not w.target.optional}
         self.said += self._left_out(parts, required.missing | (gone - needed))
-        if self.made.trails or required.led:
+        if self.made.paths or required.led:
             self.said += check_paths(
-                self.made.trails, required.led, parts, self.shop, self.profile, self.name
+                self.made.paths, required.led, parts, self.shop, self.profile, self.name
             )
         if self.machine.layout is not None and self.machine.layout.order == "drill-saw":
             self.said += self._after_its_cut(laid, told.taken if told is not None else ())
@@ -119,9 +119,7 @@ class Comparison:
                     required.missing.add((p, target.feature))
                 else:
                     self.said.append(_lack(target, one.part))
-            elif target.feature in spare and not is_led(
-                self.made.trails, target, from_x, self.shop
-            ):
+            elif target.feature in spare and not is_led(self.made.paths, target, from_x, self.shop):
                 gone.add(target.feature)
                 required.missing.add((p, target.feature))
             else:
@@ -140,7 +138,7 @@ class Comparison:
         from beamcam.verify.bars.texts import texts_of
 
         from_x = self.shop.drill.x + one.start
-        found, said = texts_of(one.part, one.ends, self.made.trails, from_x, self.shop)
+        found, said = texts_of(one.part, one.ends, self.made.paths, from_x, self.shop)
         led += (Led(p, target, from_x) for target in found)
         self.said += said
 
@@ -220,7 +218,7 @@ class Comparison:
             or (
                 not self.holes.is_made(Want(0, t, from_x + t.x))
                 if isinstance(t, Round)
-                else not is_led(self.made.trails, t, from_x, shop)
+                else not is_led(self.made.paths, t, from_x, shop)
             )
             if not (isinstance(t, Round) and t.optional)
         ]
@@ -263,7 +261,9 @@ class Comparison:
                 yield rules.CUT_OFF.at(Source(self.name, line), found=f"{x:g}", cut=cut)
 
 
-def _section(made: Made, profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
+def _section(
+    made: MachinedFeatures, profile: Profile, machine: Machine, name: str
+) -> Iterator[Diagnostic]:
     """The program's data of the bar, compared with the parts' profile."""
     expected = {
         "height": profile.height,

@@ -14,7 +14,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Part
 from beamcam.verify import rules
-from beamcam.verify.bars.made import Cut
+from beamcam.verify.bars.machined_features import Cut
 from beamcam.verify.bars.part_ends import End
 
 _by_x = attrgetter("x", "line")

@@ -15,7 +15,7 @@ from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.depths import REACHES, DepthRange
-from beamcam.verify.bars.made import Bore
+from beamcam.verify.bars.machined_features import Bore
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice, stroke_values
 from beamcam.verify.bars.targets import Round, RoundKind

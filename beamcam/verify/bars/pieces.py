@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Profile
-from beamcam.verify.bars.made import Cut
+from beamcam.verify.bars.machined_features import Cut
 
 
 class CutPlane(Struct, frozen=True, gc=False):

@@ -20,14 +20,14 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.verify.bars import BarRun, compared, run, run_of_events, section_of
-from beamcam.verify.bars.made import Made
+from beamcam.verify.bars.machined_features import MachinedFeatures
 from beamcam.verify.rules import NO_OPERATION, TOOL_CHANGE
 
 #: M words that begin another operation, or end the program.
 _BEGINS = ("choose", "saw", "change", "end")
 
 
-def operation_lines(made: Made) -> tuple[int, ...]:
+def operation_lines(made: MachinedFeatures) -> tuple[int, ...]:
     """The line of each operation of a program, in its order."""
     return tuple(dict.fromkeys(one.line for one in made.order))
 

@@ -13,7 +13,7 @@ from beamcam.model.marks import policy_on
 from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.verify.bars.ability import is_within
-from beamcam.verify.bars.made import ToldText, Trail
+from beamcam.verify.bars.machined_features import MachinedPath, ToldText
 from beamcam.verify.bars.part_ends import End
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import choices_of, stroke_values
@@ -40,7 +40,7 @@ CHORDS = 48  #: of a hole
 
 
 def texts_of(
-    part: Part, ends: tuple[End, End], trails: Sequence[Trail], from_x: float, shop: Shop
+    part: Part, ends: tuple[End, End], paths: Sequence[MachinedPath], from_x: float, shop: Shop
 ) -> tuple[list[Course], list[Diagnostic]]:
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
 
@@ -59,7 +59,7 @@ def texts_of(
             texts.setdefault(feature.face, []).append((f, feature))
     for face, group in texts.items():
         if shop.works_on(face, part) and any(shop.of("scribe", face)):
-            found, more = _on_face(face, group, part, ends, trails, from_x, shop)
+            found, more = _on_face(face, group, part, ends, paths, from_x, shop)
             courses += found
             said += more
         else:
@@ -177,7 +177,7 @@ def _is_over(text: Wanted, found: DrawnText, part: Part, ends: tuple[End, End]) 
 
 def _on_face(
     face: Face, texts: Sequence[tuple[int, TextMark]], part: Part, ends: tuple[End, End],
-    trails: Sequence[Trail], from_x: float, shop: Shop,
+    paths: Sequence[MachinedPath], from_x: float, shop: Shop,
 ) -> tuple[list[Course], list[Diagnostic]]:  # fmt: skip
     marks = shop.machine.marks
     steel = _steel(face, part, ends, _sides(face, part))
@@ -185,9 +185,9 @@ def _on_face(
     sure = None if bounds is None else _steel(face, part, ends, bounds)
     pieces = [
         ((a[0] - from_x, a[1]), (b[0] - from_x, b[1]))
-        for trail in trails
-        if trail.kind == "scribe" and trail.face == face
-        for a, b in pairwise(trail.points)
+        for path in paths
+        if path.kind == "scribe" and path.face == face
+        for a, b in pairwise(path.points)
         if all(-OVER <= x - from_x <= part.length + OVER for x in (a[0], b[0]))
     ]
     drawn = DrawnPieces(pieces, shop.drill.path_tolerance + 2 * shop.machine.format.resolution)

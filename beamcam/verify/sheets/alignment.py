@@ -11,7 +11,7 @@ import numpy as np
 from beamcam.geometry.array_types import Flags, Floats
 from beamcam.verify.sheets.elements import Elements
 from beamcam.verify.sheets.grid import Pairs
-from beamcam.verify.sheets.ways import Samples, Ways
+from beamcam.verify.sheets.toolpaths import Samples, Toolpaths
 
 MAX_TURN_RAD = 0.02  #: between lines and arcs that run along one another, of any length
 SMOOTH_RAD = 0.26  #: from one way to the next, where they do not bend
@@ -19,7 +19,9 @@ NEAR_BEND = 4.0  #: slacks from an end or a bend, within which any direction is 
 ASIDE = 8.0  #: slacks from an end or a bend, where the other curve is asked
 
 
-def aligned(own: Ways, samples: Samples, other: Ways, pairs: Pairs, slack: float) -> Flags:
+def aligned(
+    own: Toolpaths, samples: Samples, other: Toolpaths, pairs: Pairs, slack: float
+) -> Flags:
     """The pairs of a sample of `own` and an element of `other` in whose direction that runs."""
     element, share, _ = samples
     ahead = own.elements.directions(element, share)[pairs.point]
@@ -39,7 +41,7 @@ def aligned(own: Ways, samples: Samples, other: Ways, pairs: Pairs, slack: float
     return found
 
 
-def _most_turns(ways: Ways, slack: float) -> Floats:
+def _most_turns(toolpaths: Toolpaths, slack: float) -> Floats:
     """Angles in rad by which curves within the slack of elements may differ from their directions.
 
     A chord of length L, at its middle within the slack s of an arc on one side and at its ends on
@@ -47,7 +49,7 @@ def _most_turns(ways: Ways, slack: float) -> Floats:
     2 sqrt(s / r) off that of such a chord. A chord that the next one leaves at the angle b is one
     of an arc of radius L / b.
     """
-    elements = ways.elements
+    elements = toolpaths.elements
     turns = _turns(elements, slack)
     bend = np.maximum(turns[:-1], turns[1:])
     radius = elements.arcs[elements.is_arc, 2]
@@ -58,7 +60,7 @@ def _most_turns(ways: Ways, slack: float) -> Floats:
     return found
 
 
-def beside_bends(own: Ways, other: Ways, slack: float) -> Samples:
+def beside_bends(own: Toolpaths, other: Toolpaths, slack: float) -> Samples:
     """The places of `own` on both sides of where a way of `other` ends or bends beside it.
 
     Where a way of `own` has no such place inside, the other runs along all of it or nowhere.
@@ -74,19 +76,19 @@ def beside_bends(own: Ways, other: Ways, slack: float) -> Samples:
     return own.samples_at(way, np.concatenate((at - aside, at + aside)))
 
 
-def _near_bend(ways: Ways, pairs: Pairs, slack: float) -> Flags:
+def _near_bend(toolpaths: Toolpaths, pairs: Pairs, slack: float) -> Flags:
     """Pairs whose place on the element is near where its way ends or bends."""
-    begins, ends, _ = _bends(ways, slack)
-    way = ways.owner[pairs.element]
-    at, reach = ways.at(pairs.element, pairs.along) - ways.begins[way], NEAR_BEND * slack
+    begins, ends, _ = _bends(toolpaths, slack)
+    way = toolpaths.owner[pairs.element]
+    at, reach = toolpaths.at(pairs.element, pairs.along) - toolpaths.begins[way], NEAR_BEND * slack
     found: Flags = begins[way] & (at <= reach)
-    return found | (ends[way] & (at >= ways.lengths[way] - reach))
+    return found | (ends[way] & (at >= toolpaths.lengths[way] - reach))
 
 
-def _bends(ways: Ways, slack: float) -> tuple[Flags, Flags, Flags]:
+def _bends(toolpaths: Toolpaths, slack: float) -> tuple[Flags, Flags, Flags]:
     """The ways that begin at a bend, those that end at one, and those that end at the next one."""
-    turns, every = _turns(ways.elements, slack), np.arange(ways.count)
-    before, behind = turns[ways.first(every)], turns[ways.last(every) + 1]
+    turns, every = _turns(toolpaths.elements, slack), np.arange(toolpaths.count)
+    before, behind = turns[toolpaths.first(every)], turns[toolpaths.last(every) + 1]
     return before > SMOOTH_RAD, behind > SMOOTH_RAD, np.isfinite(behind)
 
 

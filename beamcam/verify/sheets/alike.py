@@ -13,7 +13,7 @@ from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
 if TYPE_CHECKING:
-    from beamcam.verify.sheets.ways import Ways
+    from beamcam.verify.sheets.toolpaths import Toolpaths
 
 PLACES = 9  #: of a stroke that are looked at
 
@@ -29,17 +29,17 @@ def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, f
         return strokes
     fine = torch.tolerance / 8
     known: dict[TorchProcess, Away] = {
-        process: _away(need.ways(process, fine).moved(shift)) for process in need.curves
+        process: _away(need.toolpaths(process, fine).moved(shift)) for process in need.curves
     }
     each = [_settled(s, strokes, known, torch) if s.alike else s for s in strokes.each]
     return Strokes(each, strokes.moves)
 
 
-def _away(ways: "Ways") -> Away:
+def _away(toolpaths: "Toolpaths") -> Away:
     """Median distance of points from the nearest curve."""
 
     def measured(places: Floats) -> float:
-        return float(np.median([ways.nearest_to(place)[0] for place in places]))
+        return float(np.median([toolpaths.nearest_to(place)[0] for place in places]))
 
     return measured
 

@@ -35,12 +35,12 @@ def with_contours(
     ]
     if not asked or not need.curves or not len(moves):
         return found
-    ways = {process: need.ways(process, fine) for process in need.curves}
+    toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
     lines = np.maximum.accumulate(moves.line)
     for k, line in asked:
         row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
         place = moves.end[row] - np.array(shift)
-        _, way, process = min((*ways[p].nearest_to(place), p) for p in ways)
+        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
         contour = f", beside the contour of {need.source(process, way)}"
         found[k] = replace(found[k], message=found[k].message + contour)
     return found

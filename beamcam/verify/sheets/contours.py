@@ -22,7 +22,7 @@ from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.left import left_faults
 from beamcam.verify.sheets.paths import on_contour
 from beamcam.verify.sheets.sides import on_own_side
-from beamcam.verify.sheets.ways import Samples, Ways, kept_samples
+from beamcam.verify.sheets.toolpaths import Samples, Toolpaths, kept_samples
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 
 #: Where each of some ways begins and ends, counted along all, and whether it closes.
@@ -178,8 +178,8 @@ def _permitted(work: Work, points: Floats, reach: float) -> Counts:
     if work.region is not None:
         beside = beside.kept(~work.region.twins[need.owner[beside.element]])
     at, way = need.at(beside.element, beside.along), need.owner[beside.element]
-    ways = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
-    return _passes(beside.point, at, way, ways, 6 * (work.half_kerf + 2 * reach), len(points))
+    toolpaths = need.begins, need.begins + need.lengths, np.all(need.starts == need.ends, axis=1)
+    return _passes(beside.point, at, way, toolpaths, 6 * (work.half_kerf + 2 * reach), len(points))
 
 
 def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
@@ -198,7 +198,7 @@ def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
     return found
 
 
-def _loops(path: Ways, traced: Sequence[Traced]) -> Loops:
+def _loops(path: Toolpaths, traced: Sequence[Traced]) -> Loops:
     firsts, lasts = np.array([(t.first, t.last - 1) for t in traced]).T
     closed = np.array([t.closed for t in traced])
     return path.begins[firsts], path.begins[lasts] + path.lengths[lasts], closed

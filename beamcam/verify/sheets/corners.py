@@ -23,8 +23,8 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.plane import Point
 from beamcam.verify.sheets.sides import is_behind, off, waste_sides
+from beamcam.verify.sheets.toolpaths import Samples, Toolpaths
 from beamcam.verify.sheets.touching import waste_rings
-from beamcam.verify.sheets.ways import Samples, Ways
 from beamcam.verify.sheets.work import Traced, Work
 
 HALVINGS = 24  #: of the way between a place that has a path and one that has none
@@ -153,15 +153,19 @@ class _Beam:
         element, share, owner = samples
         work = self._work
         lost = np.unique(owner[missing])
-        ways = np.concatenate((lost, lost))
+        toolpaths = np.concatenate((lost, lost))
         # The end of a way stands before the start of the following one.
         at = np.concatenate((np.searchsorted(owner, lost, "right"), np.searchsorted(owner, lost)))
         ends = np.repeat([1.0, 0.0], len(lost))
         first = np.concatenate((work.need.last(lost), work.need.first(lost)))
-        reach = work.half_kerf + work.slack[ways]
-        gone = self._nearest(work.need.elements.places(first, ends), ways)[0] > reach
+        reach = work.half_kerf + work.slack[toolpaths]
+        gone = self._nearest(work.need.elements.places(first, ends), toolpaths)[0] > reach
         rows = np.insert(np.arange(len(owner)), at, -1)
-        full = np.insert(element, at, first), np.insert(share, at, ends), np.insert(owner, at, ways)
+        full = (
+            np.insert(element, at, first),
+            np.insert(share, at, ends),
+            np.insert(owner, at, toolpaths),
+        )
         return rows, full, np.insert(missing, at, gone)
 
     def corners(self, stretches: Sequence[Stretch], samples: Samples) -> Iterator[UncutCorner]:
@@ -220,10 +224,13 @@ class _Beam:
         ends: Floats = self._work.need.elements.end
         return ends[a:b] if a < b else ends[b:a][::-1]
 
-    def _turns(self, points: Floats, ways: Counts) -> tuple[Counts, Floats]:
+    def _turns(self, points: Floats, toolpaths: Counts) -> tuple[Counts, Floats]:
         """Behind which of some samples, one after the other, a way ends, and where."""
-        turns = np.flatnonzero(np.diff(ways))
-        starts, ends = self._work.need.starts[ways[turns]], self._work.need.ends[ways[turns]]
+        turns = np.flatnonzero(np.diff(toolpaths))
+        starts, ends = (
+            self._work.need.starts[toolpaths[turns]],
+            self._work.need.ends[toolpaths[turns]],
+        )
         to_start = np.hypot(*(starts - points[turns + 1]).T)
         to_end = np.hypot(*(ends - points[turns + 1]).T)
         return turns, np.where((to_start < to_end)[:, None], starts, ends)
@@ -231,13 +238,13 @@ class _Beam:
     def _corner(self, inner: Counts, points: Floats, owner: Counts, middle: Floats) -> UncutCorner:
         """The corner that some samples lie in, as deep as the farthest of them and of the ends
         between them."""
-        ways = owner[inner]
-        turns, ends = self._turns(points, ways)
+        toolpaths = owner[inner]
+        turns, ends = self._turns(points, toolpaths)
         places = np.concatenate((points, ends))
         away = np.hypot(*(places - middle).T)
         deepest = int(np.argmax(away))
         x, y = places[deepest].tolist()
-        way = int(np.concatenate((ways, ways[turns]))[deepest])
+        way = int(np.concatenate((toolpaths, toolpaths[turns]))[deepest])
         return UncutCorner(inner, float(away[deepest]) - self._work.half_kerf, (x, y), way)
 
     def _touched(
@@ -303,7 +310,7 @@ class _Beam:
         return np.where(behind, np.inf, away), feet
 
 
-def _point(ways: Ways, way: Counts, at: Floats) -> Floats:
+def _point(toolpaths: Toolpaths, way: Counts, at: Floats) -> Floats:
     """Places so far along ways, round those that close."""
-    size = ways.lengths[way]
-    return ways.point(way, np.where((at < 0.0) | (at > size), np.mod(at, size), at))
+    size = toolpaths.lengths[way]
+    return toolpaths.point(way, np.where((at < 0.0) | (at > size), np.mod(at, size), at))

@@ -9,7 +9,7 @@ import shapely
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
 
 #: Contours that leave a place in directions as near as this lie on one another there.
@@ -31,10 +31,10 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         return []
     path = work.path
     ends = [(t, end) for t in opened for end in (("begins", t.first), ("ends", t.last - 1))]
-    ways = np.array([way for _, (_, way) in ends])
+    toolpaths = np.array([way for _, (_, way) in ends])
     stops = np.tile([False, True], len(opened))
-    places = np.where(stops[:, None], path.ends[ways], path.starts[ways])
-    reached = path.begins[ways] + np.where(stops, path.lengths[ways], 0.0)
+    places = np.where(stops[:, None], path.ends[toolpaths], path.starts[toolpaths])
+    reached = path.begins[toolpaths] + np.where(stops, path.lengths[toolpaths], 0.0)
     counts = _directions(work.need, places, work.tolerance, work.torch.gap)
     said: list[Diagnostic] = []
     for (t, (what, way)), place, at, count in zip(ends, places, reached, counts, strict=True):
@@ -64,7 +64,7 @@ def _on_another(work: Work, place: Floats, way: int, at: float) -> bool:
     return bool((is_other | is_apart).any())
 
 
-def _directions(need: Ways, places: Floats, reach: float, gap: float) -> list[int]:
+def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> list[int]:
     """In how many directions contours go on from where they end at each place; 2 amid one.
 
     A path may miss its end by `reach`. Ends farther apart than `gap` do not belong together,

@@ -19,7 +19,7 @@ import shapely
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.overlaps import Stretches
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 Chain = list[tuple[int, bool]]  #: ways one after the other, and whether each is turned round
 
@@ -30,29 +30,29 @@ WIDEST_PLACE = 2.0  #: gaps that ends which meet may hang together over
 SLACK = 1 + 1e-6  #: of the gap, for the last digits of ends that are as far apart
 
 
-def closed_features(ways: Ways, features: Counts, real: Counts) -> Flags:
+def closed_features(toolpaths: Toolpaths, features: Counts, real: Counts) -> Flags:
     """The ways of features whose curves follow one another and end where they begin."""
-    found = np.zeros(ways.count, dtype=bool)
+    found = np.zeros(toolpaths.count, dtype=bool)
     if not len(real):
         return found
     own = features[real]
     begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
     after = np.arange(1, len(real) + 1)
     after[np.append(begins[1:], len(real)) - 1] = begins
-    apart = np.abs(ways.ends[real] - ways.starts[real[after]]).max(axis=1)
+    apart = np.abs(toolpaths.ends[real] - toolpaths.starts[real[after]]).max(axis=1)
     closed = np.logical_and.reduceat(apart <= SAME_POINT, begins)
     found[real] = np.repeat(closed, np.diff(begins, append=len(real)))
     return found
 
 
-def closed_rings(ways: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
+def closed_rings(toolpaths: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
     """The contours of closed features, taken apart where one passes a place again."""
     if not which:
         return []
     numbers = np.array(which, dtype=np.int64)
     own = features[numbers]
     begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
-    keys = np.column_stack((own, np.rint(ways.starts[numbers] / PASSED_AGAIN)))
+    keys = np.column_stack((own, np.rint(toolpaths.starts[numbers] / PASSED_AGAIN)))
     _, place = np.unique(keys, axis=0, return_inverse=True)
     again = np.bincount(place.ravel())[place.ravel()] > 1
     twice = np.logical_or.reduceat(again, begins).tolist()
@@ -79,15 +79,17 @@ def _apart(ring: Chain, places: Sequence[int]) -> list[Chain]:
     return [*found, chain]
 
 
-def rings_of(ways: Stretches, which: Sequence[int], gap: float) -> list[Chain]:
+def rings_of(toolpaths: Stretches, which: Sequence[int], gap: float) -> list[Chain]:
     """The closed contours that some loose ways make together."""
     numbers = np.array(which, dtype=np.int64)
     if len(numbers):
-        low, high = (f.reduceat(ways.points, ways.begins[:-1]) for f in (np.minimum, np.maximum))
+        low, high = (
+            f.reduceat(toolpaths.points, toolpaths.begins[:-1]) for f in (np.minimum, np.maximum)
+        )
         numbers = numbers[np.hypot(*(high - low)[numbers].T) > min(gap, WRITTEN_SAME)]
     if not len(numbers):
         return []
-    places = _places(np.concatenate((ways.starts[numbers], ways.ends[numbers])), gap)
+    places = _places(np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers])), gap)
     net = _Net(places.reshape(2, -1).T.tolist())
     return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
 

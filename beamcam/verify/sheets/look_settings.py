@@ -12,7 +12,7 @@ from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.alignment import aligned
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.paths import on_contour
-from beamcam.verify.sheets.ways import Samples, kept_samples
+from beamcam.verify.sheets.toolpaths import Samples, kept_samples
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 
 PLAIN = LookSettings()

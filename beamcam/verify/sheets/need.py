@@ -23,7 +23,7 @@ from beamcam.verify.left_out import left_out
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:
-    from beamcam.verify.sheets.ways import Ways
+    from beamcam.verify.sheets.toolpaths import Toolpaths
 
 Needs = dict[TorchProcess, list[Curve]]
 OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
@@ -40,7 +40,7 @@ class Need(Struct):
     #: contours that are filled and not followed, by the key of their settings
     filled: dict[str, list[Contour]] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
-    drawn: "dict[tuple[TorchProcess, float], Ways]" = field(default_factory=dict)
+    drawn: "dict[tuple[TorchProcess, float], Toolpaths]" = field(default_factory=dict)
 
     def add(
         self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source,
@@ -55,13 +55,13 @@ class Need(Struct):
         """Where the input has a curve of a process, which is known by its number."""
         return self.sources[self.features[process][curve]]
 
-    def ways(self, process: TorchProcess, tolerance: float) -> "Ways":
+    def toolpaths(self, process: TorchProcess, tolerance: float) -> "Toolpaths":
         """The curves of a process as elements, where the part has them; made once."""
-        from beamcam.verify.sheets.ways import Ways
+        from beamcam.verify.sheets.toolpaths import Toolpaths
 
         key = process, tolerance
         if key not in self.drawn:
-            self.drawn[key] = Ways(self.curves.get(process, []), tolerance)
+            self.drawn[key] = Toolpaths(self.curves.get(process, []), tolerance)
         return self.drawn[key]
 
 
@@ -265,11 +265,11 @@ def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
     Lines and arcs say it themselves. Of the others the chords are known, and those that come
     within a chord's tolerance of the least are asked.
     """
-    ways = need.ways(process, tolerance)
-    low, _ = ways.boxes
+    toolpaths = need.toolpaths(process, tolerance)
+    low, _ = toolpaths.boxes
     exact = np.ones(len(low), dtype=bool)
-    exact[ways.rest] = False
-    near = ways.rest[np.any(low[ways.rest] <= low.min(axis=0) + 2 * tolerance, axis=1)]
+    exact[toolpaths.rest] = False
+    near = toolpaths.rest[np.any(low[toolpaths.rest] <= low.min(axis=0) + 2 * tolerance, axis=1)]
     box = extent(need.curves[process][k] for k in near.tolist())
     corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
     x, y = corners.min(axis=0).tolist()

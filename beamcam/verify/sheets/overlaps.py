@@ -9,7 +9,7 @@ from shapely import STRtree
 from shapely.ops import substring
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 
 class Stretches(Struct):
@@ -25,13 +25,15 @@ class Stretches(Struct):
         return np.arange(self.begins[way], self.begins[way + 1])
 
 
-def whole(ways: Ways, fine: float) -> Stretches:
+def whole(toolpaths: Toolpaths, fine: float) -> Stretches:
     """All ways from end to end; chords are at most `fine` off."""
-    points, begins = ways.outlines(fine)
-    return Stretches(ways.starts.copy(), ways.ends.copy(), points, begins)
+    points, begins = toolpaths.outlines(fine)
+    return Stretches(toolpaths.starts.copy(), toolpaths.ends.copy(), points, begins)
 
 
-def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same: float) -> None:
+def trim(
+    found: Stretches, toolpaths: Toolpaths, loose: Sequence[int], rank: Counts, same: float
+) -> None:
     """Trim the ends of loose lines and arcs where they lie on a way of lower rank.
 
     W overlaps V where both are of one line or circle, an end of W lies on V and an end of V on W.
@@ -40,31 +42,31 @@ def trim(found: Stretches, ways: Ways, loose: Sequence[int], rank: Counts, same:
     if not loose:
         return
     numbers = np.array(loose, dtype=np.int64)
-    places = np.concatenate((ways.starts[numbers], ways.ends[numbers]))
-    pairs = ways.by_way(ways.near(places, same))
+    places = np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers]))
+    pairs = toolpaths.by_way(toolpaths.near(places, same))
     own = np.tile(numbers, 2)[pairs.point]
-    other = ways.owner[pairs.element]
+    other = toolpaths.owner[pairs.element]
     at_end = np.minimum(
-        np.hypot(*(ways.starts[other] - places[pairs.point]).T),
-        np.hypot(*(ways.ends[other] - places[pairs.point]).T),
+        np.hypot(*(toolpaths.starts[other] - places[pairs.point]).T),
+        np.hypot(*(toolpaths.ends[other] - places[pairs.point]).T),
     )
     asked = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
     if not len(asked):
         return
-    asked = asked[_of_one_course(ways, own[asked], other[asked], same)]
+    asked = asked[_of_one_course(toolpaths, own[asked], other[asked], same)]
     ends = STRtree(shapely.points(places))
 
     def is_lost(place: Floats, w: int, v: int) -> bool:
         """Whether a third way, of another line or circle, ends at a place."""
         near = numbers[ends.query(shapely.Point(place), "dwithin", distance=same) % len(numbers)]
         third = near[(near != w) & (near != v)]
-        return not _of_one_course(ways, third, np.full(len(third), w), same).all()
+        return not _of_one_course(toolpaths, third, np.full(len(third), w), same).all()
 
     spans: dict[int, list[float]] = {}
     for k in asked.tolist():
         w, v, place = int(own[k]), int(other[k]), places[pairs.point[k]]
         at_start = bool(pairs.point[k] < len(numbers))
-        for end in (ways.starts[v], ways.ends[v]):
+        for end in (toolpaths.starts[v], toolpaths.ends[v]):
             at = _beginning_of_overlap(found, w, v, end, at_start, same)
             if at is not None and not is_lost(end, w, v) and not is_lost(place, w, v):
                 whole = [0.0, _line(found, w).length]
@@ -86,16 +88,16 @@ def _beginning_of_overlap(
     return None if _line(found, v).distance(middle) > same else at
 
 
-def _of_one_course(ways: Ways, some: Counts, others: Counts, same: float) -> Flags:
+def _of_one_course(toolpaths: Toolpaths, some: Counts, others: Counts, same: float) -> Flags:
     """Which of some ways lie on the line or the circle of another one each, but for `same`."""
-    kinds, elements = ways.kinds, ways.elements
+    kinds, elements = toolpaths.kinds, toolpaths.elements
     alike = (kinds[some] == kinds[others]) & (kinds[some] < 2)
-    first, second = ways.first(some), ways.first(others)
+    first, second = toolpaths.first(some), toolpaths.first(others)
     arcs, on = elements.arcs[first], elements.arcs[second]
     off = np.hypot(*(arcs[:, :2] - on[:, :2]).T) + np.abs(arcs[:, 2] - on[:, 2])
     along = np.column_stack([column[second] for column in elements.along])
-    for ends in (ways.starts, ways.ends):
-        away = ends[some] - ways.starts[others]
+    for ends in (toolpaths.starts, toolpaths.ends):
+        away = ends[some] - toolpaths.starts[others]
         aside = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0])
         off = np.where(kinds[some] == 0, np.maximum(off, aside), off)
     found: Flags = alike & (off <= same)

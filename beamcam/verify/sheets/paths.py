@@ -18,7 +18,7 @@ from beamcam.verify.sheets.bridges import join_bridged
 from beamcam.verify.sheets.ends import end_faults
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.leads import Bounds, rings
-from beamcam.verify.sheets.ways import Samples, joined_samples
+from beamcam.verify.sheets.toolpaths import Samples, joined_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
 
 Near = tuple[Floats, Counts, Floats]  #: how far the nearest way is, which, how far along it

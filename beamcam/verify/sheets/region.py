@@ -26,7 +26,7 @@ from beamcam.verify.sheets.joining import (
     rings_of,
 )
 from beamcam.verify.sheets.overlaps import Stretches, trim, whole
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
@@ -56,21 +56,21 @@ class Region(Struct, frozen=True):
         return found
 
 
-def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
+def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -> Region:
     """The region of ways whose features are known by their numbers.
 
     Ends at most `gap` apart meet, and rings no farther from one another are the same. Outlines are
     chords at most `fine` off.
     """
-    real = np.flatnonzero(ways.lengths > 0.0)
-    own = closed_features(ways, features, real)
-    rank = _ranks(ways, own)
-    twins = _lie_on(ways, rank, SAME_PLACE)
-    drawn = whole(ways, fine)
+    real = np.flatnonzero(toolpaths.lengths > 0.0)
+    own = closed_features(toolpaths, features, real)
+    rank = _ranks(toolpaths, own)
+    twins = _lie_on(toolpaths, rank, SAME_PLACE)
+    drawn = whole(toolpaths, fine)
     rings = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
     loose = [k for k in real.tolist() if not own[k] and not twins[k]]
     once = [ring for ring in rings if not all(twins[k] for k, _ in ring)]
-    trim(drawn, ways, loose, np.where(twins, ways.count, rank), WRITTEN_SAME)
+    trim(drawn, toolpaths, loose, np.where(twins, toolpaths.count, rank), WRITTEN_SAME)
     once += rings_of(drawn, loose, gap)
     sizes = np.diff(drawn.begins)
     once = [ring for ring in once if sizes[[k for k, _ in ring]].sum() > 3]
@@ -78,11 +78,11 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     # A line there and back again has no inside.
     wide = shapely.area(polygons) > MIN_WIDTH * shapely.length(polygons)
     again, under = _same_rings(polygons, gap)
-    closed, apart = np.zeros(ways.count, dtype=bool), _joined(drawn, once) + SAME_PLACE * twins
+    closed, apart = np.zeros(toolpaths.count, dtype=bool), _joined(drawn, once) + SAME_PLACE * twins
     closed[[k for ring, is_wide in zip(once, wide, strict=True) if is_wide for k, _ in ring]] = True
-    closed |= twins & _on(ways, closed, SAME_PLACE)
+    closed |= twins & _on(toolpaths, closed, SAME_PLACE)
     twins[[k for r in again for k, _ in once[r]]] = True
-    apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(ways, gap)))
+    apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(toolpaths, gap)))
     apart[[k for r in again | under for k, _ in once[r]]] += gap
     wide[list(again)] = False
     apart[[k for r in _looped(polygons, gap) for k, _ in once[r]]] += gap
@@ -91,23 +91,23 @@ def region_of(ways: Ways, features: Counts, gap: float, fine: float) -> Region:
     return Region(polygons, once, closed, twins, apart)
 
 
-def small_ways(ways: Ways, gap: float) -> Flags:
-    """Ways that are no larger than the gap, with all that they are joined to.
+def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
+    """Toolpaths that are no larger than the gap, with all that they are joined to.
 
     Between two ends as near as that the tool does not move, so nothing cuts them.
     """
-    low, high = ways.boxes
+    low, high = toolpaths.boxes
     sizes: Floats = np.hypot(*(high - low).T)
     most = gap + SAME_POINT
     if not (sizes <= most).any():
-        return np.zeros(ways.count, dtype=bool)
-    every = np.arange(ways.count)
-    places = shapely.points(np.concatenate((ways.starts, ways.ends)))
+        return np.zeros(toolpaths.count, dtype=bool)
+    every = np.arange(toolpaths.count)
+    places = shapely.points(np.concatenate((toolpaths.starts, toolpaths.ends)))
     a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
     group = every.copy()
     while True:
         least = group.copy()
-        np.minimum.at(least, a % ways.count, group[b % ways.count])
+        np.minimum.at(least, a % toolpaths.count, group[b % toolpaths.count])
         if np.array_equal(least, group):
             break
         group = least
@@ -130,25 +130,27 @@ def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
     return found
 
 
-def _ranks(ways: Ways, own: Flags) -> Counts:
+def _ranks(toolpaths: Toolpaths, own: Flags) -> Counts:
     """Which ways count where they lie on one another: of closed features first, then the longer."""
-    rank = np.empty(ways.count, dtype=np.int64)
-    rank[np.lexsort((np.arange(ways.count), -ways.lengths, ~own))] = np.arange(ways.count)
+    rank = np.empty(toolpaths.count, dtype=np.int64)
+    rank[np.lexsort((np.arange(toolpaths.count), -toolpaths.lengths, ~own))] = np.arange(
+        toolpaths.count
+    )
     return rank
 
 
-def _on(ways: Ways, which: Flags, same: float) -> Flags:
-    """Ways that lie on some of them."""
-    return _lie_on(ways, np.where(which, 0, 1), same)
+def _on(toolpaths: Toolpaths, which: Flags, same: float) -> Flags:
+    """Toolpaths that lie on some of them."""
+    return _lie_on(toolpaths, np.where(which, 0, 1), same)
 
 
-def _loose_ends(ways: Ways, gap: float) -> Floats:
+def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:
     """How far the ends of each way are from other ends that they may be joined to, at most."""
-    found = np.zeros(ways.count)
-    ends = np.concatenate((ways.starts, ways.ends))
+    found = np.zeros(toolpaths.count)
+    ends = np.concatenate((toolpaths.starts, toolpaths.ends))
     places = shapely.points(ends)
     a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
-    np.maximum.at(found, a % max(ways.count, 1), np.hypot(*(ends[a] - ends[b]).T))
+    np.maximum.at(found, a % max(toolpaths.count, 1), np.hypot(*(ends[a] - ends[b]).T))
     return found
 
 
@@ -171,24 +173,27 @@ def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], se
     return again, (set(a[same].tolist()) | {copy_of[k] for k in copies}) - again
 
 
-def _lie_on(ways: Ways, rank: Counts, same: float) -> Flags:
-    """Ways of which each place lies no farther than `same` from a way of lower rank.
+def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
+    """Toolpaths of which each place lies no farther than `same` from a way of lower rank.
 
     Lines and arcs are known exactly, and have to lie on one another as `WRITTEN_SAME` says. Of
     ways that are equal in each of these places one is asked, which has the lowest rank.
     """
     order = np.argsort(rank, kind="stable")
-    exact = ways.kinds < 2
+    exact = toolpaths.kinds < 2
     # Its ends are known; along the way the last place of one is the first of the next.
-    ends = ways.starts[order], ways.ends[order]
-    places = [*(ways.point(order, share * ways.lengths[order]) for share in SHARES), *ends]
+    ends = toolpaths.starts[order], toolpaths.ends[order]
+    places = [
+        *(toolpaths.point(order, share * toolpaths.lengths[order]) for share in SHARES),
+        *ends,
+    ]
     first = first_equal(np.concatenate(places, axis=1))
     left = np.flatnonzero(first == np.arange(len(first)))
     on = np.zeros(len(first), dtype=bool)
     for points in places:
         hit = np.zeros(len(left), dtype=bool)
-        for pairs in ways.batches(points[left], same):
-            own, other = order[left][pairs.point], ways.owner[pairs.element]
+        for pairs in toolpaths.batches(points[left], same):
+            own, other = order[left][pairs.point], toolpaths.owner[pairs.element]
             near = np.where(exact[own] & exact[other], min(same, WRITTEN_SAME * SLACK), same)
             hit[pairs.point[(rank[other] < rank[own]) & (pairs.away <= near)]] = True
         left = left[hit]
@@ -198,31 +203,31 @@ def _lie_on(ways: Ways, rank: Counts, same: float) -> Flags:
     return found
 
 
-def _joined(ways: Stretches, rings: Sequence[Chain]) -> Floats:
+def _joined(toolpaths: Stretches, rings: Sequence[Chain]) -> Floats:
     """The greater of the gaps at both ends of each way, between it and its neighbours in a ring."""
-    found = np.zeros(len(ways.starts))
+    found = np.zeros(len(toolpaths.starts))
     for ring in rings:
         numbers = np.array([k for k, _ in ring])
         turned = np.array([back for _, back in ring])[:, None]
-        begins = np.where(turned, ways.ends[numbers], ways.starts[numbers])
-        ends = np.where(turned, ways.starts[numbers], ways.ends[numbers])
+        begins = np.where(turned, toolpaths.ends[numbers], toolpaths.starts[numbers])
+        ends = np.where(turned, toolpaths.starts[numbers], toolpaths.ends[numbers])
         gaps = np.hypot(*(np.roll(begins, -1, axis=0) - ends).T)
         if gaps.any():
             found[numbers] = np.maximum(gaps, np.roll(gaps, 1))
     return found
 
 
-def _polygons(ways: Stretches, rings: Sequence[Chain]) -> NDArray[np.object_]:
+def _polygons(toolpaths: Stretches, rings: Sequence[Chain]) -> NDArray[np.object_]:
     """The inside of each ring."""
     if not rings:
         return np.zeros(0, dtype=object)
     rows, sizes = [], []
     for ring in rings:
-        own = [ways.rows(k)[:: -1 if turned else 1] for k, turned in ring]
+        own = [toolpaths.rows(k)[:: -1 if turned else 1] for k, turned in ring]
         rows += own
         sizes.append(sum(map(len, own)))
     indices = np.repeat(np.arange(len(rings)), sizes)
     polygons: NDArray[np.object_] = shapely.polygons(
-        shapely.linearrings(ways.points[np.concatenate(rows)], indices=indices)
+        shapely.linearrings(toolpaths.points[np.concatenate(rows)], indices=indices)
     )
     return polygons

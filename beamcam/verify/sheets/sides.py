@@ -9,7 +9,7 @@ import numpy as np
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.grid import Pairs
-from beamcam.verify.sheets.ways import Samples
+from beamcam.verify.sheets.toolpaths import Samples
 from beamcam.verify.sheets.work import Work
 
 LINE = 0

@@ -14,7 +14,7 @@ from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -36,7 +36,7 @@ class Traced(Struct):
     last: int  #: behind the last of them
     half_kerf: float  #: that the path keeps off the contour
     closed: bool
-    path: Ways
+    path: Toolpaths
     fine: float  #: what chords may be off
     ring: list[tuple[int, int]]  #: ways that go round an inside together; none if it is open
     middle: tuple[float, float]  #: a place on the contour
@@ -78,9 +78,9 @@ class Work(Struct, frozen=True):
     process: TorchProcess
     strokes: Sequence[HeadStroke]
     moves: Moves  #: those of the strokes, one after the other
-    need: Ways
+    need: Toolpaths
     asked: Need  #: the curves that `need` is made of, and where the input has them
-    path: Ways
+    path: Toolpaths
     of_way: Counts  #: the stroke of each way of the path
     torch: Torch
     step: float  #: of the program's numbers
@@ -214,7 +214,7 @@ def work_of(
         moves = moves.take(np.concatenate([np.zeros(0, dtype=np.int64), *spans]))
     fine = torch.tolerance / 8
     curves = need.curves.get(process, [])
-    ways = need.ways(process, fine).moved(shift)
+    toolpaths = need.toolpaths(process, fine).moved(shift)
     half_kerf = _half_kerf(process, mine, torch)
     region = None
     tolerance = torch.tolerance + 2 * step + fine
@@ -222,26 +222,26 @@ def work_of(
     if half_kerf and len(curves):
         from beamcam.verify.sheets.region import region_of
 
-        region = region_of(ways, np.array(need.features[process]), torch.gap, fine)
+        region = region_of(toolpaths, np.array(need.features[process]), torch.gap, fine)
         joined = region.apart
     else:
-        tolerance += _loose(ways, torch.gap)
+        tolerance += _loose(toolpaths, torch.gap)
         joined = np.zeros(len(curves))
     slack = tolerance + joined
     return Work(
-        process, mine, moves, ways, need, Ways.of_moves(moves, fine),
+        process, mine, moves, toolpaths, need, Toolpaths.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
-        slack, half_kerf, region, _small(ways, torch.gap), shift, name, stepped,
+        slack, half_kerf, region, _small(toolpaths, torch.gap), shift, name, stepped,
     )  # fmt: skip
 
 
-def _small(ways: Ways, gap: float) -> Flags:
+def _small(toolpaths: Toolpaths, gap: float) -> Flags:
     """Curves no larger than the gap that is closed between two ends."""
-    if not (ways.lengths <= 4 * gap).any():
-        return np.zeros(ways.count, dtype=bool)
+    if not (toolpaths.lengths <= 4 * gap).any():
+        return np.zeros(toolpaths.count, dtype=bool)
     from beamcam.verify.sheets.region import small_ways
 
-    return small_ways(ways, gap)
+    return small_ways(toolpaths, gap)
 
 
 def _half_kerf(process: TorchProcess, strokes: Sequence[HeadStroke], torch: Torch) -> float:
@@ -251,7 +251,7 @@ def _half_kerf(process: TorchProcess, strokes: Sequence[HeadStroke], torch: Torc
     return max((s.row.kerf / 2 for s in strokes), default=0.0)
 
 
-def _loose(need: Ways, gap: float) -> float:
+def _loose(need: Toolpaths, gap: float) -> float:
     """The widest gap between two ends that had to be joined."""
     opened = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
     starts, ends = need.starts[opened], need.ends[opened]

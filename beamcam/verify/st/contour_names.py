@@ -37,7 +37,7 @@ def with_contours(
 ) -> list[Diagnostic]:
     """The messages; to those about an operation the contour nearest to its end is added."""
     from beamcam.verify.sheets.need import need_of, shift_of
-    from beamcam.verify.sheets.ways import Ways
+    from beamcam.verify.sheets.toolpaths import Toolpaths
 
     torch = machine.torch
     ends = {operation.line: (operation.x, operation.y) for operation in operations}
@@ -47,10 +47,10 @@ def with_contours(
         return found
     need = need_of(part, machine, torch, skips)
     shift, fine = shift_of(need, torch), torch.tolerance / 8
-    ways = {process: Ways(curves, fine, shift) for process, curves in need.curves.items()}
-    for k in asked if ways else ():
+    toolpaths = {process: Toolpaths(curves, fine, shift) for process, curves in need.curves.items()}
+    for k in asked if toolpaths else ():
         place = np.array(ends[found[k].source.line or 0])
-        _, way, process = min((*ways[p].nearest_to(place), p) for p in ways)
+        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
         contour = f", beside the contour of {need.source(process, way)}"
         found[k] = replace(found[k], message=found[k].message + contour)
     return found

@@ -14,7 +14,7 @@ from beamcam.model.part import Part
 from beamcam.verify.polylines import DrawnPath, compare_polylines
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of
 from beamcam.verify.sheets.texts import text_process
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.speeds import (
     Observed,
@@ -80,11 +80,11 @@ class _StrokeDeviation:
         """
         if self.away[process] > track.most:
             return
-        away = track.ways.nearest_of(track.ways.near(points, track.most), len(points))[0]
+        away = track.toolpaths.nearest_of(track.toolpaths.near(points, track.most), len(points))[0]
         lost = np.flatnonzero(np.isinf(away))
         if len(lost):
             points = points[lost[:: len(lost) // MOST_MEASURED + 1]]
-            away = track.ways.nearest(points)[0]
+            away = track.toolpaths.nearest(points)[0]
         k = int(np.argmax(away))
         if away[k] >= self.away[process]:
             self.away[process] = float(away[k])
@@ -98,9 +98,11 @@ class _Track:
     `most`. To look whether a point is in it takes a fiftieth of measuring how far it is off.
     """
 
-    def __init__(self, ways: Ways, most: float, fine: float) -> None:
-        self.ways, self.most = ways, most
-        lines = [shapely.LineString(ways.outline(k, k + 1, fine)) for k in range(ways.count)]
+    def __init__(self, toolpaths: Toolpaths, most: float, fine: float) -> None:
+        self.toolpaths, self.most = toolpaths, most
+        lines = [
+            shapely.LineString(toolpaths.outline(k, k + 1, fine)) for k in range(toolpaths.count)
+        ]
         # One by one: the buffer of all at once takes the square of curves that lie on each other.
         self.band = shapely.union_all(shapely.buffer(lines, most, quad_segs=4))
         shapely.prepare(self.band)
@@ -128,7 +130,7 @@ class OutlineCheck:
         self.skips, self.name = skips, name
         self.rounding, self.simplify = rounding, simplify
         self.said: list[Diagnostic] = []
-        self.ways: list[DrawnPath] = []
+        self.drawn: list[DrawnPath] = []
         self._path = b""  #: of the stroke before
         #: whether anything is followed more than once
         self.counts_passes = part is not None and any(
@@ -148,9 +150,9 @@ class OutlineCheck:
             self.process_data = process_data(part, self.torch)
             fine = self.torch.tolerance / 8
             for process, curves in need.curves.items():
-                ways = Ways(list(curves), fine, shift)
+                toolpaths = Toolpaths(list(curves), fine, shift)
                 most = rounding + self.torch.tolerance + beside(process, part, self.torch)
-                self.tracks[process] = _Track(ways, most, fine)
+                self.tracks[process] = _Track(toolpaths, most, fine)
 
     def begin(self, line: int) -> None:
         """The laser is switched on."""
@@ -230,14 +232,14 @@ class OutlineCheck:
         feeds = tuple([feed for feed, said in wrong.items() if not said])
         if not feeds:
             self.said += wrong[self._asked(process, points[0])]
-        last = self.ways[-1] if self.ways else None
+        last = self.drawn[-1] if self.drawn else None
         both = [feed for feed in last.feeds_mm_min if feed in feeds] if last else []
         if last and both and seen.path and (seen.path, process) == (self._path, last.process):
             passes = last.passes + seen.passes
-            self.ways[-1] = replace(last, passes=passes, feeds_mm_min=tuple(both))
+            self.drawn[-1] = replace(last, passes=passes, feeds_mm_min=tuple(both))
         else:
             places = [(float(x), float(y)) for x, y in points]
-            self.ways.append(DrawnPath(process, places, feeds, seen.passes))
+            self.drawn.append(DrawnPath(process, places, feeds, seen.passes))
         self._path = seen.path
 
     def _asked(self, process: TorchProcess, place: Floats) -> float:
@@ -245,7 +247,7 @@ class OutlineCheck:
         of_process = self.process_data[process].feeds[0]
         if process not in self.tracks:
             return of_process
-        nearest = self.tracks[process].ways.nearest_to(place)[1]
+        nearest = self.tracks[process].toolpaths.nearest_to(place)[1]
         own = self.torch.settings.get(self.need.looks[process][nearest])
         return of_process if own is None or own.speed is None else own.speed
 
@@ -253,14 +255,14 @@ class OutlineCheck:
         """The contour of the input that is nearest to a place, to be said behind a message."""
         if not self.tracks:
             return ""
-        process = min(self.tracks, key=lambda p: self.tracks[p].ways.nearest_to(place)[0])
+        process = min(self.tracks, key=lambda p: self.tracks[p].toolpaths.nearest_to(place)[0])
         return self._beside(place, process)
 
     def _beside(self, place: Floats, process: TorchProcess | None) -> str:
         """The contour of the input that a stroke at a place is beside; letters have none."""
         if process not in self.tracks:
             return ""
-        nearest = self.tracks[process].ways.nearest_to(place)[1]
+        nearest = self.tracks[process].toolpaths.nearest_to(place)[1]
         return f", beside the contour of {self.need.source(process, nearest)}"
 
     def _speeds(
@@ -317,7 +319,7 @@ class OutlineCheck:
             return self.said
         slack = self.rounding + self.simplify
         return compare_polylines(
-            self.ways, self.part, self.machine, self.skips, slack, self.name, self.simplify > 0.0
+            self.drawn, self.part, self.machine, self.skips, slack, self.name, self.simplify > 0.0
         )
 
 

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.machine import load
 from beamcam.machine.tools import Tool, ToolSet
 from beamcam.model.plan import DrillOp, PathOp, Plan, SpindleOp
-from beamcam.planning.operations.tools import Tools, rack_of, settle
+from beamcam.planning.operations.tools import Tools, library_of, settle
 from tests.unit.planning.shop import hole, part, plan, pusher
 
 
@@ -26,7 +26,7 @@ def strokes(found: Plan) -> list[SpindleOp]:
     ],
 )  # fmt: skip
 def test_the_nearest_drill_within_the_tolerance(diameter: float, drill: float | None) -> None:
-    found = rack_of(load("beamline")).drills((diameter,), ("v",))
+    found = library_of(load("beamline")).drills((diameter,), ("v",))
     assert (found[0].diameter if found else None) == drill
 
 
@@ -48,9 +48,9 @@ def test_a_fraction_is_the_tool_of_its_decimals() -> None:
 def test_of_two_as_near_the_one_that_is_needed_anyway() -> None:
     drills = ToolSet("drill", (17.9, 18.1))
     machine = pusher(tools=(drills,))
-    both = rack_of(machine).drills((18.0,), ("v",))
+    both = library_of(machine).drills((18.0,), ("v",))
     assert [t.diameter for t in both] == [17.9, 18.1]
-    larger = rack_of(machine).drills((18.1,), ("v",))
+    larger = library_of(machine).drills((18.1,), ("v",))
     assert settle([both, larger])[both].diameter == 18.1
     assert settle([both])[both].diameter == 17.9
 
@@ -90,10 +90,10 @@ def test_a_blind_thread_is_drilled_deeper_by_the_run_out() -> None:
 def test_a_left_thread_needs_a_left_tap() -> None:
     left = ToolSet("tap", (16.0,), pitches=(2.0,), pre_drills=(14.0,), hand="left")
     machine = pusher(tools=(*pusher().tools, left))
-    rack = rack_of(machine)
-    assert [t.name for t in rack.taps(16.0, True, ("v",))] == ["tap M16 x 2 left"]
-    assert [t.name for t in rack.taps(16.0, False, ("v",))] == ["tap M16 x 2"]
-    assert rack.taps(20.0, True, ("v",)) == ()
+    library = library_of(machine)
+    assert [t.name for t in library.taps(16.0, True, ("v",))] == ["tap M16 x 2 left"]
+    assert [t.name for t in library.taps(16.0, False, ("v",))] == ["tap M16 x 2"]
+    assert library.taps(20.0, True, ("v",)) == ()
 
 
 def test_a_countersink_comes_after_its_hole_and_on_it() -> None:
@@ -150,9 +150,9 @@ def test_a_punch_mark() -> None:
 def test_a_tool_stands_only_where_its_file_says() -> None:
     web_only = tuple(replace(t, faces=("v",)) for t in pusher().tools)
     machine = pusher(tools=web_only)
-    assert rack_of(machine).drills((18.0,), ("v",))[0] == Tool("drill", 18.0)
-    assert rack_of(machine).drills((18.0,), ("o",)) == ()
-    assert rack_of(machine).drills((18.0,), ("o", "u")) == ()
+    assert library_of(machine).drills((18.0,), ("v",))[0] == Tool("drill", 18.0)
+    assert library_of(machine).drills((18.0,), ("o",)) == ()
+    assert library_of(machine).drills((18.0,), ("o", "u")) == ()
 
 
 def test_a_through_hole_behind_the_web_is_drilled_from_the_front() -> None:

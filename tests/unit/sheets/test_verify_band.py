@@ -14,7 +14,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
 from beamcam.verify.sheets.region import region_of
-from beamcam.verify.sheets.ways import Ways
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 from .parts import box, circle, contour, drawing, lines, table
 
@@ -140,12 +140,12 @@ def test_a_neck_cut_through() -> None:
     assert codes(text.replace(last, across), part) >= {"extra", "band"}
 
 
-def ways(*curves: Curve) -> Ways:
-    return Ways(list(curves), TOLERANCE / 8)
+def toolpaths(*curves: Curve) -> Toolpaths:
+    return Toolpaths(list(curves), TOLERANCE / 8)
 
 
 def in_part(curves: list[Curve], features: list[int], *points: tuple[float, float]) -> list[bool]:
-    found = region_of(ways(*curves), np.array(features), 0.05, TOLERANCE / 8)
+    found = region_of(toolpaths(*curves), np.array(features), 0.05, TOLERANCE / 8)
     inside: list[bool] = found.in_part(np.array(points)).tolist()
     return inside
 

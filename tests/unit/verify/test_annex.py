@@ -6,7 +6,7 @@ import pytest
 
 from beamcam.machine import load
 from beamcam.verify.bars import interpret
-from beamcam.verify.bars.made import Bore, Cut
+from beamcam.verify.bars.machined_features import Bore, Cut
 from tests.conftest import SHARED
 
 FILE = SHARED / "reference" / "beam-cell" / "annex-a.gcode"
@@ -44,7 +44,7 @@ def test_the_program_makes_what_its_blocks_say_and_nothing_else() -> None:
     }
     # 25 drill cycles: 15 of the web and 4 pairs for the long part, 3 and 3 for the short ones.
     assert len({b.line for b in made.bores}) == 15 + 4 + 6
-    assert made.trails == ()
+    assert made.paths == ()
     assert len(made.order) == len(CUTS) + 21 + 8
 
 

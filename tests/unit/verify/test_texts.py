@@ -34,9 +34,9 @@ def lettered(program: str, one: Part, face: str) -> Lines:
     up = -1.0 if face in ("o", "h") else 1.0
     return [
         ((a[0], up * a[1]), (b[0], up * b[1]))
-        for trail in made.trails
-        if trail.kind == "scribe" and trail.face == face
-        for a, b in pairwise(trail.points)
+        for path in made.paths
+        if path.kind == "scribe" and path.face == face
+        for a, b in pairwise(path.points)
     ]
 
 

@@ -34,7 +34,7 @@ class Bore(Struct, frozen=True, gc=False):
     begin: float = 0.0  #: where its feed began on the stroke axis
 
 
-class Trail(Struct, frozen=True, gc=False):
+class MachinedPath(Struct, frozen=True, gc=False):
     """A path that a tool was led along in the material."""
 
     line: int  #: of its first point
@@ -61,27 +61,29 @@ class ToldText(Struct, frozen=True, gc=False):
     angle: float  #: degrees
 
 
-Thing = Cut | Bore | Trail | ToldText
+Thing = Cut | Bore | MachinedPath | ToldText
 
 
-class Made(Struct, frozen=True):
+class MachinedFeatures(Struct, frozen=True):
     """All that a program makes, in its order."""
 
     section: tuple[tuple[str, float], ...]  #: what it says about the bar, by field name
     cuts: tuple[Cut, ...]
     bores: tuple[Bore, ...]
-    trails: tuple[Trail, ...]
+    paths: tuple[MachinedPath, ...]
     order: tuple[Thing, ...]  #: all of them, as they follow one another
     texts: tuple[ToldText, ...] = ()
 
 
-def made_in_order(section: tuple[tuple[str, float], ...], order: Sequence[Thing]) -> Made:
+def made_in_order(
+    section: tuple[tuple[str, float], ...], order: Sequence[Thing]
+) -> MachinedFeatures:
     """All that is in `order`, and each kind by itself."""
-    return Made(
+    return MachinedFeatures(
         section,
         tuple([o for o in order if type(o) is Cut]),
         tuple([o for o in order if type(o) is Bore]),
-        tuple([o for o in order if type(o) is Trail]),
+        tuple([o for o in order if type(o) is MachinedPath]),
         tuple(order),
         tuple([o for o in order if type(o) is ToldText]),
     )

@@ -1,4 +1,7 @@
-"""Many curves as elements, and questions about many points at once."""
+"""Toolpaths, made or required, as elements, and questions about many points at once.
+
+A way is one of the curves that they were given as.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
@@ -23,7 +26,7 @@ WIDER = 4.0  #: how much farther is looked where nothing was near
 MOST_TURN_RAD = 0.8  #: between points of an outline
 
 
-class Ways:
+class Toolpaths:
     """Curves one after the other; lines and arcs are exact, chords of others off by `tolerance`.
 
     `shift` moves all of them.
@@ -47,7 +50,7 @@ class Ways:
             self._put(self.elements.moved(shift))
 
     @classmethod
-    def of_moves(cls, moves: Moves, tolerance: float) -> "Ways":
+    def of_moves(cls, moves: Moves, tolerance: float) -> "Toolpaths":
         """The ways of moves."""
         found = cls.__new__(cls)
         rest = dict(sorted(moves.curves.items()))
@@ -60,9 +63,9 @@ class Ways:
         )  # fmt: skip
         return found
 
-    def moved(self, shift: tuple[float, float]) -> "Ways":
+    def moved(self, shift: tuple[float, float]) -> "Toolpaths":
         """The same elsewhere."""
-        found = Ways.__new__(Ways)
+        found = Toolpaths.__new__(Toolpaths)
         found.count, found._first, found._behind = self.count, self._first, self._behind
         found.owner, found.rest = self.owner, self.rest
         found._put(self.elements.moved(shift))
@@ -128,13 +131,13 @@ class Ways:
         found[self.rest] = 2
         return found
 
-    def first(self, ways: Counts) -> Counts:
+    def first(self, toolpaths: Counts) -> Counts:
         """The first element of each of some ways."""
-        return self._first[ways]
+        return self._first[toolpaths]
 
-    def last(self, ways: Counts) -> Counts:
+    def last(self, toolpaths: Counts) -> Counts:
         """The last element of each of some ways."""
-        return self._behind[ways] - 1
+        return self._behind[toolpaths] - 1
 
     def near(self, points: Floats, reach: float) -> Pairs:
         """All pairs of a point (n, 2) and an element no farther than `reach` from it."""
