@@ -1,6 +1,6 @@
 """The parts that a program makes, worked out from the program alone.
 
-    bars     features made (verify/bars) -> pieces between the cuts -> parts
+    bars     machined features (verify/bars) -> pieces between the cuts -> parts
     sheets   strokes (verify/sheets) -> closed contours without leads and kerf -> one part
 
 What comes back was proved: the program, read back against the parts, makes exactly them.

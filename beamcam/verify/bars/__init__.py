@@ -1,6 +1,6 @@
 """Programs for bars read back: what they make, what would break, and the parts compared.
 
-    text -> events (controllers) -> features made (cell) -> pieces of bar (pieces) -> compared
+    text -> events (controllers) -> machined features (cell) -> pieces of bar (pieces) -> compared
 
 Nothing of it comes from a plan: which piece of the bar is which part, how it lies, and what may be
 missing, the read-back finds out from the program, the parts, the machine and what was asked.

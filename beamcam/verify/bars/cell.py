@@ -1,4 +1,4 @@
-"""Simulation of a saw and drilling cell: events in; features made and faults out.
+"""Simulation of a saw and drilling cell: events in; machined features and faults out.
 
 Where the section is known the steel is: before its face a tool comes in rapid and keeps the
 machine's clearance, behind it it is fed. Of a program alone the section is what its own words say,

@@ -1,4 +1,4 @@
-"""Features made by a program, in machine coordinates."""
+"""Machined features: what a program made, in machine coordinates."""
 
 from collections.abc import Sequence
 
