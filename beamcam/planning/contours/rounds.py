@@ -20,6 +20,8 @@ FINE = 1e-3
 MIN_LENGTH = 0.5
 #: A curve that goes over itself the same way has turned by a whole circle in between.
 TURNED_RAD = 1.01 * tau
+AT_ONCE = 1000  #: chords that are asked about
+MAX_PAIRS = 2_000_000  #: hundreds of rounds on one place are refused without comparing each pair
 
 
 def told(wanted: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diagnostic]:
@@ -79,17 +81,24 @@ def chords_of(curves: Sequence[Curve]) -> tuple[Floats, Floats, Counts]:
 
 
 def _again(starts: Floats, steps: Floats) -> Flags:
-    """Which chords lie on others that are followed before them, in the same direction."""
+    """Which chords lie on others that are followed before them, in the same direction.
+
+    Of a curve with more than `MAX_PAIRS` chords on one another it may be those that come first.
+    """
     import shapely
 
     along = np.cumsum(np.hypot(*steps.T))
-    chords = shapely.linestrings(np.stack((starts, starts + steps), axis=1))
-    own, other = shapely.STRtree(chords).query(
-        shapely.points(starts + steps / 2), "dwithin", distance=2 * FINE
-    )
-    before = (along[own] - along[other] > MIN_LENGTH) & (
-        np.sum(steps[own] * steps[other], axis=1) > 0.0
-    )
-    found = np.zeros(len(steps), dtype=bool)
-    found[own[before]] = True
+    chords = shapely.STRtree(shapely.linestrings(np.stack((starts, starts + steps), axis=1)))
+    middles = shapely.points(starts + steps / 2)
+    found, pairs = np.zeros(len(steps), dtype=bool), 0
+    for first in range(0, len(steps), AT_ONCE):
+        own, other = chords.query(middles[first : first + AT_ONCE], "dwithin", distance=2 * FINE)
+        own += first
+        before = (along[own] - along[other] > MIN_LENGTH) & (
+            np.sum(steps[own] * steps[other], axis=1) > 0.0
+        )
+        found[own[before]] = True
+        pairs += len(own)
+        if pairs > MAX_PAIRS and np.hypot(*steps[found].T).sum() > MIN_LENGTH:
+            break
     return found

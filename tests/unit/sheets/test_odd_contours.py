@@ -11,6 +11,7 @@ from beamcam.geometry.curves import Bezier, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import post
+from beamcam.planning.contours import rounds
 from beamcam.verify.sheets import verify_sheet
 
 from .parts import box, circle, contour, drawing, lines, table
@@ -123,9 +124,9 @@ def test_a_curve_that_runs_back_along_itself_is_told(curve: Bezier, length: floa
     assert [d.code for d in caught.value.diagnostics] == ["plan-doubles-back-kerf"]
 
 
-def wound(rounds: float, growth: float = 0.0) -> Part:
+def wound(times: float, growth: float = 0.0) -> Part:
     """A curve about a centre that goes round so often, so much farther out each time."""
-    turns = np.linspace(0.0, 2 * np.pi * rounds, int(24 * rounds) + 1)
+    turns = np.linspace(0.0, 2 * np.pi * times, int(24 * times) + 1)
     radius = 30.0 + growth * turns / (2 * np.pi)
     slope = growth / (2 * np.pi)
     at = np.column_stack((radius * np.cos(turns), radius * np.sin(turns)))
@@ -137,14 +138,24 @@ def wound(rounds: float, growth: float = 0.0) -> Part:
 
 
 @pytest.mark.parametrize("machine", [MACHINE, PLASMA], ids=["laser", "plasma"])
-@pytest.mark.parametrize(("rounds", "length"), [(1.25, 47.1), (2.0, 188.5), (3.5, 471.2)])
+@pytest.mark.parametrize(("times", "length"), [(1.25, 47.1), (2.0, 188.5), (3.5, 471.2)])
 def test_a_curve_that_runs_over_itself_is_refused(
-    machine: Machine, rounds: float, length: float
+    machine: Machine, times: float, length: float
 ) -> None:
     with pytest.raises(PlanError, match="plan-runs-over-itself") as caught:
-        post((wound(rounds),), machine)
+        post((wound(times),), machine)
     found = float(re.findall(r"for (\S+) mm", caught.value.diagnostics[0].message)[0])
     assert found == pytest.approx(length, abs=0.6)
+
+
+def test_hundreds_of_rounds_are_not_compared_pair_by_pair(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is found so far is enough to refuse the curve."""
+    monkeypatch.setattr(rounds, "AT_ONCE", 100)
+    monkeypatch.setattr(rounds, "MAX_PAIRS", 1000)
+    with pytest.raises(PlanError, match="plan-runs-over-itself") as caught:
+        post((wound(3.5),), MACHINE)
+    found = float(re.findall(r"for (\S+) mm", caught.value.diagnostics[0].message)[0])
+    assert rounds.MIN_LENGTH < found < 471.0
 
 
 @pytest.mark.parametrize("part", [wound(1.0), wound(3.5, 4.0)], ids=["ring", "spiral"])
