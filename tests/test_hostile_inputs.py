@@ -323,6 +323,7 @@ def test_slots_on_each_other_are_told_apart_by_their_numbers(tmp_path: Path) -> 
     assert (tmp_path / "a.ngc").exists(), said.printed
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("tiny", [1e-200, 5e-324, -1e-300])
 def test_a_place_of_next_to_nothing_takes_no_way_of_its_own(tiny: float, tmp_path: Path) -> None:
     corners = [[0, 0], [40, 0], [40, 30], [0, 30], [tiny, 0]]

@@ -87,7 +87,8 @@ def _nested(
     areas = np.abs(signed)
     signed[areas <= MIN_WIDTH * shapely.length(rings)] = 0.0
     tree = shapely.STRtree(rings)
-    points = list(shapely.point_on_surface(valid(rings, bad)))
+    with np.errstate(over="ignore"):  # it divides by sides of next to nothing too
+        points = list(shapely.point_on_surface(valid(rings, bad)))
     asked = list(closed)
     own_area = list(areas)
     for i, shape in enumerate(shapes):
