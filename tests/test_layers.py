@@ -168,3 +168,27 @@ def test_posting_a_dstv_file_imports_nothing_heavy() -> None:
     assert run.returncode == 0, run.stderr
     assert run.stderr.splitlines()[-1] == "[]"
     assert "M30" in run.stdout
+
+
+def test_each_pass_of_the_plan_of_a_bar_is_one_call_of_another_room() -> None:
+    """As docs/architecture.md lists them; a part does not come back to a room that it left."""
+    tree = ast.parse((PACKAGE / "planning" / "beam.py").read_text(encoding="utf-8"))
+    room_of = {
+        alias.name: node.module.removeprefix("beamcam.planning.")
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("beamcam.planning.")
+        for alias in node.names
+    }
+    (plan_bar,) = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "plan_bar")
+    calls = [node for node in ast.walk(plan_bar) if isinstance(node, ast.Call)]
+    passes = [
+        room_of[c.func.id] for c in calls if isinstance(c.func, ast.Name) and c.func.id in room_of
+    ]
+    rooms = set(passes) - {"operations.line"}  # the machine's stations, not the parts
+    assert len(passes) == len(set(passes))
+    assert rooms == {
+        "orientation", "nesting", "operations.work", "axis_limits", "order", "magazine",
+        "cutting_data",
+    }  # fmt: skip
+    table = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert all(f"`planning/{one.replace('.', '/')}.py`" in table for one in rooms)
