@@ -7,7 +7,7 @@ from random import Random
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from beamcam.emitters import cutting
@@ -16,6 +16,7 @@ from beamcam.geometry.conics import arc_through
 from beamcam.geometry.curves import BSpline, Curve
 from beamcam.model.part import Part
 from beamcam.motion.sheet import sheet_program
+from beamcam.planning.contours import doubling
 from beamcam.planning.sheet import plan_sheet
 from tests.rings import polygon_of
 from tests.swept_band import Drawn, Measured, strokes_of
@@ -28,6 +29,7 @@ CHORD = 0.003
 
 #: What a contour is refused for; each is shown to be true.
 CROSSING = {"plan-crossing", "plan-crossings", "plan-shared-edge"}
+DOUBLED = {"plan-doubles-back-kerf"}
 NARROW = {"plan-kerf", "plan-narrow", "plan-near"}
 BY_MACHINE = {"plan-kerf-machine", "plan-kerf-lead"}
 
@@ -105,12 +107,12 @@ def crosses(rings: list[shapely.Polygon]) -> bool:
     )
 
 
-def lies_on_itself(ring: shapely.Polygon) -> bool:
-    """Whether a ring has a spike or a slot a few thousandths wide."""
+def lies_on_itself(ring: shapely.Polygon, half: float = 0.002) -> bool:
+    """Whether a ring has a spike or a slot of at most twice `half`; else of a few thousandths."""
     return any(
         abs(ring.buffer(d, join_style="mitre").buffer(-d, join_style="mitre").length - ring.length)
         > 0.01
-        for d in (0.002, -0.002)
+        for d in (half, -half)
     )
 
 
@@ -128,6 +130,7 @@ def has_narrow_places(rings: list[shapely.Polygon], kerf: float) -> bool:
 @pytest.mark.parametrize("kerf_by", ["offset", "machine"])
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10**6))
+@example(seed=158)
 def test_what_is_cut_is_right_and_what_is_refused_is_wrong(
     tmp_path_factory: pytest.TempPathFactory, kerf_by: str, seed: int
 ) -> None:
@@ -138,9 +141,13 @@ def test_what_is_cut_is_right_and_what_is_refused_is_wrong(
         plan = plan_sheet((part_of(sheet),), machine)
     except PlanError as refused:
         codes = {said.code for said in refused.diagnostics}
-        assert codes <= CROSSING | NARROW | BY_MACHINE
+        assert codes <= CROSSING | DOUBLED | NARROW | BY_MACHINE
         if codes & CROSSING:
             assert crosses(rings)
+        if codes & DOUBLED:
+            assert machine.torch is not None
+            half = doubling.NEEDLE * machine.torch.tolerance / 2
+            assert any(lies_on_itself(ring, half + 0.001) for ring in rings)
         if codes & NARROW:
             assert crosses(rings) or has_narrow_places(rings, KERF)
         if kerf_by == "offset":
