@@ -47,16 +47,27 @@ def _most_turns(toolpaths: Toolpaths, slack: float) -> Floats:
     A chord of length L, at its middle within the slack s of an arc on one side and at its ends on
     the other, is 8 s / L off the direction of that at its ends; an arc of radius r is
     2 sqrt(s / r) off that of such a chord. A chord that the next one leaves at the angle b is one
-    of an arc of radius L / b.
+    of an arc of radius L / b; of short chords, such as those between whole steps, some may go on
+    straight, so that the next bend counts.
     """
     elements = toolpaths.elements
     turns = _turns(elements, slack)
-    bend = np.maximum(turns[:-1], turns[1:])
+    bend = _most_near(turns, elements.length, NEAR_BEND * slack)
     radius = elements.arcs[elements.is_arc, 2]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # absurdly short or long
         share = slack / elements.length
         found: Floats = np.fmin(8.0 * share, bend / 2 + 2.0 * np.sqrt(bend * share))
         found[elements.is_arc] += 2.0 * np.sqrt(slack / radius)
+    return found
+
+
+def _most_near(turns: Floats, lengths: Floats, reach: float) -> Floats:
+    """The greatest turn at an element or no farther from it than `reach`, for each."""
+    places = np.append(0.0, np.cumsum(lengths))
+    first = np.searchsorted(places, places[:-1] - reach)
+    behind = np.searchsorted(places, places[1:] + reach, "right")
+    windows = np.column_stack((first, behind)).ravel()
+    found: Floats = np.maximum.reduceat(np.append(turns, 0.0), windows)[::2]
     return found
 
 

@@ -28,7 +28,9 @@ from beamcam.verify.sheets.work import Work
 
 CHORD = 0.1  #: mm
 SLACK = 0.05  #: mm that an end may be elsewhere, where lines run flat into a contour
-ASIDE = 1e-6  #: mm from a line, where it is looked what lies above and below an edge on it
+#: mm from a line, where it is looked what lies above and below an edge on it, or one so near that
+#: chords in place of the curve may lie on its other side.
+ASIDE = (0.0, 1e-6, -1e-6, 0.01, -0.01)
 HATCH = "hatch"  #: where the input's reader says that a line of a hatch is
 
 
@@ -72,7 +74,8 @@ def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
 def _faults(filled: _Filled, distance: float) -> Iterator[_Fault]:
     """Where lines differ from those that fill the area.
 
-    Where an edge lies on a line, that may fill what is above it, what is below it, or both.
+    Where an edge lies on a line or grazes it, that may fill what is above it, what is below it, or
+    both.
     """
     if not filled.rings:
         return
@@ -87,7 +90,7 @@ def _faults(filled: _Filled, distance: float) -> Iterator[_Fault]:
         else:
             span = min(x0, x1) - distance / 2, max(x0, x1) + distance / 2
             found.setdefault(k, []).append(span)
-    pieces = [_pieces(filled.rings, distance, aside) for aside in (0.0, ASIDE, -ASIDE)]
+    pieces = [_pieces(filled.rings, distance, aside) for aside in ASIDE]
     for k in sorted({*found, *(k for some in pieces for k in some)}):
         y = low + (k + 0.5) * distance
         faults = [_line_fault(found.get(k, []), some.get(k, []), distance, y) for some in pieces]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import shapely
 from click.testing import CliRunner
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -186,6 +186,7 @@ def _hatch_codes(part: Part, machine: Machine) -> set[str]:
     size=st.floats(3, 60), hole=st.floats(1, 30),
     name=st.sampled_from(["laser-grbl", "plate-codesys"]),
 )  # fmt: skip
+@example(0.3, 11.25, False, 3.0, 1.0, "laser-grbl")  # a line grazes the hole
 def test_whatever_is_hatched_is_found_right(
     distance: float, angle: float, outline: bool, size: float, hole: float, name: str
 ) -> None:

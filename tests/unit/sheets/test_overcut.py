@@ -7,7 +7,7 @@ from math import dist
 
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -52,6 +52,7 @@ def test_the_program_goes_on_by_as_much() -> None:
     lead=st.sampled_from(["none", "line", "arc"]),
     name=st.sampled_from([*G_CODE, *TABLES]), style=st.sampled_from([".steps", ".csv"]),
 )  # fmt: skip
+@example(3.0, 1, True, "none", "none", "laser-stepper", ".steps")
 def test_whatever_is_planned_is_found_right(
     overcut: float, tabs: int, inner: bool, kerf_by: str, lead: str, name: str, style: str
 ) -> None:
