@@ -157,7 +157,7 @@ class Interpreter(ABC):
         place = said.get("X", x), said.get("Y", y)
         peck = said.get("Q", 0.0)
         for rapid, end in drill_cycle.cycle_moves(
-            self._place, place, bottom, near, clear, cycle, peck
+            self._place, place, bottom, near, clear, self._before_cycle, cycle, peck
         ):
             self._go(line, 0 if rapid else 1, dict(zip("XYZ", end, strict=True)), own_feed)
             if not rapid and cycle == drill_cycle.DRILL_AND_DWELL:

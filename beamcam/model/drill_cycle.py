@@ -6,9 +6,10 @@
     G73 ... Q          Q deeper at a time, each time a little back, to break them
     G80                the end of the cycle
 
-A tool that stands between R and Z goes to R first. It is drawn back to where it stood before the
-cycle, or to R where that lies further out or the controller is told so (G99). Source: LinuxCNC
-documentation, "Canned Cycles"; DIN 66025.
+A tool that stood between R and Z before a run of cycles goes to R first, of each of them; one that
+was drawn back to an R further in goes to the next place and to R at once. It is drawn back to where
+it stood before the cycle, or to R where that lies further out or the controller is told so (G99).
+Source: LinuxCNC documentation, "Canned Cycles", and what its interpreter does; DIN 66025.
 """
 
 from collections.abc import Iterator
@@ -34,16 +35,22 @@ class CycleMove(NamedTuple):
 
 def cycle_moves(
     at: Place, place: tuple[float, float], bottom: float, near: float, clear: float,
-    cycle: int = DRILL, peck: float = 0.0,
+    before: float, cycle: int = DRILL, peck: float = 0.0,
 ) -> Iterator[CycleMove]:  # fmt: skip
-    """Moves of a cycle from the tool's position; `near` is R, `clear` the retract position."""
+    """Moves of a cycle from the tool's position; `near` is R, `clear` the retract position.
+
+    `before` is where the tool stood before the first of a run of cycles; nan where nobody knows.
+    """
     x, y = place
     inward = 1.0 if bottom > near else -1.0
     z = at[2]
-    if not inward * (z - near) <= 0.0:  # nearer the bottom than R, or from nowhere
+    if not inward * (before - near) <= 0.0:
+        if z != near:
+            yield CycleMove(True, (at[0], at[1], near))
+        at, z = (at[0], at[1], near), near
+    elif inward * (z - near) > 0.0:
         z = near
-        yield CycleMove(True, (at[0], at[1], near))
-    if (x, y) != at[:2]:
+    if (x, y, z) != at:
         yield CycleMove(True, (x, y, z))
     if z != near:
         yield CycleMove(True, (x, y, near))

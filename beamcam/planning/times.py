@@ -195,7 +195,9 @@ class _Clock:
         clear = drill_cycle.clear_place(at[2], near, bottom, self._back_to_near)
         seconds = words.get("P", 0.0) if cycle == drill_cycle.DRILL_AND_DWELL else 0.0
         peck = words.get("Q", 0.0)
-        for rapid, end in drill_cycle.cycle_moves(at, place, bottom, near, clear, cycle, peck):
+        for rapid, end in drill_cycle.cycle_moves(
+            at, place, bottom, near, clear, at[2], cycle, peck
+        ):
             self._rapid = rapid
             to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
             seconds += self._go(to)

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import cell_events, table_events
@@ -129,6 +129,8 @@ def changes(moves: list[tuple[bool, tuple[float, ...]]]) -> list[tuple[bool, tup
 @needs_rs274
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=programs())
+@example(HEAD + "G99\nG0 X0 Y0 Z0\nG81 X0 Y1 Z-2 R-1 F50\nG81 X0 Y0 Z-1 R0 F50\nX1 R1\nX2\n" + FOOT)
+@example(HEAD + "G81 X0 Y1 Z5 R6 F50\nG81 X0 Y0 Z4 R5 F50\n" + FOOT)
 def test_cycles_are_what_linuxcnc_makes_of_them(
     linuxcnc: Machine, tmp_path: Path, text: str
 ) -> None:
