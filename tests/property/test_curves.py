@@ -102,7 +102,8 @@ def test_length_is_that_of_a_fine_polyline(curve):
     points = points_at(curve, np.linspace(0, 1, 20001))
     polyline = float(np.sum(np.hypot(*np.diff(points, axis=0).T)))
     assert polyline <= curve.length * (1 + 1e-7)
-    assert curve.length == pytest.approx(polyline, rel=2e-4)
+    # It cuts the corners of a spline of degree 1.
+    assert curve.length == pytest.approx(polyline, rel=1e-3)
 
 
 @settings(max_examples=200, deadline=None)

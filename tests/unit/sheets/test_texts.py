@@ -78,7 +78,10 @@ def test_a_text_that_stands_free_stands_where_the_part_has_it(angle: float) -> N
 
 
 @given(
-    st.text("ABCDEFGHJKLMNOPRSTUVWXYZ0123456789-", min_size=1, max_size=8),
+    # Of dashes alone nobody can say how high above their baseline they stand.
+    st.text("ABCDEFGHJKLMNOPRSTUVWXYZ0123456789-", min_size=1, max_size=8).filter(
+        lambda words: words.strip("-")
+    ),
     st.floats(-20, 220), st.floats(-20, 120), st.sampled_from([0.0, 90.0, 180.0, 17.0]),
     st.floats(4.0, 30.0), st.lists(st.tuples(st.floats(20, 180), st.floats(20, 80)), max_size=3),
 )  # fmt: skip
