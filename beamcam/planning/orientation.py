@@ -10,7 +10,7 @@ from beamcam.model.plan import AS_GIVEN
 from beamcam.planning import rules
 from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.work import PartWork, work_on
-from beamcam.planning.stock import refuse_stock
+from beamcam.planning.stock import refuse_size, refuse_stock
 
 
 class OrientedPart(Struct, frozen=True):
@@ -29,14 +29,15 @@ def orient(
     Raises PlanError with everything that the machine cannot make.
     """
     told: list[Diagnostic] = []
+    refusals = [*refuse_stock(parts, line)]
     turned, turns = parts, [AS_GIVEN] * len(parts)
-    if turn:
+    if turn and not refusals:
         from beamcam.planning.turn_choice import choose_turns
 
         choices = choose_turns(parts, line, skips)
         turned, turns = [c.part for c in choices], [c.turn for c in choices]
         told += dict.fromkeys(said for c in choices for said in c.remarks)
-    refusals = [*refuse_stock(turned, line)]
+    refusals += [said for part in turned for said in refuse_size(part, line)]
     if refusals:
         raise PlanError(refusals)
     works = {key: work_on(part, line, skips) for key, part in {id(p): p for p in turned}.items()}

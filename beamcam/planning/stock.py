@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
-from beamcam.model.part import Part, Profile
+from beamcam.model.part import Part
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.operations.line import BarLine
@@ -44,7 +44,7 @@ def _is_too_short(said: Iterable[Diagnostic]) -> bool:
 
 
 def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
-    """Errors for sections that the machine does not take or that differ on one bar."""
+    """Errors for sections that the machine takes in no orientation or that differ on one bar."""
     machine, layout = line.machine, line.layout
     if not parts:
         yield rules.NO_PARTS.at(Source(machine.name))
@@ -62,14 +62,14 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
         fault = section_fault(mine)
         if fault is not None:
             yield rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code)
-        yield from refuse_size(mine, line, part.source)
 
 
-def refuse_size(profile: Profile, line: BarLine, source: Source) -> Iterator[Diagnostic]:
+def refuse_size(part: Part, line: BarLine) -> Iterator[Diagnostic]:
     """Errors for a section that is too large, as it lies, for a station of the line."""
+    profile = part.profile
     for station, size in (("saw", line.saw), ("drill", line.drill)):
         if profile.height > size.max_height or profile.width > size.max_width:
             yield rules.SECTION_SIZE.at(
-                source, found=f"{profile.height:g} x {profile.width:g}", station=station,
+                part.source, found=f"{profile.height:g} x {profile.width:g}", station=station,
                 expected=f"{size.max_height:g} x {size.max_width:g}",
             )  # fmt: skip

@@ -53,7 +53,7 @@ def try_turns(part: Part, line: BarLine, skips: Collection[str]) -> tuple[Trial,
         if same is not None:
             trials.append(Trial(turn, lying, None, f"no different from {same.turn.name!r}"))
             continue
-        too_large = next(refuse_size(lying.profile, line, part.source), None)
+        too_large = next(refuse_size(lying, line), None)
         if too_large is not None:
             trials.append(Trial(turn, lying, None, f"{too_large.code}: {too_large.message}"))
             continue

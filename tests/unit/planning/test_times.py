@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import Machine, Times
+from beamcam.model.part import Profile
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import SAID, explain
@@ -176,6 +177,27 @@ def test_no_part_is_turned_to_where_the_section_is_too_large() -> None:
     assert sorted(o.how for o in found.outcomes) == ["made", "skipped"]
     sideways = [t for t in try_turns(below, line_of(narrow), ()) if t.turn.swap]
     assert {t.because.partition(":")[0] for t in sideways} == {"plan-section"}
+
+
+@pytest.mark.parametrize("code", ["Z", "B", "SO"])
+def test_a_section_that_the_line_does_not_take_is_refused_before_it_is_turned(code: str) -> None:
+    profile = Profile(code, "X", 200.0, 75.0, 2.0, 2.0, 0.0)
+    with pytest.raises(PlanError) as refused:
+        plan_bar([part(profile=profile)], load("beamline"), turn=True)
+    with pytest.raises(PlanError) as as_given:
+        plan_bar([part(profile=profile)], load("beamline"))
+    assert refused.value.diagnostics == as_given.value.diagnostics
+
+
+def test_a_section_too_large_as_given_is_turned() -> None:
+    machine = load("beamline-pusher")
+    assert machine.drill is not None
+    low = replace(machine, drill=replace(machine.drill, max_height=150.0))
+    tube = part(hole(500, 60), profile=TUBE)
+    with pytest.raises(PlanError, match="plan-section"):
+        plan_bar([tube], low)
+    found = plan_bar([tube], low, turn=True)
+    assert found.pieces[0].part.profile.height == TUBE.width
 
 
 def test_axes_that_the_file_does_not_have_are_usual_ones() -> None:
