@@ -90,12 +90,19 @@ def _faults(filled: _Filled, distance: float) -> Iterator[_Fault]:
         else:
             span = min(x0, x1) - distance / 2, max(x0, x1) + distance / 2
             found.setdefault(k, []).append(span)
-    pieces = [_pieces(filled.rings, distance, aside) for aside in ASIDE]
-    for k in sorted({*found, *(k for some in pieces for k in some)}):
-        y = low + (k + 0.5) * distance
-        faults = [_line_fault(found.get(k, []), some.get(k, []), distance, y) for some in pieces]
-        if faults[0] is not None and None not in faults:
-            yield faults[0]
+    wrong: dict[int, _Fault] | None = None
+    for aside in ASIDE:
+        pieces = _pieces(filled.rings, distance, aside)
+        still: dict[int, _Fault] = {}
+        for k in sorted({*found, *pieces} if wrong is None else wrong):
+            y = low + (k + 0.5) * distance
+            fault = _line_fault(found.get(k, []), pieces.get(k, []), distance, y)
+            if fault is not None:
+                still[k] = fault if wrong is None else wrong[k]
+        wrong = still
+        if not wrong:
+            return
+    yield from (wrong or {}).values()
 
 
 def _line_fault(
