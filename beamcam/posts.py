@@ -81,11 +81,11 @@ def bar_post() -> Post:
     """Of a saw and drilling line."""
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
-    from beamcam.planning.beam import plan_bar
+    from beamcam.planning.orientation import plan_oriented
     from beamcam.verify.bars import verify
 
     def plan(job: Job) -> Plan:
-        return plan_bar(job.parts, job.machine, job.bar, job.skips, job.order, job.turn)
+        return plan_oriented(job.parts, job.machine, job.bar, job.skips, job.order, job.turn)
 
     def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
         w = request

@@ -187,7 +187,7 @@ def test_each_pass_of_the_plan_of_a_bar_is_one_call_of_another_room() -> None:
     rooms = set(passes) - {"operations.line"}  # the machine's stations, not the parts
     assert len(passes) == len(set(passes))
     assert rooms == {
-        "orientation", "nesting", "operations.work", "axis_limits", "order", "magazine",
+        "stock", "operations.work", "nesting", "bar_operations", "axis_limits", "order", "magazine",
         "cutting_data",
     }  # fmt: skip
     table = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")

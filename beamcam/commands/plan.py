@@ -24,9 +24,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
 from beamcam.pipeline import remarks_on
 from beamcam.plain_text import terminal_text
-from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import Explanation, explain
-from beamcam.planning.operations.line import line_of
+from beamcam.planning.orientation import plan_oriented
 from beamcam.planning.stock import from_store
 from beamcam.planning.turn_choice import Trial, try_turns
 from beamcam.report.ledger import ledger_of
@@ -87,7 +86,7 @@ def command(
 
         def planned(machine: Machine, skips: Sequence[str] = config.allow_skips) -> Plan:
             return from_store(
-                lambda bar: plan_bar(parts, machine, bar, skips, order, turn),
+                lambda bar: plan_oriented(parts, machine, bar, skips, order, turn),
                 config.stock_lengths,
                 longest,
             )
@@ -98,7 +97,7 @@ def command(
         voice.remark(choice)
         remarks = remarks_on(plan, config.strict)
         turned = dict.fromkeys(parts) if turn else ()  # each once, however often it is made
-        trials = [(part, try_turns(part, line_of(machine), skips)) for part in turned]
+        trials = [(part, tuple(try_turns(part, machine, skips))) for part in turned]
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")

@@ -26,7 +26,8 @@ from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
 from beamcam.model.stroke import Strokes
-from beamcam.planning.operations.working_step import Said, Tooling, WorkingStep
+from beamcam.planning.operations.tools import Tooling
+from beamcam.planning.operations.working_step import Said, WorkingStep
 
 STROKE = Rule(
     "plan-stroke",

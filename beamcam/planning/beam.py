@@ -1,6 +1,6 @@
 """The plan of a bar on a saw and drilling line.
 
-parts -> as they lie -> what each needs (work) -> in order, laid on the bar
+parts, as they lie -> what each needs (work) -> in order, laid on the bar
       -> operations at machine X, with their tools -> in order of work -> a ledger of every feature
 """
 
@@ -22,13 +22,14 @@ from beamcam.model.plan import (
 )
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
+from beamcam.planning.bar_operations import bar_operations
 from beamcam.planning.cutting_data import cutting_remarks
 from beamcam.planning.magazine import reloads
 from beamcam.planning.nesting import lay
 from beamcam.planning.operations.line import line_of
-from beamcam.planning.operations.work import PartWork, operations_on
+from beamcam.planning.operations.work import PartWork, works_on
 from beamcam.planning.order import sort_along_x
-from beamcam.planning.orientation import orient
+from beamcam.planning.stock import refuse_stock
 
 LEDGER_TOLERANCE = 0.001  #: mm
 
@@ -39,21 +40,22 @@ def plan_bar(
     bar: float | None = None,
     skips: Collection[str] = (),
     order: Order = "given",
-    turn: bool = False,
 ) -> Plan:
-    """The work that makes `parts` from one bar of length `bar`, or of the length that they need.
+    """The work that makes `parts`, as they lie, from one bar of length `bar`, or as they need.
 
     `skips` names what may be left out (`rules.SKIP_NAMES`), `order` whether the parts lie as they
-    are given or as they nest best, `turn` whether a part may be turned on the rollers. Raises
-    PlanError with everything that the machine cannot make; nothing is left out that is not in
-    the plan's outcomes.
+    are given or as they nest best. Raises PlanError with everything that the machine cannot make;
+    nothing is left out that is not in the plan's outcomes.
     """
     line = line_of(machine)
-    oriented, told = orient(parts, line, skips, turn)
-    laid = lay(oriented, line, order, bar)
+    refusals = [*refuse_stock(parts, line)]
+    if refusals:
+        raise PlanError(refusals)
+    works, told = works_on(parts, line, skips)
+    laid = lay(works, line, order, bar)
     told += laid.remarks
     pieces, source = laid.pieces, laid.pieces[0].part.source
-    cuts, strokes = operations_on(pieces, laid.works, line, laid.bar)
+    cuts, strokes = bar_operations(laid, line)
     if not (cuts or strokes):
         raise PlanError(rules.NO_WORK.at(source, machine=machine.name))
     refusals = [*refuse_bar([*cuts, *strokes], pieces, machine)]

@@ -39,52 +39,54 @@ from beamcam.model.plan import Bar, Order, Piece
 from beamcam.planning import rules
 from beamcam.planning.operations.ends import End, Ends
 from beamcam.planning.operations.line import BarLine
-from beamcam.planning.operations.saw_cut import kerf_along_bar, share_cut
 from beamcam.planning.operations.work import PartWork
-from beamcam.planning.orientation import OrientedPart
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all
+SAME_ANGLE_DEG = 0.01  #: ends that differ by no more share a cut
+
+
+class BarLayout(Struct, frozen=True):
+    """Where parts lie on a bar."""
+
+    starts: tuple[float, ...]  #: x on the bar, mm
+    shared: tuple[bool, ...]  #: of each but the last: whether one cut ends it and starts the next
+    bar: Bar
 
 
 class LaidParts(Struct, frozen=True):
-    """Parts where they lie on one bar."""
+    """The pieces on one bar, and the work on each."""
 
     pieces: tuple[Piece, ...]
-    works: tuple[PartWork, ...]  #: of the pieces
+    works: tuple[PartWork, ...]
+    shared: tuple[bool, ...]  #: of each piece but the last, as in `BarLayout`
     bar: Bar
     remarks: tuple[Diagnostic, ...]
 
 
-def lay(
-    oriented: Sequence[OrientedPart], line: BarLine, order: Order, length: float | None
-) -> LaidParts:
+def lay(works: Sequence[PartWork], line: BarLine, order: Order, length: float | None) -> LaidParts:
     """The parts laid on a bar of `length`, as they are given or as they nest best.
 
     Raises PlanError as `lay_on_bar` and, for a line without a saw, `lay_cut_part` do.
     """
+    given = list(range(len(works)))
     remarks: tuple[Diagnostic, ...] = ()
-    works = [each.work for each in oriented]
     if order == "best" and len(works) > 1:
-        best, remarks = best_order([w.part for w in works], [w.ends for w in works], line.saw)
-        oriented = [oriented[i] for i in best]
-        works = [each.work for each in oriented]
+        given, remarks = best_order([w.part for w in works], [w.ends for w in works], line.saw)
+        works = [works[i] for i in given]
     parts = [work.part for work in works]
     if line.machine.saw is None:
-        (starts, bar), said = lay_cut_part(parts, line)
+        laid, said = lay_cut_part(parts, line)
     else:
         ends = [work.ends for work in works]
-        (starts, bar), said = lay_on_bar(parts, ends, line.layout, line.saw, length)
-    pieces = tuple(
-        Piece(each.work.part, start, each.given, each.turn)
-        for each, start in zip(oriented, starts, strict=True)
-    )
-    return LaidParts(pieces, tuple(works), bar, remarks + said)
+        laid, said = lay_on_bar(parts, ends, line.layout, line.saw, length)
+    pieces = tuple(map(Piece, parts, laid.starts, given))
+    return LaidParts(pieces, tuple(works), laid.shared, laid.bar, remarks + said)
 
 
 def lay_on_bar(
     parts: Sequence[Part], ends: Sequence[Ends], layout: Layout, saw: Saw, length: float | None
-) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
-    """Starts of the parts in the order given and the bar's account; and remarks about the remnant.
+) -> tuple[BarLayout, tuple[Diagnostic, ...]]:
+    """The parts in the order given, where they lie; and remarks about the remnant.
 
     `length` is the stock bar's; None takes as much as the parts need, or the machine's usual bar
     where that is less than it can hold. Raises PlanError if the parts do not fit, or if the bar or
@@ -97,8 +99,9 @@ def lay_on_bar(
     ]
     if refusals:
         raise PlanError(refusals)
-    starts, kerfs, nested = _starts(parts, ends, layout, saw)
-    kerfs += kerf_along_bar(saw, ends[-1][1])
+    shared = tuple(share_cut(here[1], there[0], saw) for here, there in pairwise(ends))
+    starts, kerfs, nested = _starts(parts, ends, shared, layout.front_trim)
+    kerfs += ends[-1][1].kerf
     parts_length = 0.0
     for part in parts:
         parts_length += part.length
@@ -110,13 +113,11 @@ def lay_on_bar(
     remarks: tuple[Diagnostic, ...] = ()
     if length is not None and remnant >= layout.min_remnant:
         remarks = (rules.REMNANT.at(source, found=f"{remnant:.3f}"),)
-    return (tuple(starts), bar), remarks
+    return BarLayout(tuple(starts), shared, bar), remarks
 
 
-def lay_cut_part(
-    parts: Sequence[Part], line: BarLine
-) -> tuple[tuple[tuple[float, ...], Bar], tuple[Diagnostic, ...]]:
-    """The start of the only part, which comes in cut, its account as a bar, and a remark.
+def lay_cut_part(parts: Sequence[Part], line: BarLine) -> tuple[BarLayout, tuple[Diagnostic, ...]]:
+    """The only part, which comes in cut and is a bar by itself; and a remark.
 
     Raises PlanError for several parts, and for one that the machine cannot hold.
     """
@@ -137,19 +138,29 @@ def lay_cut_part(
         raise PlanError(said)
     account = Bar(length, 0.0, length, 0.0, 0.0)
     remark = rules.COMES_CUT.at(first.source, found=f"{length:.3f}", machine=machine.name)
-    return ((0.0,), account), (remark,)
+    return BarLayout((0.0,), (), account), (remark,)
+
+
+def share_cut(end: End, start: End, saw: Saw) -> bool:
+    """Whether one skew cut can end a part and start the next."""
+    return (
+        saw.common_cuts
+        and not end.is_square
+        and abs(end.web_deg - start.web_deg) <= SAME_ANGLE_DEG
+        and abs(end.flange_deg - start.flange_deg) <= SAME_ANGLE_DEG
+    )
 
 
 def _starts(
-    parts: Sequence[Part], ends: Sequence[Ends], layout: Layout, saw: Saw
+    parts: Sequence[Part], ends: Sequence[Ends], shared: Sequence[bool], front_trim: float
 ) -> tuple[list[float], float, float]:
     """Starts of the parts, the sum of the kerfs between them, and by how much they overlap."""
-    starts, kerfs, nested = [layout.front_trim], 0.0, 0.0
+    starts, kerfs, nested = [front_trim], 0.0, 0.0
     for index, part in enumerate(parts[:-1]):
         here, there = ends[index][1], ends[index + 1][0]
-        kerf = max(kerf_along_bar(saw, here), kerf_along_bar(saw, there))
+        kerf = max(here.kerf, there.kerf)
         start = starts[-1] + part.length + kerf
-        if share_cut(here, there, saw):
+        if shared[index]:
             nested_start = starts[-1] + here.x0 + kerf - there.x0
             nested += start - nested_start
             start = nested_start

@@ -44,7 +44,7 @@ def _is_too_short(said: Iterable[Diagnostic]) -> bool:
 
 
 def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
-    """Errors for sections that the machine takes in no orientation or that differ on one bar."""
+    """Errors for sections that the machine does not take, or that differ on one bar."""
     machine, layout = line.machine, line.layout
     if not parts:
         yield rules.NO_PARTS.at(Source(machine.name))
@@ -62,14 +62,12 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
         fault = section_fault(mine)
         if fault is not None:
             yield rules.SECTION_SHAPE.at(part.source, found=fault, code=mine.code)
-
-
-def refuse_size(part: Part, line: BarLine) -> Iterator[Diagnostic]:
-    """Errors for a section that is too large, as it lies, for a station of the line."""
-    profile = part.profile
-    for station, size in (("saw", line.saw), ("drill", line.drill)):
-        if profile.height > size.max_height or profile.width > size.max_width:
-            yield rules.SECTION_SIZE.at(
-                part.source, found=f"{profile.height:g} x {profile.width:g}", station=station,
-                expected=f"{size.max_height:g} x {size.max_width:g}",
-            )  # fmt: skip
+    stations = (("saw", line.saw), ("drill", line.drill))
+    for part in parts:
+        height, width = part.profile.height, part.profile.width
+        for station, size in stations:
+            if height > size.max_height or width > size.max_width:
+                yield rules.SECTION_SIZE.at(
+                    part.source, found=f"{height:g} x {width:g}", station=station,
+                    expected=f"{size.max_height:g} x {size.max_width:g}",
+                )  # fmt: skip

@@ -56,7 +56,7 @@ def first_fit(parts: Sequence[Part], machine: Machine, lengths: Sequence[float])
     refusals: list[Diagnostic] = []
     for index, part in enumerate(parts):
         try:
-            ends[index] = ends_of(part, saw.min_mitre)[0]
+            ends[index] = ends_of(part, saw)[0]
             _laid((index,), parts, ends, layout, saw, longest)
         except PlanError as error:
             refusals += error.diagnostics
@@ -102,5 +102,5 @@ def _laid(
 ) -> StockBar:  # fmt: skip
     """Some parts laid on one bar. Raises PlanError as `lay_on_bar` does."""
     chosen = [parts[i] for i in pieces]
-    (starts, account), _ = lay_on_bar(chosen, [ends[i] for i in pieces], layout, saw, length)
-    return StockBar(tuple(pieces), starts, account)
+    laid, _ = lay_on_bar(chosen, [ends[i] for i in pieces], layout, saw, length)
+    return StockBar(tuple(pieces), laid.starts, laid.bar)

@@ -1,26 +1,27 @@
 """The turn of a part on the rollers, where the planner may choose.
 
-Each of the eight turns of a part is tried. One is out if the section does not lie so on the
-rollers or if the machine cannot make something of the part that way; of the others the one is
-taken that needs the least time, and as given if that is as good.
+Each of the eight turns of a part is tried by planning it alone. One is out if the section does
+not lie so on the rollers or if the machine cannot make something of the part that way; of the
+others the one is taken that needs the least time, and as given if that is as good.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import AS_GIVEN, Piece
+from beamcam.model.plan import AS_GIVEN, Order, Plan
 from beamcam.planning import rules
-from beamcam.planning.operations.line import BarLine
-from beamcam.planning.operations.work import PartWork, operations_on, work_on
-from beamcam.planning.order import sort_along_x
-from beamcam.planning.stock import refuse_size
-from beamcam.planning.times import time_of
+from beamcam.planning.beam import plan_bar
+from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
+BAR_BEHIND = 10_000.0  #: mm of bar behind a part that is tried
 MIN_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
+SKIP_WEIGHT_S = 1e6  #: for each feature left out: it is better made in another orientation
 
 
 class Trial(Struct, frozen=True):
@@ -40,53 +41,74 @@ class Orientation(Struct, frozen=True):
     remarks: tuple[Diagnostic, ...]
 
 
-def try_turns(part: Part, line: BarLine, skips: Collection[str]) -> tuple[Trial, ...]:
-    """All eight orientations of a part, in the order of `TURNS`."""
-    trials: list[Trial] = []
+def plan_turned(
+    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str], order: Order
+) -> Plan:
+    """The plan of a bar whose parts lie as is best. Raises PlanError as `plan_bar` does."""
+    choices = _choose_turns(parts, machine, skips)
+    plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
+    pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
+    told = dict.fromkeys(said for c in choices for said in c.remarks)
+    return replace(plan, pieces=pieces, remarks=(*told, *plan.remarks))
+
+
+def turns_that_help(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> Iterator[Diagnostic]:
+    """For each part that cannot be made as given, the turn that would help, if one does."""
+    for part in {id(p): p for p in parts}.values():
+        trials = try_turns(part, machine, skips)
+        if next(trials).seconds is None:
+            helping = next((t for t in trials if t.seconds is not None), None)
+            if helping is not None:
+                yield rules.TURN_HELPS.at(part.source, found=helping.turn.name)
+
+
+def try_turns(part: Part, machine: Machine, skips: Collection[str]) -> Iterator[Trial]:
+    """All eight orientations of a part, in the order of `TURNS`: as it is given first."""
+    made: list[Trial] = []
     for turn in TURNS:
-        if not lies(part.profile, turn):
-            because = f"a {part.profile.code} does not lie so on the rollers"
-            trials.append(Trial(turn, part, None, because))
-            continue
-        lying = turned(part, turn)
-        same = next((t for t in trials if t.seconds is not None and alike(t.part, lying)), None)
-        if same is not None:
-            trials.append(Trial(turn, lying, None, f"no different from {same.turn.name!r}"))
-            continue
-        too_large = next(refuse_size(lying, line), None)
-        if too_large is not None:
-            trials.append(Trial(turn, lying, None, f"{too_large.code}: {too_large.message}"))
-            continue
-        work = work_on(lying, line, skips)
-        # What `--allow-skips` would leave out is better made, in another orientation.
-        out = [*work.refusals, *work.skipped.values()]
-        if work.refusals:
-            trials.append(Trial(turn, lying, None, f"{out[0].code}: {out[0].message}"))
-        else:
-            seconds = _seconds(work, line) + SKIP_WEIGHT_S * len(work.skipped)
-            trials.append(Trial(turn, lying, seconds, ""))
-    return tuple(trials)
+        trial = _tried(part, turn, made, machine, skips)
+        if trial.seconds is not None:
+            made.append(trial)
+        yield trial
 
 
-SKIP_WEIGHT_S = 1e6  #: so that an orientation that leaves nothing out is always preferred
+def _tried(
+    part: Part, turn: Turn, made: Sequence[Trial], machine: Machine, skips: Collection[str]
+) -> Trial:
+    """A part in one orientation; of those that were `made` before it one may be no different."""
+    if not lies(part.profile, turn):
+        return Trial(turn, part, None, f"a {part.profile.code} does not lie so on the rollers")
+    lying = turned(part, turn)
+    same = next((t for t in made if alike(t.part, lying)), None)
+    if same is not None:
+        return Trial(turn, lying, None, f"no different from {same.turn.name!r}")
+    try:
+        plan = plan_bar([lying], machine, _trial_bar(lying, machine), skips)
+    except PlanError as error:
+        first = errors_in(error.diagnostics)[0]
+        return Trial(turn, lying, None, f"{first.code}: {first.message}")
+    skipped = sum(outcome.how == "skipped" for outcome in plan.outcomes)
+    return Trial(turn, lying, work_time(plan, machine).total_s + SKIP_WEIGHT_S * skipped, "")
 
 
-def _seconds(work: PartWork, line: BarLine) -> float:
-    """Time of the work on a part alone."""
-    pieces = (Piece(work.part, line.layout.front_trim),)
-    ordered = sort_along_x(*operations_on(pieces, (work,), line), line.machine)
-    return time_of(ordered, pieces, line.machine).total_s
+def _trial_bar(part: Part, machine: Machine) -> float:
+    """Length of a bar with more behind the part, as behind all but the last of a bar."""
+    ample = part.length + BAR_BEHIND
+    most = None if machine.layout is None else machine.layout.max_bar
+    return ample if most is None else min(ample, most)
 
 
-def choose_turns(
-    parts: Sequence[Part], line: BarLine, skips: Collection[str]
+def _choose_turns(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
 ) -> tuple[Orientation, ...]:
     """The orientation of each part on one bar.
 
     A bar lies one way for all of them: if the best turns would set it on its web for one part and
     on its flange for another, all lie as given or all are set on the other side.
     """
-    trials = {id(part): try_turns(part, line, skips) for part in parts}
+    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
     for allowed in ((False, True), (False,), (True,)):
         choices = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
                    for p in parts}  # fmt: skip
@@ -117,17 +139,3 @@ def _choose(part: Part, trials: Sequence[Trial]) -> Orientation | None:
             reason = "so nothing has to be left out"
     said = rules.TURNED.at(part.source, found=best.turn.name, reason=reason)
     return Orientation(best.part, best.turn.name, (said,))
-
-
-def turn_that_helps(
-    parts: Sequence[Part], line: BarLine, skips: Collection[str]
-) -> tuple[Diagnostic, ...]:
-    """For each part that cannot be made as given, the turn that would help, if one does."""
-    said = []
-    for part in {id(p): p for p in parts}.values():
-        trials = try_turns(part, line, skips)
-        if trials[0].seconds is None:
-            helping = next((t for t in trials if t.seconds is not None), None)
-            if helping is not None:
-                said.append(rules.TURN_HELPS.at(part.source, found=helping.turn.name))
-    return tuple(said)

@@ -73,7 +73,8 @@ TURNS = (
     Turn("turned end for end and 270", True, True, True),
 )
 
-#: Section codes and the turns of which each lies on the rollers as its DSTV axes have it.
+#: Section codes and the turns of which each lies on the rollers as its DSTV axes have it; a section
+#: of another code lies as given only.
 _LIES: dict[str, frozenset[tuple[bool, bool, bool]]] = {
     code: frozenset(turns)
     for code, turns in {
@@ -86,9 +87,9 @@ _LIES: dict[str, frozenset[tuple[bool, bool, bool]]] = {
         "L": [(False, False, False), (True, False, False)],
         "RO": [(False, False, False), (False, True, False)],
         "RU": [(False, False, False), (False, True, False)],
-        "SO": [(False, False, False)],
     }.items()
 }
+_AS_GIVEN = frozenset({(False, False, False)})
 
 
 def lies(profile: Profile, turn: Turn) -> bool:
@@ -96,7 +97,7 @@ def lies(profile: Profile, turn: Turn) -> bool:
 
     A U lies on its web with the trough up, an angle on its two legs, a T on its flange.
     """
-    return (turn.swap, turn.reverse_y, turn.reverse_z) in _LIES[profile.code]
+    return (turn.swap, turn.reverse_y, turn.reverse_z) in _LIES.get(profile.code, _AS_GIVEN)
 
 
 def turned(part: Part, turn: Turn) -> Part:

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.machine import load
+from beamcam.machine.absent import saw_of
 from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
@@ -16,7 +17,7 @@ from beamcam.model.section import corners
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.nesting import best_order, lay_on_bar
 from beamcam.planning.operations.ends import ends_of
-from beamcam.planning.operations.saw_cut import kerf_along_bar, pivot_edge
+from beamcam.planning.operations.saw_cut import pivot_edge
 
 SOURCE = Source("a.nc1", 1)
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
@@ -71,7 +72,7 @@ def test_the_blade_takes_waste_only_and_makes_every_end(bar: tuple[str, list[Par
     plan, machine = planned(*bar)
     cuts = [op for op in plan.operations if isinstance(op, SawOp)]
     for piece in plan.pieces:
-        start, end = ends_of(piece.part, 0.1)[0]
+        start, end = ends_of(piece.part, saw_of(machine))[0]
         starts, finishes = set(range(len(cuts))), set(range(len(cuts)))
         for y, z in corners(plan.profile):
             first, last = piece.start + start.x(y, z), piece.start + end.x(y, z)
@@ -99,9 +100,9 @@ def test_the_account_adds_up(bar: tuple[str, list[Part]], length: float | None) 
     assert account.remnant >= machine.layout.dead_zone - 1e-6
     saw = machine.saw
     assert saw is not None
-    ends = [ends_of(p.part, 0.1)[0] for p in plan.pieces]
+    ends = [ends_of(p.part, saw)[0] for p in plan.pieces]
     # Where the last cut ends, the rest begins.
-    behind = plan.pieces[-1].end + kerf_along_bar(saw, ends[-1][1])
+    behind = plan.pieces[-1].end + ends[-1][1].kerf
     assert abs(behind + account.remnant + account.end_trim - account.length) <= 0.001
 
 
@@ -127,14 +128,14 @@ def test_the_best_order_takes_the_least_bar(bar: tuple[str, list[Part]]) -> None
     assert machine.layout is not None
     assert machine.saw is not None
     layout = replace(machine.layout, max_bar=None, min_bar=0.0)
-    ends = [ends_of(p, 0.1)[0] for p in parts]
+    ends = [ends_of(p, machine.saw)[0] for p in parts]
 
     def used(order: list[int]) -> float:
         """Bar up to the end of the last part, whose own kerf no order changes much."""
         assert machine.saw is not None
         laid = lay_on_bar([parts[i] for i in order], [ends[i] for i in order], layout,
                           machine.saw, None)  # fmt: skip
-        return laid[0][1].nested
+        return laid[0].bar.nested
 
     found, _ = best_order(parts, ends, machine.saw)
     best = max(used(list(order)) for order in permutations(range(len(parts))))
@@ -151,7 +152,7 @@ def test_many_parts_are_ordered_too() -> None:
     ]
     machine = load("beamline")
     assert machine.saw is not None
-    ends = [ends_of(p, 0.1)[0] for p in parts]
+    ends = [ends_of(p, machine.saw)[0] for p in parts]
     order, said = best_order(parts, ends, machine.saw)
     assert sorted(order) == list(range(12))
     plan = plan_bar(parts, machine, order="best")

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
+from beamcam.machine.absent import saw_of
 from beamcam.model.part import (
     Bend,
     Bevel,
@@ -34,6 +35,7 @@ from beamcam.planning.rules import SKIP_NAMES
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
 SOURCE = Source("a.nc1", 1)
+SAW = saw_of(load("beamline-pusher"))
 PROFILES = {
     "I": Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0),
     "U": Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5),
@@ -165,10 +167,10 @@ def test_turned_and_turned_back_is_the_part(part: Part) -> None:
 @settings(max_examples=100, deadline=None)
 @given(parts("M"))
 def test_end_planes_turn_with_the_part(part: Part) -> None:
-    for end in ends_of(part, 0.1)[0]:
+    for end in ends_of(part, SAW)[0]:
         for turn in TURNS:
             lying = turned(part, turn)
-            ends = ends_of(lying, 0.1)[0]
+            ends = ends_of(lying, SAW)[0]
             same = (
                 ends[1 - int(end.at == "start")]
                 if not turn.reverse_x

@@ -19,6 +19,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Line, Point
+from beamcam.machine.saw import Saw
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.model.section import corners
 from beamcam.planning import rules
@@ -28,21 +29,17 @@ ANGLE_TOLERANCE_DEG = 0.2  #: between header and contour
 
 
 class End(Struct, frozen=True):
-    """The plane of one end: x on the part as a function of y and z in the section."""
+    """The plane of one end, x on the part as a function of y and z in the section, and its kerf."""
 
     at: Literal["start", "end"]
-    web_deg: float
-    x0: float  #: x at y = 0, z = 0
+    web_deg: float = 0.0
+    x0: float = 0.0  #: x at y = 0, z = 0
     flange_deg: float = 0.0
+    kerf: float = 0.0  #: length of bar that its cut takes, as the machine counts it
 
     @property
     def is_square(self) -> bool:
         return not (self.web_deg or self.flange_deg)
-
-    @property
-    def slant(self) -> float:
-        """Length along the part of a plate of thickness 1 that is parallel to the end."""
-        return hypot(1.0, tan(radians(self.web_deg)), tan(radians(self.flange_deg)))
 
     def x(self, y: float, z: float = 0.0) -> float:
         if self.is_square:
@@ -51,14 +48,14 @@ class End(Struct, frozen=True):
 
 
 Ends = tuple[End, End]
-SQUARE: Ends = (End("start", 0.0, 0.0), End("end", 0.0, 0.0))
+SQUARE: Ends = (End("start"), End("end"))
 
 
-def ends_of(part: Part, min_mitre: float) -> tuple[Ends, tuple[Diagnostic, ...]]:
-    """The start and the end plane of a part, and remarks about them.
+def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
+    """The start and the end plane of a part as the saw makes them, and remarks about them.
 
     Header and contour have to agree; where the header says nothing the contour decides. An angle
-    below `min_mitre` degrees is square. Raises PlanError where the two contradict each other.
+    below the saw's `min_mitre` is square. Raises PlanError where the two contradict each other.
     """
     cuts = part.cuts
     header = ((cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end))
@@ -66,14 +63,15 @@ def ends_of(part: Part, min_mitre: float) -> tuple[Ends, tuple[Diagnostic, ...]]
     if Contour in map(type, part.features):
         drawn = (_drawn_angles(part, "v"), _drawn_flange_angles(part))
     elif header == ((0.0, 0.0), (0.0, 0.0)):
-        return (End("start", 0.0, 0.0), End("end", 0.0, part.length)), ()
+        return (End("start", kerf=saw.kerf), End("end", x0=part.length, kerf=saw.kerf)), ()
     remarks: list[Diagnostic] = []
-    web = _agreed(part, "web", header[0], drawn[0], min_mitre, remarks)
-    flange = _agreed(part, "flange", header[1], drawn[1], min_mitre, remarks)
+    web = _agreed(part, "web", header[0], drawn[0], saw.min_mitre, remarks)
+    flange = _agreed(part, "flange", header[1], drawn[1], saw.min_mitre, remarks)
     slopes = [(tan(radians(w)), tan(radians(f))) for w, f in zip(web, flange, strict=True)]
     leans = [[y * t + z * s for y, z in corners(part.profile)] for t, s in slopes]
-    start = End("start", web[0], max(leans[0]), flange[0])
-    end = End("end", web[1], part.length + min(leans[1]), flange[1])
+    kerfs = [saw.kerf * (hypot(1.0, *s) if saw.kerf_along == "normal" else 1.0) for s in slopes]
+    start = End("start", web[0], max(leans[0]), flange[0], kerfs[0])
+    end = End("end", web[1], part.length + min(leans[1]), flange[1], kerfs[1])
     return (start, end), tuple(remarks)
 
 

@@ -29,8 +29,8 @@ from beamcam.planning.operations.merging import (
 )
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
-from beamcam.planning.operations.tools import ToolLibrary, library_of
-from beamcam.planning.operations.working_step import Found, Settled, Tooling, WorkingStep
+from beamcam.planning.operations.tools import Tooling, ToolLibrary, library_of
+from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
 
 DUPLICATE = Rule(
     "plan-duplicate",

@@ -23,8 +23,7 @@ from msgspec import Struct
 from beamcam.errors import Rule, Severity
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Face, HoleKind
-from beamcam.planning.operations.tools import ROUNDING, ToolLibrary, Tools, fit_of
-from beamcam.planning.operations.working_step import Tooling
+from beamcam.planning.operations.tools import ROUNDING, Tooling, ToolLibrary, Tools, fit_of
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 
 NO_PILOT = Rule(

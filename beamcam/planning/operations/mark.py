@@ -9,7 +9,8 @@ from beamcam.planning.operations.finished_part import TOLERANCE
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.paths import line_points
 from beamcam.planning.operations.reach import IN_THE_WAY
-from beamcam.planning.operations.working_step import Found, Tooling, WorkingStep
+from beamcam.planning.operations.tools import Tooling
+from beamcam.planning.operations.working_step import Found, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
 _E, _W = Severity.ERROR, Severity.WARNING

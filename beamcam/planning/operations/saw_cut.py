@@ -75,7 +75,6 @@ REASONS = {
 }
 TOUCH = 0.01  #: mm; ends that are as near meet in a point
 NOTHING_LEFT = 1e-6  #: mm
-SAME_ANGLE_DEG = 0.01  #: ends that differ by no more share a cut
 
 
 def _needs(end: End, bench: Bench) -> Diagnostic | None:
@@ -153,38 +152,24 @@ def _reach_at(off_square_deg: float, saw: Saw) -> SawSection | None:
     return next(fitting, rows[-1] if rows else None)
 
 
-def kerf_along_bar(saw: Saw, end: End) -> float:
-    """Length of bar that a cut takes, as the machine counts its kerf."""
-    return saw.kerf * end.slant if saw.kerf_along == "normal" else saw.kerf
-
-
-def share_cut(end: End, start: End, saw: Saw) -> bool:
-    """Whether one skew cut can end a part and start the next."""
-    return (
-        saw.common_cuts
-        and not end.is_square
-        and abs(end.web_deg - start.web_deg) <= SAME_ANGLE_DEG
-        and abs(end.flange_deg - start.flange_deg) <= SAME_ANGLE_DEG
-    )
-
-
 def cuts_of(
-    pieces: Sequence[Piece], ends: Sequence[Ends], saw: Saw, bar: Bar | None = None
+    pieces: Sequence[Piece], ends: Sequence[Ends], shared: Sequence[bool], saw: Saw, bar: Bar
 ) -> Iterator[SawOp]:
     """The cuts that give every piece its ends, the blade always on the waste side.
 
-    Behind a skew end at the end of `bar` nothing is left to be squared.
+    `shared` says of each piece but the last whether one cut ends it and starts the next. Behind a
+    skew end at the end of the bar nothing is left to be squared.
     """
+    common = (False, *shared, False)
     for index, (piece, (start, end)) in enumerate(zip(pieces, ends, strict=True)):
-        source = piece.part.source
-        shares_start = index > 0 and share_cut(ends[index - 1][1], start, saw)
+        source, shares_start, shares_end = piece.part.source, common[index], common[index + 1]
         if index == 0 and start.is_square:
             x = saw.x + piece.start - saw.kerf / 2
             yield SawOp(x, saw.square, "trim", (0,), source, 0.0, "start", ("cut-trim",))
         elif not start.is_square and not shares_start:
             yield _skew(piece, (index,), start, saw, "mitre")
         following = ends[index + 1][0] if index + 1 < len(pieces) else None
-        if following is not None and share_cut(end, following, saw):
+        if shares_end:
             yield _skew(piece, (index, index + 1), end, saw, "common")
             continue
         if not end.is_square:
@@ -194,8 +179,8 @@ def cuts_of(
             x = saw.x + pieces[index + 1].start - saw.kerf / 2
             both = (index, index + 1)
             yield SawOp(x, saw.square, "parting", both, source, 0.0, "end", ("cut-parting-both",))
-        elif end.is_square or following is not None or bar is None or bar.left > NOTHING_LEFT:
-            x = saw.x + piece.end + kerf_along_bar(saw, end) / 2
+        elif end.is_square or following is not None or bar.left > NOTHING_LEFT:
+            x = saw.x + piece.end + end.kerf / 2
             reason = "cut-parting" if end.is_square else "cut-wedge"
             yield SawOp(x, saw.square, "parting", (index,), source, 0.0, "end", (reason,))
 
@@ -207,7 +192,7 @@ def _skew(
     profile = piece.part.profile
     edge = end.x(*pivot_edge(saw, profile))
     side = -0.5 if end.at == "start" else 0.5
-    x = saw.x + piece.start + edge + side * kerf_along_bar(saw, end)
+    x = saw.x + piece.start + edge + side * end.kerf
     angle, tilt = saw_angles(end, saw)
     reason = "cut-common" if purpose == "common" else f"cut-mitre-{end.at}"
     return SawOp(x, angle, purpose, pieces, piece.part.source, tilt, end.at, (reason,))

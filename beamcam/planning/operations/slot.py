@@ -18,7 +18,8 @@ from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
-from beamcam.planning.operations.working_step import Found, Said, Tooling, WorkingStep
+from beamcam.planning.operations.tools import Tooling
+from beamcam.planning.operations.working_step import Found, Said, WorkingStep
 
 REASONS = {
     "slot-end": "the ends of a slot are drilled before it is milled",

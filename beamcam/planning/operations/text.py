@@ -22,7 +22,8 @@ from beamcam.planning.operations.finished_part import OUTSIDE
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.mark import can_scribe
 from beamcam.planning.operations.slot import slot_ends
-from beamcam.planning.operations.working_step import Found, Settled, Tooling, WorkingStep
+from beamcam.planning.operations.tools import Tooling
+from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
 
 REASONS = {
     "letter": "a text lettered by strokes",

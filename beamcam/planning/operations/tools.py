@@ -3,13 +3,15 @@
 A drill fits if it differs from the hole by no more than the machine's tolerance for that
 diameter; of those that fit the nearest is taken. Tools that differ by less than `drill.twin` are
 one tool to the shop (20.64 and 13/16 in), so several may be equally near; which of them is taken
-is settled over the whole bar, so that it needs as few tools as it can:
+is settled over the whole bar (`planning.bar_operations`):
 
     hole 26.99    drills 26.9875 (1 1/16 in) and 27.00    both within 0.02 of the nearest
     hole 27.00    the same two                            one drill for both holes
 """
 
 from collections.abc import Iterable
+
+from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.machine.absent import drill_of
@@ -21,6 +23,18 @@ from beamcam.model.part import Face
 Tools = tuple[Tool, ...]  #: equally good ones, the nearest first
 ROUNDING = 1e-9  #: of decimal tolerances in binary numbers
 MILL_ROOM = 0.98  #: a mill that leads round a circle is smaller than it by this at least
+
+
+class Tooling(Struct, frozen=True):
+    """The work of a spindle, independent of the place; most places of a part share it."""
+
+    spindle: int
+    tools: Tools  #: any of which may do it
+    faces: tuple[Face, ...]
+    depth: float | None  #: None is through
+    reasons: tuple[str, ...]
+    diameter: float = 0.0  #: of a plain hole, whose drill follows from it
+    ring: float = 0.0  #: diameter of the circle that a mill leaves; 0 for a stroke
 
 
 class ToolLibrary:
@@ -167,30 +181,3 @@ def nearest(fitting: Tools, diameters: tuple[float, ...], twin: float) -> Tools:
         return ()
     limit = ranked[0][0] + twin + ROUNDING
     return tuple(fitting[i] for distance, _, i in ranked if distance <= limit)
-
-
-def settle(choices: Iterable[Tools]) -> dict[Tools, Tool]:
-    """For each choice of equally good tools the one to take, so that few tools are needed.
-
-    A tool that another choice leaves no way around is taken where it is as good; what is left is
-    shared out, the tool that serves most choices first. Of equally useful ones the nearest.
-    """
-    open_choices = dict.fromkeys(choices)
-    taken = {choice[0] for choice in open_choices if len(choice) == 1}
-    settled: dict[Tools, Tool] = {}
-    for choice in list(open_choices):
-        known = next((tool for tool in choice if tool in taken), None)
-        if known is not None:
-            settled[choice] = known
-            del open_choices[choice]
-    while open_choices:
-        counts: dict[Tool, tuple[int, int, float]] = {}
-        for choice in open_choices:
-            for rank, tool in enumerate(choice):
-                serves, distance, _ = counts.get(tool, (0, 0, 0.0))
-                counts[tool] = (serves - 1, distance + rank, tool.diameter)
-        best = min(counts, key=lambda tool: counts[tool])
-        for choice in [c for c in open_choices if best in c]:
-            settled[choice] = best
-            del open_choices[choice]
-    return settled

@@ -6,21 +6,8 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Face
 from beamcam.model.plan import Typed
-from beamcam.planning.operations.tools import Tools
-
-
-class Tooling(Struct, frozen=True):
-    """The work of a spindle, independent of the place; most places of a part share it."""
-
-    spindle: int
-    tools: Tools  #: any of which may do it
-    faces: tuple[Face, ...]
-    depth: float | None  #: None is through
-    reasons: tuple[str, ...]
-    diameter: float = 0.0  #: of a plain hole, whose drill follows from it
-    ring: float = 0.0  #: diameter of the circle that a mill leaves; 0 for a stroke
+from beamcam.planning.operations.tools import Tooling
 
 
 class WorkingStep(Struct, frozen=True):

@@ -10,6 +10,7 @@ from beamcam.model.part import EndCuts, Feature, Slot
 from beamcam.model.program import Comment, DrillCycle, PathCycle, SawStroke, StartBar
 from beamcam.motion.beam import beam_program
 from beamcam.planning.beam import plan_bar
+from beamcam.planning.orientation import plan_oriented
 from tests.unit.planning.shop import CHANNEL, SOURCE, hole, part
 
 
@@ -69,7 +70,7 @@ def test_a_path_keeps_its_depth_and_moves_bar_and_spindle() -> None:
 def test_the_program_says_what_the_operator_has_to_do() -> None:
     loaded = load("beamline")
     features = [hole(400 + 100 * i, diameter=12 + i) for i in range(7)]
-    plan = plan_bar([part(*features, cuts=EndCuts(web_end=-50.0))], loaded, turn=True)
+    plan = plan_oriented([part(*features, cuts=EndCuts(web_end=-50.0))], loaded, turn=True)
     comments = [c.text for c in beam_program(plan, loaded, "J").commands if isinstance(c, Comment)]
     turn = plan.pieces[0].turn
     assert turn != "as given"

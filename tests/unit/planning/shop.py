@@ -9,7 +9,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Feature, Hole, Part, Profile
 from beamcam.model.plan import Plan
-from beamcam.planning.beam import plan_bar
+from beamcam.planning.orientation import plan_oriented
 
 SOURCE = Source("p.nc1", 7)
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
@@ -31,4 +31,4 @@ def pusher(**more: Any) -> Machine:
 
 
 def plan(*parts: Part, machine: str = "beamline-pusher", **more: Any) -> Plan:
-    return plan_bar(parts, load(machine), **more)
+    return plan_oriented(parts, load(machine), **more)

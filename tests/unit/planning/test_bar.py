@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
+from beamcam.machine.absent import saw_of
 from beamcam.model.part import Bevel, Contour, EndCuts, Part
 from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners
@@ -16,6 +17,8 @@ from beamcam.planning.operations.ends import End, ends_of, leaves_stock, web_bor
 from beamcam.planning.operations.saw_cut import saw_angles
 from beamcam.planning.stock import from_store
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
+
+SAW = saw_of(load("beamline-pusher"))
 
 
 def cuts(found: Plan) -> list[tuple[str, float, float]]:
@@ -98,7 +101,7 @@ def test_corners_hold_material(profile: object, count: int) -> None:
 def test_a_mitred_angle_touches_its_length_with_steel() -> None:
     """Leaned both ways, an angle ends at a leg's edge and not at the box's corner."""
     angle = part(profile=ANGLE, cuts=EndCuts(web_start=20.0, flange_start=10.0))
-    start, _ = ends_of(angle, 0.1)[0]
+    start, _ = ends_of(angle, SAW)[0]
     assert start.x0 == pytest.approx(150 * tan(radians(20)))
     assert min(start.x(y, z) for y, z in corners(ANGLE)) == pytest.approx(0.0)
 
@@ -114,13 +117,13 @@ def flange_cut_part(*faces: str) -> Part:
 
 
 def test_a_flange_cut_that_both_flanges_show_is_sawn() -> None:
-    (_, end), said = ends_of(flange_cut_part("o", "u"), 0.1)
+    (_, end), said = ends_of(flange_cut_part("o", "u"), SAW)
     assert end.flange_deg == pytest.approx(33.69, abs=0.01)
     assert [d.code for d in said] == ["plan-cut-from-contour"]
 
 
 def test_one_skew_flange_alone_is_a_cope() -> None:
-    (_, end), said = ends_of(flange_cut_part("u"), 0.1)
+    (_, end), said = ends_of(flange_cut_part("u"), SAW)
     assert end.flange_deg == 0.0
     assert said == ()
     with pytest.raises(PlanError) as caught:
@@ -130,7 +133,7 @@ def test_one_skew_flange_alone_is_a_cope() -> None:
 
 def test_the_webs_contour_may_be_as_long_as_either_side_of_it_under_a_flange_cut() -> None:
     tilted = part(cuts=EndCuts(flange_end=30.0), profile=CHANNEL)
-    ends = ends_of(tilted, 0.1)[0]
+    ends = ends_of(tilted, SAW)[0]
     low, high = web_borders(CHANNEL, "v")
     for z in (low, high):
         x = ends[1].x(0.0, z)

@@ -13,6 +13,7 @@ from beamcam.model.part import Contour, EndCuts, Face, Feature, Part, Profile, S
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
+from beamcam.planning.orientation import plan_oriented
 from beamcam.verify.bars import skippable, verify
 from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, pusher
 
@@ -191,9 +192,9 @@ def test_another_way_of_lying_helps() -> None:
     made = part(hole(500, 20, 14, "o"))
     machine = narrowed(load("beamline"), "left drill vertical", max=100.0)
     with pytest.raises(PlanError) as caught:
-        plan_bar((made,), machine)
+        plan_oriented((made,), machine)
     assert [d.code for d in caught.value.diagnostics] == ["plan-axis", "plan-turn-helps"]
-    assert plan_bar((made,), machine, turn=True).pieces[0].turn != "as given"
+    assert plan_oriented((made,), machine, turn=True).pieces[0].turn != "as given"
 
 
 @pytest.mark.parametrize("machine", ["beamline", "beamline-annex"])

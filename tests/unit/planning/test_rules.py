@@ -15,6 +15,7 @@ from beamcam.machine.marking import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning import lettering, lettering_room
 from beamcam.planning.beam import plan_bar
+from beamcam.planning.orientation import plan_oriented
 from beamcam.planning.rules import SKIP_NAMES
 from tests.conftest import SAMPLES
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
@@ -315,7 +316,7 @@ def said(case: Case) -> list[tuple[str, str]]:
             patch.object(lettering_room, "MOST_SQUARES", squares),
             patch.object(lettering, "MOST_SQUARES", squares),
         ):
-            found = plan_bar(parts, machine, **options).remarks  # type: ignore[arg-type]
+            found = plan_oriented(parts, machine, **options).remarks  # type: ignore[arg-type]
     except PlanError as error:
         found = error.diagnostics
     return [(d.code, d.message) for d in found]

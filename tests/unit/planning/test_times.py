@@ -12,7 +12,7 @@ from beamcam.model.part import Profile
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import SAID, explain
-from beamcam.planning.operations.line import line_of
+from beamcam.planning.orientation import plan_oriented
 from beamcam.planning.times import work_time
 from beamcam.planning.turn_choice import try_turns
 from beamcam.planning.turning import TURNS
@@ -126,12 +126,12 @@ def test_a_tap_waits_for_its_drill() -> None:
 
 def test_all_eight_ways_are_tried_and_told() -> None:
     channel = part(hole(500, 60), hole(600, 60, face="h", kind="blind", depth=4.0), profile=CHANNEL)
-    trials = try_turns(channel, line_of(load("beamline")), ())
+    trials = [*try_turns(channel, load("beamline"), ())]
     assert [t.turn for t in trials] == list(TURNS)
     assert all(t.seconds is None for t in trials)
     assert trials[0].because.startswith("plan-face: found a blind hole on face h")
     assert trials[1].because == "a U does not lie so on the rollers"
-    beam = try_turns(part(hole(1500)), line_of(load("beamline")), ())
+    beam = [*try_turns(part(hole(1500)), load("beamline"), ())]
     assert [t.because for t in beam[1:4]] == [
         "", "no different from 'as given'", "no different from 'turned 180 about its length'"
     ]  # fmt: skip
@@ -155,15 +155,15 @@ def test_a_bar_lies_one_way_for_all_its_parts() -> None:
     machine = load("beamline-pusher")
     flat = part(hole(500, 60), hole(700, 60, face="o"), profile=TUBE)
     below = part(hole(500, 60, face="h"), hole(700, 60, face="v"), profile=TUBE)
-    alone = plan_bar([below], machine, turn=True)
+    alone = plan_oriented([below], machine, turn=True)
     assert alone.pieces[0].part.profile.height == TUBE.width
-    together = plan_bar([flat, below], machine, turn=True)
+    together = plan_oriented([flat, below], machine, turn=True)
     assert {p.part.profile.height for p in together.pieces} == {TUBE.width}
     assert [o.how for o in together.outcomes] == ["made"] * 4
     above = part(hole(500, 60), hole(500, 60, face="h"), hole(500, 60, face="o"),
                  hole(500, 60, face="u"), profile=TUBE)  # fmt: skip
     with pytest.raises(PlanError):
-        plan_bar([above, below], machine, turn=True)
+        plan_oriented([above, below], machine, turn=True)
 
 
 def test_no_part_is_turned_to_where_the_section_is_too_large() -> None:
@@ -172,10 +172,10 @@ def test_no_part_is_turned_to_where_the_section_is_too_large() -> None:
     below = part(hole(500, 60, face="h"), hole(700, 60, face="v"), profile=TUBE)
     assert machine.drill is not None
     narrow = replace(machine, drill=replace(machine.drill, max_width=150.0))
-    found = plan_bar([below], narrow, turn=True, skips=("face",))
+    found = plan_oriented([below], narrow, turn=True, skips=("face",))
     assert found.pieces[0].part.profile.height == TUBE.height
     assert sorted(o.how for o in found.outcomes) == ["made", "skipped"]
-    sideways = [t for t in try_turns(below, line_of(narrow), ()) if t.turn.swap]
+    sideways = [t for t in try_turns(below, narrow, ()) if t.turn.swap]
     assert {t.because.partition(":")[0] for t in sideways} == {"plan-section"}
 
 
@@ -183,7 +183,7 @@ def test_no_part_is_turned_to_where_the_section_is_too_large() -> None:
 def test_a_section_that_the_line_does_not_take_is_refused_before_it_is_turned(code: str) -> None:
     profile = Profile(code, "X", 200.0, 75.0, 2.0, 2.0, 0.0)
     with pytest.raises(PlanError) as refused:
-        plan_bar([part(profile=profile)], load("beamline"), turn=True)
+        plan_oriented([part(profile=profile)], load("beamline"), turn=True)
     with pytest.raises(PlanError) as as_given:
         plan_bar([part(profile=profile)], load("beamline"))
     assert refused.value.diagnostics == as_given.value.diagnostics
@@ -194,9 +194,12 @@ def test_a_section_too_large_as_given_is_turned() -> None:
     assert machine.drill is not None
     low = replace(machine, drill=replace(machine.drill, max_height=150.0))
     tube = part(hole(500, 60), profile=TUBE)
-    with pytest.raises(PlanError, match="plan-section"):
-        plan_bar([tube], low)
-    found = plan_bar([tube], low, turn=True)
+    with pytest.raises(PlanError) as refused:
+        plan_oriented([tube], low)
+    said = {d.code: d.message for d in refused.value.diagnostics}
+    assert list(said) == ["plan-section", "plan-turn-helps"]
+    assert "turned 90 about its length" in said["plan-turn-helps"]
+    found = plan_oriented([tube], low, turn=True)
     assert found.pieces[0].part.profile.height == TUBE.width
 
 
