@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
@@ -39,6 +39,8 @@ def test_each_cell_has_its_saw_its_spindles_and_its_clamps(name: str) -> None:
 
 @settings(max_examples=20)
 @given(st.sampled_from(CELLS), st.floats(0.0, 1.0), st.floats(0.0, 200.0))
+@example("beamline", 1.0, 0.0)
+@example("beamline-pusher", 0.0, 200.0)
 def test_the_blade_stands_where_the_cut_goes_through(name: str, share: float, y: float) -> None:
     machine = load(name)
     saw = machine.saw
