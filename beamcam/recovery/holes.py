@@ -107,8 +107,9 @@ def _is_at(bore: Bore, face: str, x: float, y: float, shop: Shop) -> bool:
 
 
 def _is_of_slot(bore: Bore, slot: Slot, shop: Shop) -> bool:
-    """Whether a drilled hole is the end of a slot."""
+    """Whether a drilled hole is the end of a slot, whose width was measured from a mill's path."""
     _, most = shop.fit(slot.diameter) or (0.0, slot.diameter)
+    most += shop.drill.path_tolerance + 2 * shop.machine.format.resolution
     return bore.diameter <= most and any(
         _is_at(bore, slot.face, x, y, shop) for x, y in slot_corners(slot)
     )

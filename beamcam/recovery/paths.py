@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from math import atan2, cos, degrees, dist, radians, sin, sqrt
+from statistics import fmean
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
@@ -17,6 +17,7 @@ from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import Pocket
 
 MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
+MOST_SIDES = 64  #: of a path's hull that are tried as the direction of a slot, the longest
 
 
 class NotAFeature(Struct, frozen=True):
@@ -40,35 +41,46 @@ def feature_of(
     through = not thickness or trail.max_depth >= thickness - slack
     depth = None if through else plain(trail.max_depth, slack, decimals)
     allowed = shop.drill.path_tolerance + 2 * slack
-    for pocket in _pockets(points, trail, slack, decimals):
-        own = replace(pocket, depth=depth)
-        if pocket_error(own, trail.points, trail.diameter) > allowed:
-            continue
-        kind = "through" if through else "blind"
-        place = trail.face, own.x, own.y, own.diameter
-        is_round = not own.length and not own.height
-        if is_round and shop.mills_round(own.diameter, trail.face):
-            return Hole(*place, source, depth, kind)  # type: ignore[arg-type]
-        return Slot(*place, own.length, own.height, own.angle, source, depth, kind)  # type: ignore[arg-type]
-    return NotAFeature(*trail.points[0])
+    own, least = None, allowed
+    for pocket in _pockets(points, trail, depth, slack, decimals):
+        error = pocket_error(pocket, trail.points, trail.diameter)
+        if error <= least:
+            own, least = pocket, error
+        if error <= slack:
+            break
+    if own is None:
+        return NotAFeature(*trail.points[0])
+    kind = "through" if through else "blind"
+    place = trail.face, own.x, own.y, own.diameter
+    is_round = not own.length and not own.height
+    if is_round and shop.mills_round(own.diameter, trail.face):
+        return Hole(*place, source, depth, kind)  # type: ignore[arg-type]
+    return Slot(*place, own.length, own.height, own.angle, source, depth, kind)  # type: ignore[arg-type]
 
 
 def _pockets(
-    points: Sequence[Point], trail: MachinedPath, slack: float, decimals: int
+    points: Sequence[Point],
+    trail: MachinedPath,
+    depth: float | None,
+    slack: float,
+    decimals: int,
 ) -> Iterator[Pocket]:
     """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 
-    The path's hull is the pocket drawn in by the mill: a side of it is the pocket's direction, and
-    its extents are those of the pocket less the mill's diameter. How round its corners are is
-    tried: as much as there is room for, not at all, and by how far the hull stays off the corners.
+    The path's hull is the pocket drawn in by the mill: a side of it is the pocket's direction, the
+    longest most likely, and its extents are those of the pocket less the mill's diameter. How round
+    its corners are is tried: as much as there is room for, not at all, and by how far the hull
+    stays off the corners. A circle is as large as the corners of its chords are far apart.
     """
     hull = _hull(points)
-    along = max(zip(hull, [*hull[1:], hull[0]], strict=True), key=lambda side: dist(*side))
-    raw = degrees(atan2(along[1][1] - along[0][1], along[1][0] - along[0][0]))
     turns = [0.0] if len(hull) >= MIN_CORNERS else []
-    long = max(dist(*along), slack)
-    turns.append(plain((raw + 90.0) % 180.0 - 90.0, degrees(1.5 * slack / long), 3))
-    for angle in turns:
+    sides = sorted(zip(hull, [*hull[1:], hull[0]], strict=True), key=lambda side: -dist(*side))
+    # A short slot's own sides may be shorter than the chords of its ends.
+    for a, b in sides[:MOST_SIDES]:
+        raw = degrees(atan2(b[1] - a[1], b[0] - a[0]))
+        slant = degrees(1.5 * slack / max(dist(a, b), slack))
+        turns.append(plain(90.0 - (90.0 - raw) % 180.0, slant, 3))
+    for angle in dict.fromkeys(turns):
         c, s = cos(radians(angle)), sin(radians(angle))
         own = [(c * x + s * y, c * y - s * x) for x, y in hull]
         xs, ys = [x for x, _ in own], [y for _, y in own]
@@ -81,11 +93,15 @@ def _pockets(
             sizes = (plain(max(w - round_about, 0.0), 2 * slack, decimals) for w in (wide, high))
             length, height = sizes
             turned = angle
+            if not (length or height):
+                radius = fmean(dist(p, (u, v)) for p in own)
+                diameter = plain(trail.diameter + 2 * radius, 5 * slack, decimals)
+                turned = 0.0
             if height > length:
                 length, height, turned = height, length, angle - 90.0 if angle > 0 else angle + 90.0
             x, y = (plain(p, slack, decimals) for p in (c * u - s * v, s * u + c * v))
             yield Pocket(
-                0, trail.face, x, y, length, height, turned, diameter, None, "",
+                0, trail.face, x, y, length, height, turned, diameter, depth, "",
                 Hole(trail.face, x, y, diameter, Source("")),
             )  # fmt: skip
 

@@ -4,7 +4,7 @@ from random import Random
 
 import shapely
 import shapely.affinity
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from beamcam.diff.differ import diff_programs
@@ -113,6 +113,9 @@ def steel_left(slot: Slot) -> shapely.Polygon:
 
 @settings(max_examples=25, deadline=None)
 @given(slots)
+@example(Slot("v", 400.0, 130.0, 27.5, 0.0, 0.0, 30.0, S, None))
+@example(Slot("v", 400.0, 130.0, 18.0, 0.1, 0.0, 30.0, S, None))
+@example(Slot("v", 400.0, 130.0, 27.5, 0.1, 0.0, 30.0, S, None))
 def test_a_slot_comes_back(slot: Slot) -> None:
     machine = load("beamline-pusher")
     part = Part("P", BEAM, 1300.0, S, features=(slot,))
