@@ -173,7 +173,7 @@ def lead_moves(
     moves = [k for k in range(last - first) if points[k] != points[k + 1]]
     if not moves or len(moves) > MAX_RINGS:
         return None
-    ring = ring_of([Line(tuple(points[k]), tuple(points[k + 1])) for k in moves], near)
+    ring = ring_of([Line(tuple(points[k]), tuple(points[k + 1])) for k in moves], near, near)
     if ring is None:
         return None
     begin, end = first + moves[ring[0]], first + moves[ring[1] - 1] + 1

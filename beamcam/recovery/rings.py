@@ -11,16 +11,19 @@ from beamcam.geometry.plane import cross
 Curves = tuple[Curve, ...]
 
 
-def ring_of(curves: Sequence[Curve], near: float) -> tuple[int, int] | None:
+def ring_of(curves: Sequence[Curve], fine: float, near: float) -> tuple[int, int] | None:
     """The first curve of a path and the one behind the last, between which it is closed.
 
-    One curve leads in and one leads out, or none, or else it is the longest ring there is.
+    One curve leads in and one leads out, or none, or else it is the longest ring there is. Ends
+    within `fine` are one place; only where none are, those within `near` count, as the ends of a
+    drawing that belong together do.
     """
     ends = [curves[0].start, *(c.end for c in curves)]
     count = len(curves)
-    for first, last in ((1, count - 1), (1, count), (0, count - 1), (0, count)):
-        if first < last and dist(ends[first], ends[last]) <= near:
-            return first, last
+    for limit in (fine, near):
+        for first, last in ((1, count - 1), (1, count), (0, count - 1), (0, count)):
+            if first < last and dist(ends[first], ends[last]) <= limit:
+                return first, last
     done = [0.0]
     for curve in curves:
         done.append(done[-1] + curve.length)

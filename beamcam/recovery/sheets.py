@@ -31,6 +31,8 @@ MOST_CROSSINGS = 100_000  #: of closed paths, about, that are looked into
 SAMPLED = 256  #: chords by which crossings are counted
 ALONE = 8  #: chords that one may meet where no path is followed often
 LOOK_SHARE = 1 / 8  #: of the tolerance, for polygons that tell what lies in what
+ROUNDED = 5  #: last places by which the ends of two arcs at one place differ, centres being rounded
+OFFSET_SHARE = 1 / 4  #: of the tolerance, to which contours are moved by half a kerf
 
 
 class _Path(Struct, frozen=True):
@@ -82,7 +84,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     told += more
     if errors_in(told):
         return Recovered((), tuple(told))
-    paths = _paths(strokes, torch, max(torch.gap, 2 * machine.format.resolution), name)
+    paths = _paths(strokes, torch, ROUNDED * machine.format.resolution, name)
     crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
     if crossings > MOST_CROSSINGS:
         told.append(rules.CROWDED.at(Source(name), found=f"{crossings:.1g}"))
@@ -93,41 +95,46 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     return Recovered((part,), tuple(told))
 
 
-def _paths(strokes: Strokes, torch: Torch, near: float, name: str) -> list[_Path]:
-    """The paths of the strokes; those of a contour with bridges in it are one."""
-    legs = list(strokes.moves.each())
+def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path]:
+    """The paths of the strokes; those of a contour with bridges in it are one.
+
+    Ends within `fine` are one place.
+    """
+    legs, near = list(strokes.moves.each()), max(torch.gap, fine)
     found: list[_Path] = []
     waiting: list[Curves] = []  #: stretches of a contour that did not close yet
     for stroke in strokes.each:
         own = legs[stroke.first : stroke.last]
         curves: Curves = tuple([leg.curve or Line(leg.start, leg.end) for leg in own])
-        if torch.tabs and stroke.process == "cut" and ring_of(curves, near) is None:
+        if torch.tabs and stroke.process == "cut" and ring_of(curves, fine, near) is None:
             reach = torch.tab_width + stroke.row.kerf + near
             if waiting and dist(waiting[-1][-1].end, curves[0].start) <= reach:
                 waiting.append(curves)
             else:
-                found += [_path((w,), stroke, torch, near, name) for w in waiting]
+                found += [_path((w,), stroke, torch, fine, name) for w in waiting]
                 waiting = [curves]
-            one = _path(waiting, stroke, torch, near, name)
+            one = _path(waiting, stroke, torch, fine, name)
             if one.closed:
                 found.append(one)
                 waiting = []
             continue
-        found.append(_path((curves,), stroke, torch, near, name))
-    return found + [_path((w,), strokes.each[-1], torch, near, name) for w in waiting]
+        found.append(_path((curves,), stroke, torch, fine, name))
+    return found + [_path((w,), strokes.each[-1], torch, fine, name) for w in waiting]
 
 
 def _path(
-    stretches: Sequence[Curves], stroke: HeadStroke, torch: Torch, near: float, name: str
+    stretches: Sequence[Curves], stroke: HeadStroke, torch: Torch, fine: float, name: str
 ) -> _Path:
-    """One path without its leads, its stretches joined."""
-    curves = stretches[0]
+    """One path without its leads, its stretches joined and its end closed."""
+    curves, near = stretches[0], max(torch.gap, fine)
     for more in stretches[1:]:
         curves = (*curves, *bridge(curves[-1], more[0]), *more)
-    ring = ring_of(curves, near)
+    ring = ring_of(curves, fine, near)
     kerf = 0.0
     if ring is not None:
         curves = whole(curves[ring[0] : ring[1]], near)
+        if dist(curves[-1].end, curves[0].start) > torch.tolerance * OFFSET_SHARE:
+            curves = (*curves, Line(curves[-1].end, curves[0].start))
         kerf = stroke.row.kerf if stroke.process == "cut" and torch.kerf_by == "offset" else 0.0
     return _Path(stroke.process, curves, ring is not None, kerf, Source(name, stroke.line))
 
@@ -140,10 +147,9 @@ def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> l
     moved = [k for k, path in enumerate(paths) if path.kerf]
     amounts = [paths[k].kerf / 2 * (1 if inside[k] % 2 else -1) for k in moved]
     chains = {}
-    for k, offset in zip(
-        moved, offset_chains([paths[k].curves for k in moved], amounts, torch.tolerance / 4),
-        strict=True,
-    ):  # fmt: skip
+    rings = [paths[k].curves for k in moved]
+    offsets = offset_chains(rings, amounts, torch.tolerance * OFFSET_SHARE)
+    for k, offset in zip(moved, offsets, strict=True):
         path = paths[k]
         if isinstance(offset, Vanished):
             told.append(rules.KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))

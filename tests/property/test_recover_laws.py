@@ -144,6 +144,7 @@ def region(part: Part) -> shapely.Geometry:
          ("laser-grbl", "none"))
     ),
 )  # fmt: skip
+@example(19929, ("plate-linuxcnc", "offset"))  # its first arc is shorter than `gap`
 def test_the_contours_of_a_sheet_come_back(seed: int, how: tuple[str, str]) -> None:
     sheet = sheet_of(Random(seed))
     rings = [polygon(curves) for curves in sheet]
