@@ -17,7 +17,8 @@ _SHOWN = 80  #: characters of a row that a message shows
 LARGEST = MAX_COORDINATE  #: keeps nan and inf out too
 
 # DSTV NC, page 5: a change from digit to letter or back separates as a blank does.
-_TOKEN = re.compile(r"[+-]?(?:[0-9]+(?:[.,][0-9]*)?|[.,][0-9]+)|[A-Za-z]|\S", re.ASCII)
+# Blanks are taken with the token behind them: a search would try each of them for a token.
+_TOKEN = re.compile(r"\s*([A-Za-z]|[+-]?[0-9]+[.,]?[0-9]*|[+-]?[.,][0-9]+|\S)", re.ASCII)
 _COMMA = re.compile(r"[+-]?(?:[0-9]+,[0-9]*|,[0-9]+)", re.ASCII)
 
 
