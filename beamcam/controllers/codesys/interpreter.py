@@ -13,6 +13,7 @@ A block without a command repeats the last travel command. Source: CODESYS onlin
 """
 
 import re
+from collections.abc import Callable
 from math import sqrt
 
 from msgspec import Struct
@@ -51,14 +52,22 @@ _LETTERS = {
 }
 _SIDES: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
 _WITHOUT_EFFECT = (50, 53)  #: smoothing and offsets: off, as at the start
-_LINE_BEGINS = re.compile(r"\n(?:N[0-9]+ )?")
+_LINE_BEGINS = re.compile(r"\nN[0-9]+ |\n")
+
+
+class _Order(Struct, frozen=True):
+    """A block, and what of the interpreter carries it out at a line."""
+
+    carry_out: "Callable[[Codesys, int, int, Words], None]"
+    number: int  #: of its G or M
+    words: Words
 
 
 class _Language(Struct, frozen=True):
     """What follows from a machine's dialect, whatever the program is."""
 
     lexer: Lexer
-    known: BoundedCache[str, Block]  #: by their texts
+    known: BoundedCache[str, _Order]  #: by the texts of their blocks
     letters: dict[int, frozenset[str]]  #: that each travel command takes
     m_words: frozenset[int]  #: of the machine's own, which carry nothing
     g_words: dict[int, CodeMeaning]  #: of the machine's own
@@ -110,23 +119,13 @@ class Codesys(Interpreter):
 
     def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
-        block = self._language.known.get(text) or self._read(line, text)
-        if block is None or (self._over and self.is_over(line)):
+        order = self._language.known.get(text) or self._read(line, text)
+        if order is None or (self._over and self.is_over(line)):
             return
         self._begun = True
-        command, number, words = block.command, block.number, block.words
-        if command == "M":
-            self._m_word(line, number, words)
-        elif not command:
-            self._go_on(line, words)
-        elif number in _TRAVEL:
-            self._carry_out(line, number, words)
-        elif number in self._language.g_words:
-            self._own_code(line, number, words)
-        else:
-            self._setting(line, number, words)
+        order.carry_out(self, line, order.number, order.words)
 
-    def _read(self, line: int, body: str) -> Block | None:
+    def _read(self, line: int, body: str) -> _Order | None:
         """A block that is not known; None for a text or no block, and with a message if invalid."""
         if self._is_text(line, body):
             return None
@@ -140,7 +139,8 @@ class Codesys(Interpreter):
             if not self._dialect.is_allowed(code):
                 self._wrong(line, shown_code(code), self._dialect.shown_allowed())
                 return None
-        return self._language.known.keep(body, block)
+        order = _Order(_what_carries_out(block, self._language), block.number, block.words)
+        return self._language.known.keep(body, order)
 
     def _syntax(self, line: int, body: str, fault: Fault) -> None:
         """Says what is wrong with a line, unless it is the name of the program."""
@@ -152,15 +152,17 @@ class Codesys(Interpreter):
 
     def _m_word(self, line: int, number: int, words: Words) -> None:
         self._wait(line)
-        if number in self._language.m_words:
-            if words:
-                self._wrong(line, f"{min(words)} behind M{number:02}", "no word there")
-            return
-        switch = Switch(line, number, words)
-        if number in ENDS:
-            self._end(switch)
-        else:
-            self._event(switch)
+        self._event(Switch(line, number, words))
+
+    def _own_m_word(self, line: int, number: int, words: Words) -> None:
+        """An M word of the machine's own, which carries nothing."""
+        self._wait(line)
+        if words:
+            self._wrong(line, f"{min(words)} behind M{number:02}", "no word there")
+
+    def _last_block(self, line: int, number: int, words: Words) -> None:
+        self._wait(line)
+        self._end(Switch(line, number, words))
 
     def _wait(self, line: int) -> None:
         """Counts an M word or a dwell, which wait in one queue until a move or G75."""
@@ -191,7 +193,7 @@ class Codesys(Interpreter):
         if stray:
             self._wrong(line, f"{min(stray)} behind G{number:02}", "no word there")
 
-    def _go_on(self, line: int, words: Words) -> None:
+    def _go_on(self, line: int, _: int, words: Words) -> None:
         """A block without a command."""
         if self._cycle is not None:
             self._drilled(line, words)
@@ -250,3 +252,18 @@ class Codesys(Interpreter):
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
         """The controller's deviation from an arc; None if it makes that arc."""
         return arc_fault(start, end, centre, self._dialect.resolution)
+
+
+def _what_carries_out(
+    block: Block, language: _Language
+) -> Callable[[Codesys, int, int, Words], None]:
+    """What carries out a block, by its command."""
+    if block.command == "M":
+        if block.number in language.m_words:
+            return Codesys._own_m_word
+        return Codesys._last_block if block.number in ENDS else Codesys._m_word
+    if not block.command:
+        return Codesys._go_on
+    if block.number in _TRAVEL:
+        return Codesys._carry_out
+    return Codesys._own_code if block.number in language.g_words else Codesys._setting
