@@ -278,12 +278,12 @@ def _other_than_planned(
     that no beam reaches are those that the plan reports; the bar that it needs where nobody gave
     its length is no longer than the plan's.
     """
-    missing: Counter[tuple[str, Source]] = Counter()
+    missing: list[tuple[str, Source]] = []
     refused = False
     moved: list[Diagnostic] = []
     for said in found:
         if said.code in (MISSING.code, FOR_HAND.code):
-            missing[said.code, said.source] += 1
+            missing.append((said.code, said.source))
         elif said.code == MOVED.code:
             moved.append(said)
         elif said.code == UNCUT.code:
@@ -295,19 +295,18 @@ def _other_than_planned(
             yield said
     if refused:  # what is missing may not have been looked for
         return
-    alike = stand_ins(asked.parts)
     hand = [*by_hand_sources(plan)]
-    told = (said for said in plan.remarks if said.code == TEXT_MOVED.code)
-    yield from other_places(told, moved, alike, hand)
+    told = [said for said in plan.remarks if said.code == TEXT_MOVED.code]
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
     named += [(FOR_HAND.code, source) for source in hand]
-    if not missing and not named:  # as of nearly every plan
+    if not (told or moved or missing or named):  # as of nearly every plan
         return
-    missing = _of_the_first(missing.elements(), alike)
-    planned = _of_the_first(named, alike)
-    for code, source in (missing - planned) + (planned - missing):
+    alike = stand_ins(asked.parts)
+    yield from other_places(told, moved, alike, hand)
+    lacking, planned = _of_the_first(missing, alike), _of_the_first(named, alike)
+    for code, source in (lacking - planned) + (planned - lacking):
         one = code, source
-        yield LEDGER.at(source, found=missing[one], expected=planned[one])
+        yield LEDGER.at(source, found=lacking[one], expected=planned[one])
 
 
 def _of_the_first(

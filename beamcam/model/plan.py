@@ -1,5 +1,6 @@
 """The plan: which tool makes which feature, where along the machine, in which order."""
 
+from collections.abc import Iterable
 from typing import Literal
 
 from msgspec import Struct
@@ -156,6 +157,11 @@ class Outcome(Struct, frozen=True, gc=False):
     def by_hand(self) -> str:
         """Why it is on the list of manual work, wholly or in part; "" if it is not."""
         return self.by if self.how == "listed" else self.left
+
+
+def unfinished(outcomes: Iterable[Outcome]) -> list[Outcome]:
+    """Those of features that are not made, or not wholly; of nearly every plan none."""
+    return [outcome for outcome in outcomes if outcome.how in NOT_MADE or outcome.left]
 
 
 class Plan(Struct, frozen=True):

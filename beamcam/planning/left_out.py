@@ -13,7 +13,7 @@ from beamcam.model.colour import colour_name
 from beamcam.model.description import description
 from beamcam.model.hatch import HATCH
 from beamcam.model.part import Contour
-from beamcam.model.plan import Outcome, Plan, SheetPlan
+from beamcam.model.plan import Outcome, Plan, SheetPlan, unfinished
 from beamcam.planning.by_hand import REASONS
 from beamcam.planning.rules import SKIP_NAMES
 
@@ -45,10 +45,11 @@ MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
 
 def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
     """A warning for each feature that was left out, and a note for each look that is not cut."""
-    skipped = [outcome for outcome in plan.outcomes if _is_by_name(outcome)]
+    left = unfinished(plan.outcomes)
+    skipped = [outcome for outcome in left if _is_by_name(outcome)]
     # A part that is on the bar several times is reported once.
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
-    listed = [outcome for outcome in plan.outcomes if outcome.by_hand]
+    listed = [outcome for outcome in left if outcome.by_hand]
     yield from dict.fromkeys(_by_hand(plan, outcome) for outcome in listed)
     if isinstance(plan, SheetPlan):
         yield from _not_cut(plan)
@@ -56,7 +57,7 @@ def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
 
 def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
     """Source of each feature that was left out because `--allow-skips` names its kind."""
-    for outcome in plan.outcomes:
+    for outcome in unfinished(plan.outcomes):
         if _is_by_name(outcome):
             piece, index = outcome.feature
             yield plan.pieces[piece].part.features[index].source
@@ -64,7 +65,7 @@ def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
 
 def by_hand_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
     """Source of each mark that is left for manual work."""
-    for outcome in plan.outcomes:
+    for outcome in unfinished(plan.outcomes):
         if outcome.by_hand:
             piece, index = outcome.feature
             yield plan.pieces[piece].part.features[index].source

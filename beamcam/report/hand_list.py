@@ -11,7 +11,7 @@ from typing import TypedDict
 
 from beamcam.errors import Source
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.plan import Plan, SheetPlan
+from beamcam.model.plan import Plan, SheetPlan, unfinished
 from beamcam.plain_text import harmless_cell
 
 MARKS = ("text", "point", "line")  #: kinds of rows that are marks
@@ -54,7 +54,7 @@ def hand_rows(plan: Plan | SheetPlan) -> list[HandRow]:
     """A row for each mark that is left for manual work; pieces of one part share theirs."""
     rows: dict[tuple[int, int], list[HandRow]] = {}
     least = plan.min_bevel if isinstance(plan, SheetPlan) else 0.0
-    for outcome in plan.outcomes:
+    for outcome in unfinished(plan.outcomes):
         if not outcome.by_hand:
             continue
         piece, index = outcome.feature
