@@ -6,8 +6,9 @@ which leaves a web's place between the flanges open: there the steel begins some
 the feed. The state and the M words stand in `cell_state`; here are the moves.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import isnan, nan
+from typing import Any
 
 from msgspec.structs import replace
 
@@ -40,16 +41,14 @@ class Cell(CellState):
     def run(self, events: Iterable[BarEvent]) -> MachinedFeatures:
         """The features that the events make."""
         for event in events:
-            kind = type(event)
-            if kind is Move:
-                self._move(event)  # type: ignore[arg-type]
-            elif kind is Switch:
-                self.switch(event)  # type: ignore[arg-type]
-            elif kind is Lettering:
-                self.letter(event)  # type: ignore[arg-type]
-            elif kind is Compensation and event.side != "on":  # type: ignore[union-attr]
-                self.say(WORD, event.line, found="compensation", expected="none, of strokes")
+            takes = _TAKES.get(type(event))
+            if takes is not None:
+                takes(self, event)
         return made_in_order(tuple(self.section.items()), self.order)
+
+    def _compensate(self, event: Compensation) -> None:
+        if event.side != "on":
+            self.say(WORD, event.line, found="compensation", expected="none, of strokes")
 
     def _move(self, move: Move[Place]) -> None:
         line, start, end = move.line, move.start, move.end
@@ -301,3 +300,9 @@ class Cell(CellState):
             self.peck = (self.x, tip.across)
             self.pecked = 1
         self.order.append(bore)
+
+
+#: How the cell takes each kind of event; a pause and an acceleration change nothing in it.
+_TAKES: dict[type, Callable[[Cell, Any], None]] = {
+    Move: Cell._move, Switch: Cell.switch, Lettering: Cell.letter, Compensation: Cell._compensate,
+}  # fmt: skip

@@ -60,18 +60,14 @@ class Station(Struct, frozen=True):
     clear_to: float
     limits: tuple[tuple[int, str, float, float], ...]  #: axis index, name, minimum and maximum
 
-    def y(self, across: float) -> float:
-        """y on the face for a place of the across axis."""
-        return (across - self.across_0) / self.across_per_y
-
     def tip_depth(self, stroke: float, y: float) -> float:
         """Depth of the tip in the material behind the face; negative before it."""
         return self.way * (stroke - self.surface - self.surface_per_y * y)
 
     def tip(self, across: float, stroke: float) -> Tip:
         """The tip for places of both axes."""
-        y = self.y(across)
-        depth = self.tip_depth(stroke, y)
+        y = (across - self.across_0) / self.across_per_y
+        depth = self.way * (stroke - self.surface - self.surface_per_y * y)
         return Tip(across, stroke, y, depth, depth + self.face_depth)
 
 
