@@ -13,8 +13,9 @@ Across it a wall ends at a free edge or at another wall, which may have a root f
 
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import hypot, inf
+from operator import attrgetter
 
 from msgspec import Struct
 
@@ -104,6 +105,9 @@ class Border(Struct, frozen=True, gc=False):
     name: str  #: in messages
 
 
+_name = attrgetter("name")
+
+
 class FinishedPart:
     """The part after its end cuts, as far as it limits holes."""
 
@@ -120,17 +124,22 @@ class FinishedPart:
             found = self._across[face] = _across(self.part.profile, face)
         return found
 
-    def steel(self, face: Face, points: Iterable[Point]) -> tuple[float, str]:
+    def steel(self, face: Face, points: Sequence[Point]) -> tuple[float, str]:
         """Steel between points and the nearest border of their wall, and which border that is.
 
-        It is negative if a point is beyond.
+        It is negative if a point is beyond. Of borders that are as near the first by name counts.
         """
         borders = self._borders.get(face)
         if borders is None:
             found = _borders(self.across(face), self._ends, face, self.part.profile)
-            borders = self._borders[face] = tuple(found)
-        return min([(b.steel + b.per_x * x + b.per_y * y, b.name)
-                    for x, y in points for b in borders])  # fmt: skip
+            borders = self._borders[face] = tuple(sorted(found, key=_name))
+        nearest, name = inf, ""
+        for border in borders:
+            for x, y in points:
+                steel = border.steel + border.per_x * x + border.per_y * y
+                if steel < nearest:
+                    nearest, name = steel, border.name
+        return nearest, name
 
     def judge(self, shape: Hole | Slot, middles: Sequence[Point]) -> list[Diagnostic]:
         """Errors and remarks on a hole or slot, errors first.
