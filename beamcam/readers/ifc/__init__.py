@@ -32,8 +32,8 @@ def read(
 
     `selection` says which members; the others are counted. Members that cannot be read, or whose
     data contradict their geometry, are errors that name their GlobalId; `Options.force` turns
-    contradictions into warnings. `progress(done, of)` is called after every member, or after some
-    where several processes read. Never raises for bad input.
+    contradictions into warnings. `progress(done, of)` is called whenever some members are done.
+    Never raises for bad input.
     """
     from beamcam.readers.ifc.reader import read_model
 

@@ -15,7 +15,7 @@ from beamcam.system import start_method
 
 T = TypeVar("T")
 
-SHARE = 16  #: members that a process takes at a time, as reading one takes less than a millisecond
+SHARE = 16  #: members that are taken at a time, as reading one takes less than a millisecond
 #: Members from which on processes pay, by how they are started and whether the kernel builds each
 #: one. It is not to be interrupted, so that where processes cost little it is never called here.
 WORTH = {
@@ -41,12 +41,12 @@ def shares(
     With `workers` above 0 so many processes do it, and `share` has to give what can be pickled.
     `died` gives what stands for a member at which processes die.
     """
-    if not workers:
-        yield from (share(range(place, place + 1)) for place in range(count))
-        return
     size = 1 if each_by_itself else SHARE
-    pool = Pool[range, T](share, min(workers, -(-count // size)))
     todo = deque(range(i, min(i + size, count)) for i in range(0, count, size))
+    if not workers:
+        yield from map(share, todo)
+        return
+    pool = Pool[range, T](share, min(workers, len(todo)))
     made: dict[int, tuple[int, T]] = {}
     place = 0
     try:
