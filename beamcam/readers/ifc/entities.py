@@ -8,7 +8,7 @@ from contextlib import suppress
 from math import pi
 from typing import Any, TypeVar
 
-from msgspec import Struct, field
+from msgspec import UNSET, Struct, UnsetType, field
 
 from beamcam.caches import cached
 from beamcam.readers.ifc.records import Entity, File
@@ -68,9 +68,9 @@ class Model(Struct):
     def once(self, what: str, key: Any, made: Callable[..., Known], *of: Any) -> Known:
         """What a key stands for: `made(*of)`, worked out when it is first asked for."""
         at = what, key
-        if at not in self.known:
-            self.known[at] = made(*of)
-        found: Known = self.known[at]
+        found: Known | UnsetType = self.known.get(at, UNSET)
+        if found is UNSET:
+            found = self.known[at] = made(*of)
         return found
 
     def point(self, c: Coordinates) -> Vec:
