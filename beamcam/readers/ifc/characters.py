@@ -9,9 +9,11 @@ Truths = NDArray[np.bool_]  #: one for each place, or for each code
 Words = NDArray[np.uint64]  #: eight characters as one number
 
 MOST_DIGITS = 18  #: of a number that fits 64 bits
+STRETCH = 1 << 18  #: characters that are looked at together, so that they stay in the cache
 _WIDE = 8  #: characters in a word
 _FACTOR = np.uint64(0x9E37_79B9_7F4A_7C15)  #: 2**64 over the golden ratio (Knuth, TAOCP 6.4)
 
+_NONE: Places = np.empty(0, np.int64)
 BLANK: Truths = np.isin(np.arange(256), [*b"\t\n\v\f\r\x1c\x1d\x1e\x1f \x85\xa0"])
 
 
@@ -22,7 +24,22 @@ def codes_of(text: str) -> Codes:
 
 def holds(codes: Codes, pair: bytes) -> bool:
     """Whether two characters stand side by side somewhere."""
-    return bool(((codes[:-1] == pair[0]) & (codes[1:] == pair[1])).any())
+    word = np.frombuffer(pair, "<u2")
+    # As words of two characters, those from even places on and those from odd ones.
+    words = (codes[at : at + (len(codes) - at) // 2 * 2].view("<u2") for at in (0, 1))
+    return any(bool((some == word).any()) for some in words)
+
+
+def places_of(codes: Codes, signs: bytes) -> Places:
+    """The places of all characters that are one of the signs."""
+    found = []
+    for start in range(0, len(codes), STRETCH):
+        some = codes[start : start + STRETCH]
+        there = np.zeros(len(some), bool)
+        for sign in signs:
+            there |= some == sign
+        found.append(np.flatnonzero(there) + start)
+    return np.concatenate([_NONE, *found])
 
 
 def past_blanks(codes: Codes, at: Places) -> Places:

@@ -33,6 +33,7 @@ from beamcam.readers.ifc.characters import (
     holds,
     numbers_at,
     past_blanks,
+    places_of,
     words_before,
 )
 
@@ -41,7 +42,7 @@ _PADDED = re.compile(r"('[^']*+')|#0+(?=\d)")
 _START = re.compile(r"\bDATA\s*;")
 _SECTION = re.compile(r"DATA\s*(\(.*\))?", re.DOTALL)
 _CLASS = re.compile(r"\w+", re.ASCII)
-_QUOTE, _HASH, _OPENING, _CLOSING, _SEMICOLON, _EQUALS, _COMMA, _DOLLAR = b"'#();=,$"
+_HASH, _OPENING, _CLOSING, _SEMICOLON, _EQUALS, _COMMA, _DOLLAR = b"#();=,$"
 _SPARSE = 8  #: names beyond so many times the count of records are looked up in a dict
 _NONE: Places = np.empty(0, np.int64)
 
@@ -73,7 +74,7 @@ class Inners(Struct, frozen=True):
 
     text: str  #: of the file
     codes: Codes
-    marks: Places  #: of all commas and brackets in the text
+    marks: Places  #: of all commas, brackets and semicolons in the text
     opened: Places  #: which of the marks the brackets before them are
     closed: Places  #: which of the marks the brackets behind them are
 
@@ -113,6 +114,7 @@ class Records:
         if (twice := _second(numbers)) is not None:
             line = _line(every.text, int(starts[twice]))
             raise Malformed(f"record {self.name(twice)} twice", line)
+        self._of_kind = _places_of_each(self._hashes)
         self.kinds = self._classes()  #: as they are written, IFCDIRECTION, by their numbers
 
     def __len__(self) -> int:
@@ -146,11 +148,11 @@ class Records:
         numbers = [number for number, written in self.kinds.items() if written.upper() == kind]
         if len(numbers) == 1:
             return self.of_kind(numbers[0])
-        return np.flatnonzero(np.isin(self._hashes, np.array(numbers, np.uint64)))
+        return np.sort(np.concatenate([_NONE, *map(self.of_kind, numbers)]))
 
     def of_kind(self, number: int) -> Places:
         """The indices of the records of a class, by its number in `kinds`."""
-        return np.flatnonzero(self._hashes == number)
+        return self._of_kind[number]
 
     def beginning(self, kind: str, texts: tuple[str, ...]) -> dict[str, str]:
         """As `inner`, by the names of those of a class that begin with one of the texts.
@@ -202,15 +204,12 @@ class Records:
     def _classes(self) -> dict[int, str]:
         """The classes that there are, by their hashes."""
         found: dict[int, str] = {}
-        rest: Words = self._hashes
-        while len(rest):
-            number = rest[len(rest) // 2]  # likely one of a class with many records
-            rest = rest[rest != number]
-            index = int(np.argmax(self._hashes == number))
+        for number, indices in self._of_kind.items():
+            index = int(indices[0])
             kind = self._every.text[self._kinds[index] : self._first[index] - 1].rstrip()
             if _CLASS.fullmatch(kind) is None:
                 _refuse(self._every.text, self._starts[index : index + 1])
-            found[int(number)] = kind
+            found[number] = kind
         return found
 
 
@@ -223,19 +222,16 @@ def records(text: str) -> Records:
     if holds(codes, b"/*") or holds(codes, b"#0"):
         text = _tidy(text)
         codes = codes_of(text)
-    starts, ends = _in_sections(text, codes)
+    marks = np.append(places_of(codes, b",();"), len(text))
+    starts, before, after = _in_sections(text, codes, marks)
+    every, ends = Inners(text, codes, marks, before + 1, after - 1), marks[after]
     numbers, behind = numbers_at(codes, starts + 1)
     equals = past_blanks(codes, behind)
     kinds = past_blanks(codes, np.minimum(equals + 1, ends))
-    closings = back_over_blanks(codes, ends) - 1
-    marks = np.flatnonzero((codes == _COMMA) | (codes == _OPENING) | (codes == _CLOSING))
-    marks = np.append(marks, len(text))
-    opened = np.searchsorted(marks, kinds)
-    openings = marks[opened]
+    openings, closings = marks[every.opened], back_over_blanks(codes, ends) - 1
     well: Truths = (behind > starts + 1) & (codes[equals] == _EQUALS) & (kinds < openings)
     well &= (codes[openings] == _OPENING) & (openings < closings) & (codes[closings] == _CLOSING)
     _refuse(text, starts[~well])
-    every = Inners(text, codes, marks, opened, np.searchsorted(marks, closings))
     return Records(every, numbers, starts, kinds)
 
 
@@ -250,16 +246,21 @@ def _tidy(text: str) -> str:
     return _PADDED.sub(lambda m: m[1] or "#", text)
 
 
-def _in_sections(text: str, codes: Codes) -> tuple[Places, Places]:
-    """Start and end of the records of the DATA sections."""
+def _in_sections(text: str, codes: Codes, marks: Places) -> tuple[Places, Places, Places]:
+    """Start of the records of the DATA sections; which marks are the semicolons beside them.
+
+    That is the semicolon that ends what stands before a record, and the one that ends the record.
+    """
     found = _START.search(text)
     if found is None:
-        return _NONE, _NONE
+        return _NONE, _NONE, _NONE
     first = found.end()
-    quotes = np.flatnonzero(codes[first:] == _QUOTE)
-    ends = np.flatnonzero(codes[first:] == _SEMICOLON)
-    ends = ends[np.searchsorted(quotes, ends) % 2 == 0] + first
-    starts = past_blanks(codes, np.append(first, ends + 1))
+    begun = int(np.searchsorted(marks, first))
+    after = np.flatnonzero(codes[marks[begun:]] == _SEMICOLON) + begun
+    quotes = places_of(codes[first:], b"'") + first
+    after = after[np.searchsorted(quotes, marks[after]) % 2 == 0]
+    before, ends = np.append(begun - 1, after), marks[after]
+    starts = past_blanks(codes, marks[before] + 1)
     inside = np.zeros(len(ends), bool)
     section: int | None = 0  # the first record of the one that is open
     for i in np.flatnonzero(codes[starts[:-1]] != _HASH).tolist():
@@ -276,7 +277,7 @@ def _in_sections(text: str, codes: Codes) -> tuple[Places, Places]:
             _refuse(text, starts[-1:])
         raise Malformed("a DATA section without an end", _line(text, first))
     _refuse(text, starts[:-1][(codes[starts[:-1]] == _HASH) & ~inside])
-    return starts[:-1][inside], ends[inside]
+    return starts[:-1][inside], before[:-1][inside], after[inside]
 
 
 def _refuse(text: str, places: Places) -> None:
@@ -298,6 +299,14 @@ def _index(numbers: Places) -> memoryview | dict[int, int]:
     table = np.full(last + 1, MISSING)
     table[numbers] = np.arange(len(numbers))
     return table.data
+
+
+def _places_of_each(words: Words) -> dict[int, Places]:
+    """The places of equal numbers, ascending, by these numbers in the order of their first."""
+    order = np.argsort(words, kind="stable")
+    changes = np.flatnonzero(words[order[1:]] != words[order[:-1]]) + 1
+    groups = np.split(order, changes) if len(order) else []
+    return {int(words[group[0]]): group for group in sorted(groups, key=lambda g: int(g[0]))}
 
 
 def _second(numbers: Places) -> int | None:

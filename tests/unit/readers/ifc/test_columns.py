@@ -39,7 +39,7 @@ def read(inners: list[str]) -> list[Any] | None:
     text = f"{'DATA;':8}({');('.join(inners)});"
     last = np.cumsum([len(inner) + 3 for inner in inners]) + 6
     first = last - np.array(list(map(len, inners)))
-    marks = np.array([i for i, letter in enumerate(text) if letter in "(),"], np.int64)
+    marks = np.array([i for i, letter in enumerate(text) if letter in "(),;"], np.int64)
     opened, closed = np.searchsorted(marks, first - 1), np.searchsorted(marks, last)
     of = Inners(text, codes_of(text), marks, opened, closed)
     assert of.texts() == inners
