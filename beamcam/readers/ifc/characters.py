@@ -72,6 +72,18 @@ def numbers_at(codes: Codes, at: Places) -> tuple[Places, Places]:
     return numbers, at
 
 
+def same_word(codes: Codes, first: Places, last: Places) -> bool:
+    """Whether the same word, all of it in Latin-1, goes from each first place up to its last."""
+    length = last[0] - first[0]
+    if (last - first != length).any():
+        return False
+    word = codes[first[0] : last[0]].tolist()
+    # A question mark stands for any character that Latin-1 has not.
+    return ord("?") not in word and all(
+        (codes[first + k] == code).all() for k, code in enumerate(word)
+    )
+
+
 def words_before(codes: Codes, at: Places, size: int = _WIDE) -> Words:
     """The `size` characters before each place, of which there are 8 at most, as one number."""
     return _words(codes)[at - _WIDE] >> np.uint64(8 * (_WIDE - size))

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from msgspec import Struct
 
-from beamcam.readers.ifc.characters import Places, numbers_at
+from beamcam.readers.ifc.characters import Places, numbers_at, same_word
 from beamcam.readers.ifc.step import Inners, Malformed, Typed, pieces
 from beamcam.readers.ifc.values import Tokens, Values
 
@@ -138,6 +138,8 @@ class Alike(Struct, frozen=True):
                 found = self.referred(numbers)
                 if found is not None:
                     return found
+        if same_word(of.codes, start, end):  # half of all values, as `.AREA.` and `$`
+            return [self.tokens[of.text[start[0] : end[0]]]] * len(start)
         return list(map(self.tokens.__getitem__, pieces(of.text, start, end)))
 
 

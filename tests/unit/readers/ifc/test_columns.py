@@ -130,6 +130,11 @@ def test_records_of_few_ways_are_read_way_by_way(inners: list[str]) -> None:
     assert found == one_by_one(inners)
 
 
+@pytest.mark.parametrize("values", [["'Ж'", "'ф'"], ["'?'", "'ф'"], ["'?'", "'?'"], ["$", "$"]])
+def test_a_value_that_all_records_share_is_theirs_alone(values: list[str]) -> None:
+    assert read(values) == one_by_one(values)
+
+
 HOLES = "#1=IFCDIRECTION((0.,0.,1.));#3=IFCCIRCLEPROFILEDEF(.AREA.,$,$,9.);"
 
 
