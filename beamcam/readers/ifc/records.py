@@ -18,6 +18,7 @@ from beamcam.readers.ifc.values import Tokens, Values, text_of
 MANY = frozenset(
     (
         "IFCARBITRARYCLOSEDPROFILEDEF",
+        "IFCARBITRARYPROFILEDEFWITHVOIDS",
         "IFCBEAM",
         "IFCBOOLEANCLIPPINGRESULT",
         "IFCBOOLEANRESULT",
