@@ -5,7 +5,7 @@ within the wall's outline, if the shank reaches through. The hole is wider than 
 clearance of the bolt's standard.
 """
 
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Iterator, Sequence
 from math import acos, degrees
 
 from msgspec import Struct
@@ -16,7 +16,7 @@ from beamcam.model.part import Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable, ratios
-from beamcam.readers.ifc.features import sorted_features
+from beamcam.readers.ifc.features import sorted_holes
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.options import Options
 from beamcam.readers.ifc.solids import mapping
@@ -135,8 +135,7 @@ def drill_bolt_holes(
             said += remarks
         if drilled is not None:
             parts.append(drilled)
-    used = {hole.source.where for part in parts for hole in _holes_of(part)}
-    return parts, [*said, *_account(bolts, without, used, Source(name))]
+    return parts, [*said, *_account(bolts, without, parts, Source(name))]
 
 
 def _holes_of(part: Part) -> list[Hole | Slot]:
@@ -163,7 +162,7 @@ def _drilled(
     if skew and not options.force:
         return None, said
     if holes:
-        drilled = sorted_features(holes)
+        drilled = sorted_holes(holes)
         through = {h.source.where for h in holes}
         sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in holes}))
         counts = {"found": len(through), "made": len(drilled)}
@@ -173,7 +172,7 @@ def _drilled(
 
 
 def _account(
-    bolts: Sequence[Bolt], without: Sequence[str], used: Set[str | None], source: Source
+    bolts: Sequence[Bolt], without: Sequence[str], parts: Sequence[Part], source: Source
 ) -> list[Diagnostic]:
     """Account of every fastener of the file; nothing if it has none."""
     said = []
@@ -181,6 +180,7 @@ def _account(
         some = ", ".join(without[:3]) + (", ..." if len(without) > 3 else "")
         said.append(rules.BOLT_SHANK.at(source, found=len(without), which=some))
     if bolts or without:
+        used = {hole.source.where for part in parts for hole in _holes_of(part)}
         drilled = sum(b.guid in used for b in bolts)
         counts = {"drilled": drilled, "idle": len(bolts) - drilled, "without": len(without)}
         said.append(rules.BOLTS.at(source, found=len(bolts) + len(without), **counts))

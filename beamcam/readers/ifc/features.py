@@ -1,6 +1,7 @@
 """Holes, slots and contours of a part: made of outlines, moved, and each listed once."""
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 from msgspec.structs import replace
 
@@ -16,6 +17,8 @@ from beamcam.model.part import (
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.walls import Wall
+
+Shifted = TypeVar("Shifted", bound=Hole | Slot | Contour)
 
 SAME = 0.01  #: mm between two features that are one, and degrees
 FACES = {"v": 0, "o": 1, "u": 2, "h": 3}  #: the order in which they are listed
@@ -61,7 +64,7 @@ def contour(
     return Contour(face, "outer" if outer else "inner", back, source, bevels=turned)
 
 
-def shifted(feature: Hole | Slot | Contour, by: float) -> Hole | Slot | Contour:
+def shifted(feature: Shifted, by: float) -> Shifted:
     """A feature moved along the part."""
     if by == 0.0:
         return feature
@@ -75,16 +78,19 @@ def shifted(feature: Hole | Slot | Contour, by: float) -> Hole | Slot | Contour:
 def sorted_features(
     features: Sequence[Hole | Slot | Contour],
 ) -> tuple[Hole | Slot | Contour, ...]:
-    """Contours, then holes and slots, face by face along the part, each once."""
+    """Contours, then holes and slots, face by face along the part, each of these once."""
     contours = [f for f in features if isinstance(f, Contour)]
-    drilled = [f for f in features if not isinstance(f, Contour)]
     contours.sort(key=_place_of_contour)
-    drilled.sort(key=_place_of_hole)
+    return (*contours, *sorted_holes([f for f in features if not isinstance(f, Contour)]))
+
+
+def sorted_holes(holes: Sequence[Hole | Slot]) -> tuple[Hole | Slot, ...]:
+    """Holes and slots face by face along the part, each once."""
     once: list[Hole | Slot] = []
-    for feature in drilled:
-        if not _among(feature, once):
-            once.append(feature)
-    return (*contours, *once)
+    for hole in sorted(holes, key=_place_of_hole):
+        if not _among(hole, once):
+            once.append(hole)
+    return tuple(once)
 
 
 def _place_of_contour(f: Contour) -> tuple[object, ...]:

@@ -18,7 +18,7 @@ from beamcam.model.part import (
 from beamcam.readers.ifc.bevels import bevels_of
 from beamcam.readers.ifc.ends import End, Level, fitted_end, reaches
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.features import contour, opening, shifted, sorted_features
+from beamcam.readers.ifc.features import contour, opening, shifted, sorted_features, sorted_holes
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
 from beamcam.readers.ifc.section import Section, Stocks
 from beamcam.readers.ifc.space import IDENTITY, Frame
@@ -83,16 +83,19 @@ def end_planes(start: End, end: End, shift: float, source: Source) -> tuple[EndP
 
 def sawn(
     section: Section,
-    start: End,
-    end: End,
+    ends: tuple[End, End],
+    span: tuple[float, float],
     holes: Sequence[Hole | Slot],
     source: Source,
     gross: float,
 ) -> Shaped:
-    """A member with two plane ends and holes: all that most members have."""
-    x0, x1 = reach(section, start, end)
+    """A member with two plane ends and holes: all that most members have.
+
+    `span` is its least and greatest x, as of `reach`.
+    """
+    (start, end), (x0, x1) = ends, span
     features = (
-        *sorted_features([shifted(h, -x0) for h in holes]),
+        *sorted_holes([shifted(h, -x0) for h in holes]),
         *end_planes(start, end, x0, source),
     )
     middle = section.height / 2, section.width / 2

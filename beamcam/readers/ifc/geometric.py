@@ -326,8 +326,8 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
 def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
     """A round bar or pipe, or a special section, by its shell: two plane ends, nothing else."""
     start, end = [_flat_end(local, side) for side in (-1, 1)]
-    x0, x1 = reach(stock.section, start, end)
-    return sawn(stock.section, start, end, (), source, x1 - x0)
+    span = reach(stock.section, start, end)
+    return sawn(stock.section, (start, end), span, (), source, span[1] - span[0])
 
 
 def _flat_end(local: Shell, side: int) -> End:

@@ -113,7 +113,8 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     gross = stock.x1 - stock.x0
     plain = not stock.outline and not stock.hollows and not general
     if plain and start.sole is not None and end.sole is not None:
-        return sawn(section, start.sole, end.sole, holes, source, gross)
+        span = -start.reach, end.reach
+        return sawn(section, (start.sole, end.sole), span, holes, source, gross)
     if not walls:
         raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
     circles = Circles()

@@ -37,4 +37,7 @@ def test_the_sole_plane_is_the_first_that_no_other_comes_before(ends: list[End])
             one.side * one.x(y, z) <= e.side * e.x(y, z) + 1e-4 for y, z in CORNERS for e in ends
         )
     ]
-    assert trim(ends[0], ends[1:], CORNERS).sole == (first[0] if first else None)
+    found = trim(ends[0], ends[1:], CORNERS)
+    assert found.sole == (first[0] if first else None)
+    reach = max(first[0].side * first[0].x(y, z) for y, z in CORNERS) if first else found.most
+    assert abs(found.reach - reach) < 1e-9
