@@ -27,14 +27,14 @@ UNEVEN = 0.1  #: share by which a rounding may reach further along one side
 SHARP_RAD = 0.3  #: by which a rounding may be off the side it runs into
 
 
-class Round(Struct, frozen=True, gc=False):
+class Round(Struct, frozen=True, gc=False, cache_hash=True):
     """A circle."""
 
     centre: Point
     diameter: float
 
 
-class Slotted(Struct, frozen=True, gc=False):
+class Slotted(Struct, frozen=True, gc=False, cache_hash=True):
     """A rectangle with round corners, a slot where one side has no straight piece."""
 
     centre: Point

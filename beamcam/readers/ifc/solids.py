@@ -87,34 +87,34 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
 def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
     profile, place, way, depth, *_ = item.values
     outline, hole = model.once("cut-out", definition(profile), _cut_out, model, profile)
-    at, even = _standing(model, frame, place)
-    along = pushed(model, at, way, depth)
+    o, axes, even = _standing(model, frame, place)
+    along = pushed(model, axes, way, depth)
     if hole is not None and not (even and (way is None or _upright(way))):
         hole = None  # a circle that is pushed askew or stretched is not a circle across its length
-    return Prism(Frame(at.o, at.x, at.y, along), outline, where, hole)
+    return Prism(Frame(o, axes.x, axes.y, along), outline, where, hole)
 
 
-def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Frame, bool]:
-    """The frame of a solid that is placed in `frame`, and whether forms are kept in it."""
+def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Vec, Frame, bool]:
+    """The origin and the axes of a solid that is placed in `frame`, and whether they keep forms."""
     if place is None or len(place) != 3:
         at = frame.times(model.axes(place))
-        return at, at.even
+        return at.o, at, at.even
     location, axis, reference = place
-    *axes, even = _turned(frame.x, frame.y, frame.z, axis, reference)
-    return Frame(frame.point(model.point(location)), *axes), even
+    axes, even = _turned(frame.x, frame.y, frame.z, axis, reference)
+    return frame.point(model.point(location)), axes, even
 
 
 @cached("ifc.placement")
 def _turned(
     x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
-) -> tuple[Vec, Vec, Vec, bool]:
+) -> tuple[Frame, bool]:
     """The axes of a placement by its Axis and RefDirection, in a frame that has the axes x, y, z.
 
-    Behind them whether forms are kept. A model's holes stand in many places, but lie few ways.
+    Behind them whether they keep forms. A model's holes stand in many places, but lie few ways.
     """
     by = Frame(ORIGIN, x, y, z)
-    a, b, c = (by.vector(v) for v in right_handed(ratios(axis), ratios(reference)))
-    return a, b, c, Frame(ORIGIN, a, b, c).even
+    axes = Frame(ORIGIN, *map(by.vector, right_handed(ratios(axis), ratios(reference))))
+    return axes, axes.even
 
 
 def _upright(way: Coordinates) -> bool:
