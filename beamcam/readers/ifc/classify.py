@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import hypot
 
 from beamcam.geometry.curves import Point, signed_area
-from beamcam.geometry.plane import box_around
+from beamcam.geometry.plane import Box, box_around
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import (
@@ -139,14 +139,14 @@ def _direction(a: Corner, b: Corner) -> Point:
 
 def _centred(
     code: ProfileCode,
-    points: list[Point],
+    box: Box,
     y: Point,
     z: Point,
     sizes: tuple[float, float, float],
     area: float,
 ) -> Section:
-    """A section whose box is that of `points`; flange, web and radius are `sizes`."""
-    x0, y0, x1, y1 = box_around(points)
+    """A section that fills a box along Z and Y; flange, web and radius are `sizes`."""
+    x0, y0, x1, y1 = box
     u, v = (x0 + x1) / 2, (y0 + y1) / 2
     centre = z[0] * u + y[0] * v, z[1] * u + y[1] * v
     return placed(code, (y1 - y0, x1 - x0, *sizes), centre, y, z, area)
@@ -160,7 +160,7 @@ def _double_tee(
     points, z = _local(corners, y)
     sides = sorted((points[a][0] + points[b][0]) / 2 for a, b in pairs)
     tips = [i for i in range(12) if not corners[i].reflex and _beside_inner(corners, i)]
-    x0, bottom, x1, top = box_around(points)
+    x0, bottom, x1, top = box = box_around(points)
     middle = (top + bottom) / 2
     upper = [points[i][1] for i in (*reflex, *tips) if points[i][1] > middle]
     lower = [points[i][1] for i in (*reflex, *tips) if points[i][1] <= middle]
@@ -172,7 +172,7 @@ def _double_tee(
     if abs(flanges[0] - flanges[1]) > 0.2 or abs(widths[0] - widths[1]) > 0.2 or abs(centre) > 0.2:
         return None
     radius = max(corners[i].radius for i in reflex)
-    return _centred("I", points, y, z, (sum(flanges) / 2, sides[1] - sides[0], radius), area)
+    return _centred("I", box, y, z, (sum(flanges) / 2, sides[1] - sides[0], radius), area)
 
 
 def _reaches(points: Sequence[Point], middle: float) -> list[tuple[float, float]]:
@@ -193,7 +193,7 @@ def _channel(
     # Counter-clockwise round the outline the inside of the web runs upwards.
     y = _direction(corners[first], corners[second])
     points, z = _local(corners, y)
-    x0, bottom, x1, top = box_around(points)
+    x0, bottom, x1, top = box = box_around(points)
     web = (points[first][0] + points[second][0]) / 2 - x0
     tips = (points[(second + 1) % 8][1], points[first - 1][1])
     # Sloped flanges have their nominal thickness half way from the web's back to the tip.
@@ -207,7 +207,7 @@ def _channel(
     (_, upper), (_, lower) = _reaches(points, (top + bottom) / 2)
     if abs(upper - lower) > 0.2:
         return None
-    return _centred("U", points, y, z, (sum(flanges) / 2, web, corners[first].radius), area)
+    return _centred("U", box, y, z, (sum(flanges) / 2, web, corners[first].radius), area)
 
 
 def _lipped(
@@ -217,11 +217,12 @@ def _lipped(
     first, second = (start + 1) % 12, (start + 2) % 12
     y = _direction(corners[first], corners[second])
     points, z = _local(corners, y)
-    web = (points[first][0] + points[second][0]) / 2 - min(p[0] for p in points)
-    flange = points[first][1] - min(p[1] for p in points)
+    x0, bottom, *_ = box = box_around(points)
+    web = (points[first][0] + points[second][0]) / 2 - x0
+    flange = points[first][1] - bottom
     if web <= 0 or flange <= 0:
         return None
-    return _centred("C", points, y, z, (flange, web, corners[first].radius), area)
+    return _centred("C", box, y, z, (flange, web, corners[first].radius), area)
 
 
 def _tee(
@@ -234,11 +235,12 @@ def _tee(
     z0 = _direction(corners[before_stem], corners[tip[0]])
     y = (-z0[1], z0[0])
     points, z = _local(corners, y)
-    flange = (points[after_stem][0] + points[before_stem][0]) / 2 - min(p[0] for p in points)
+    box = box_around(points)
+    flange = (points[after_stem][0] + points[before_stem][0]) / 2 - box[0]
     stem = abs(points[tip[0]][1] - points[tip[1]][1])
     if flange <= 0 or stem <= 0:
         return None
-    return _centred("T", points, y, z, (stem, flange, corners[before_stem].radius), area)
+    return _centred("T", box, y, z, (stem, flange, corners[before_stem].radius), area)
 
 
 def _angle(corners: tuple[Corner, ...], inner: int, area: float) -> Section | None:
