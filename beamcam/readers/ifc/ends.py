@@ -7,8 +7,8 @@ planes or cuts form an end, the plane that holds most of the end's height and wi
 what it does not explain stays in the contours.
 """
 
-import itertools
 from collections.abc import Sequence
+from itertools import pairwise, repeat
 from math import atan, degrees, hypot
 from operator import sub
 
@@ -73,10 +73,12 @@ def trim(square: End, cuts: Sequence[End], corners: Sequence[Point]) -> Trim:
     planes, level = (square, *cuts), square.side * square.c
     if not cuts:
         return Trim(planes, square, level, level, level)
-    lines = [reaches(one, corners) for one in planes]
-    left = list(map(min, *lines))
+    lines = [reaches(one, corners) for one in cuts]
+    left = list(map(min, repeat(level), *lines))
     least, most = min(left), max(left)
-    for one, line in zip(planes, lines, strict=True):
+    if level - least <= SAME_REACH:
+        return Trim(planes, square, level, least, most)
+    for one, line in zip(cuts, lines, strict=True):
         if max(map(sub, line, left)) <= SAME_REACH:
             return Trim(planes, one, max(line), least, most)
     return Trim(planes, None, most, least, most)
@@ -128,7 +130,7 @@ def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
         points = [(float(x), float(y)) for x, y in piece.exterior.coords]
         if not piece.exterior.is_ccw:
             points.reverse()
-        for (x0, q0), (x1, q1) in itertools.pairwise(points):
+        for (x0, q0), (x1, q1) in pairwise(points):
             # Counter-clockwise, the outward normal is (dq, -dx).
             if side * (q1 - q0) > 0.1 * hypot(x1 - x0, q1 - q0):
                 raw.append((x0, q0, x1, q1))
