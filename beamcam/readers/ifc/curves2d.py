@@ -149,7 +149,7 @@ def _trim(model: Model, entity: Entity, trim: tuple[Any, ...]) -> Point | float:
     """Trimming point of a curve: a parameter, or a point if the file has one."""
     points = [t for t in trim if isinstance(t, tuple)]
     values = [float(t.value) for t in trim if isinstance(t, Typed)]
-    if values and (entity.values[4] != "CARTESIAN" or not points):
+    if values and (entity.MasterRepresentation != "CARTESIAN" or not points):
         return values[0]
     if points:
         x, y, _ = model.point(points[0])
