@@ -50,8 +50,9 @@ class Record:
     def __init__(self, folder: str, recipe: Recipe | None = None, kept: bool = True) -> None:
         """`recipe` is what this run is asked for. Unless `kept`, it is read and never written."""
         self._folder = folder
-        self._recipe, self._kept = recipe or Recipe(), kept
-        self._recipe_name = self._recipe.name
+        recipe, self._kept = recipe or Recipe(), kept
+        self._recipe_name = recipe.name
+        self._recipe_line = dumped({"recipe": recipe.name, "of": recipe}) + b"\n"
         self._recipes: set[bytes] = set()  #: lines
         self._from_here: dict[str, str] = {}  #: folder of inputs -> as it is reached from `folder`
         self._path = os.path.join(folder, RECORD_NAME)
@@ -134,10 +135,9 @@ class Record:
         if not self._kept:
             return
         lines = b""
-        recipe = dumped({"recipe": self._recipe_name, "of": self._recipe}) + b"\n"
-        if recipe not in self._recipes:
-            self._recipes.add(recipe)
-            lines = recipe
+        if self._recipe_line not in self._recipes:
+            self._recipes.add(self._recipe_line)
+            lines = self._recipe_line
         noted = {
             "key": key.hex(),
             "outputs": [part["output"] for part in row["parts"]],

@@ -50,11 +50,7 @@ class HoleCheck:
         self.bores = bores
         self.paired = _paired(bores)
         for i, bore in enumerate(bores):
-            key = bore.face, bore.kind, floor(bore.x)
-            if key in self.pockets:
-                self.pockets[key].append(i)
-            else:
-                self.pockets[key] = [i]
+            self.pockets.setdefault((bore.face, bore.kind, floor(bore.x)), []).append(i)
         self.made: dict[int, Want] = {}  #: by the bore's index
 
     # Which bore makes which hole
