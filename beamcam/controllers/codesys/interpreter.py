@@ -55,7 +55,7 @@ _WITHOUT_EFFECT = (50, 53)  #: smoothing and offsets: off, as at the start
 _LINE_BEGINS = re.compile(r"\nN[0-9]+ |\n")
 
 
-class _Order(Struct, frozen=True):
+class _Instruction(Struct, frozen=True):
     """A block, and what of the interpreter carries it out at a line."""
 
     carry_out: "Callable[[Codesys, int, int, Words], None]"
@@ -67,7 +67,7 @@ class _Language(Struct, frozen=True):
     """What follows from a machine's dialect, whatever the program is."""
 
     lexer: Lexer
-    known: BoundedCache[str, _Order]  #: by the texts of their blocks
+    known: BoundedCache[str, _Instruction]  #: by the texts of their blocks
     letters: dict[int, frozenset[str]]  #: that each travel command takes
     m_words: frozenset[int]  #: of the machine's own, which carry nothing
     g_words: dict[int, CodeMeaning]  #: of the machine's own
@@ -119,13 +119,13 @@ class Codesys(Interpreter):
 
     def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
-        order = self._language.known.get(text) or self._read(line, text)
-        if order is None or (self._over and self.is_over(line)):
+        found = self._language.known.get(text) or self._read(line, text)
+        if found is None or (self._over and self.is_over(line)):
             return
         self._begun = True
-        order.carry_out(self, line, order.number, order.words)
+        found.carry_out(self, line, found.number, found.words)
 
-    def _read(self, line: int, body: str) -> _Order | None:
+    def _read(self, line: int, body: str) -> _Instruction | None:
         """A block that is not known; None for a text or no block, and with a message if invalid."""
         if self._is_text(line, body):
             return None
@@ -139,8 +139,8 @@ class Codesys(Interpreter):
             if not self._dialect.is_allowed(code):
                 self._wrong(line, shown_code(code), self._dialect.shown_allowed())
                 return None
-        order = _Order(_what_carries_out(block, self._language), block.number, block.words)
-        return self._language.known.keep(body, order)
+        found = _Instruction(_what_carries_out(block, self._language), block.number, block.words)
+        return self._language.known.keep(body, found)
 
     def _syntax(self, line: int, body: str, fault: Fault) -> None:
         """Says what is wrong with a line, unless it is the name of the program."""
