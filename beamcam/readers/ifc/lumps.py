@@ -75,7 +75,7 @@ def _stretches(body: Shell, made: Rebuilt) -> Iterator[tuple[float, float, Shape
     middles = (edges[:-1] + widths / 2)[chosen]
     shapes = made.sections(middles)
     areas = moments(body, middles) if body.volume is not None else None
-    rough = [2 * FACET_WIDTH * made.walls_drilled(float(x)) for x in middles]
+    rough = (2 * FACET_WIDTH * made.walls_drilled(middles)).tolist()
     for i, place in enumerate(chosen.tolist()):
         shape = shapes[i]
         if areas is not None and _alike(shape, areas[i], SUSPECT + rough[i]):

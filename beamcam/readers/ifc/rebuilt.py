@@ -92,19 +92,23 @@ class Rebuilt(Struct, frozen=True, eq=False):
     def sections(self, xs: Numbers) -> list[Shape]:
         """The sections at these places, holes included."""
         every = (*self.cuts, *(cut for cut, _ in self.holes))
-        return [self._section(float(x), every, self.strips) for x in xs]
+        return [
+            self._section(x, cuts, self.strips)
+            for x, cuts in zip(xs.tolist(), _cuts_at(every, xs), strict=True)
+        ]
 
-    def walls_drilled(self, x: float) -> float:
-        """mm of walls that holes go through at x."""
-        found = 0.0
-        for cut, _ in self.holes:
-            x0, _, x1, _ = cut.shape.bounds
-            found += cut.high - cut.low if x0 < x < x1 else 0.0
+    def walls_drilled(self, xs: Numbers) -> Numbers:
+        """mm of walls that holes go through at these places."""
         wide = self.stock.bounds[2] - self.stock.bounds[0]
-        return float(found + sum(wide for s in self.strips if abs(s.x - x) < s.radius))
+        there = _cuts_at([cut for cut, _ in self.holes], xs)
+        found = np.array([sum(cut.high - cut.low for cut in cuts) for cuts in there], np.float64)
+        for strip in self.strips:
+            found += np.where(np.abs(strip.x - xs) < strip.radius, wide, 0.0)
+        return found
 
     def _areas(self, xs: Numbers) -> Numbers:
-        return np.array([float(self._section(float(x), self.cuts, ()).area) for x in xs])
+        there = zip(xs.tolist(), _cuts_at(self.cuts, xs), strict=True)
+        return np.array([float(self._section(x, cuts, ()).area) for x, cuts in there])
 
     def _section(self, x: float, cuts: Sequence[Cut], strips: Sequence[Strip]) -> Shape:
         from shapely import union_all
@@ -356,13 +360,20 @@ def _behind(shape: Shape, end: End, x: float) -> Shape:
     )
 
 
+def _cuts_at(cuts: Sequence[Cut], xs: Numbers) -> list[list[Cut]]:
+    """The cut-outs that each x goes through."""
+    from shapely import bounds
+
+    x0, _, x1, _ = bounds(np.array([cut.shape for cut in cuts], object)).reshape(-1, 4).T
+    there = (x0 < xs[:, None]) & (xs[:, None] < x1)
+    return [[cuts[k] for k in np.flatnonzero(row).tolist()] for row in there]
+
+
 def _taken(cut: Cut, x: float) -> Iterator[Shape]:
-    """Material that a cut removes from the section at x, as boxes in (Z, Y)."""
+    """Material that a cut removes from the section at x, which it goes through, as boxes (Z, Y)."""
     from shapely import LineString
 
-    x0, q0, x1, q1 = cut.shape.bounds
-    if not x0 < x < x1:
-        return
+    _, q0, _, q1 = cut.shape.bounds
     line = cut.shape.intersection(LineString([(x, q0 - 1.0), (x, q1 + 1.0)]))
     low, high = max(cut.low, -1e5), min(cut.high, 1e5)
     for piece in getattr(line, "geoms", (line,)):
