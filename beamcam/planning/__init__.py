@@ -1,4 +1,5 @@
 """Planning: parts and a machine in, a `Plan` out, or every reason why there is none.
 
-`beam.plan_bar` plans bars, `sheet.plan_sheet` sheets; neither loads what the other needs.
+`orientation.plan_oriented` plans bars (`beam.plan_bar` as their parts lie) and `sheet.plan_sheet`
+sheets; neither loads what the other needs.
 """
