@@ -7,6 +7,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan
 from beamcam.planning.beam import plan_bar
+from beamcam.planning.stock import is_too_short
 
 
 def plan_oriented(
@@ -28,6 +29,8 @@ def plan_oriented(
     try:
         return plan_bar(parts, machine, bar, skips, order)
     except PlanError as error:
+        if is_too_short(error.diagnostics):
+            raise
         from beamcam.planning.turn_choice import turns_that_help
 
         raise PlanError([*error.diagnostics, *turns_that_help(parts, machine, skips)]) from error

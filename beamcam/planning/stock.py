@@ -29,13 +29,13 @@ def from_store(
         try:
             return make(length)
         except PlanError as error:
-            if not _is_too_short(error.diagnostics):
+            if not is_too_short(error.diagnostics):
                 raise
     return make(longest)
 
 
-def _is_too_short(said: Iterable[Diagnostic]) -> bool:
-    """Whether a longer bar would help."""
+def is_too_short(said: Iterable[Diagnostic]) -> bool:
+    """Whether a longer bar is all that would help."""
     return {d.code for d in errors_in(said)} <= {
         rules.BAR_FULL.code,
         rules.BAR_SHORT.code,
