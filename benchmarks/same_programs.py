@@ -12,7 +12,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,18 +46,25 @@ def main() -> None:
         for result in _results(files, asked.machine):
             print(json.dumps(result), flush=True)
         return
-    counts = {"posted": 0, "refused": 0}
-    different = 0
     options = [f"--machine={machine}" for machine in asked.machine or ()]
-    olds, news = (_read(tree.resolve(), files, options) for tree in (asked.old, asked.new))
-    for old, new in zip(olds, news, strict=True):
-        counts["posted" if old.texts["program"] else "refused"] += 1
-        if old != new:
-            different += 1
-            print("\n".join(_difference(old, new)))
-    print(f"{len(files)} files: {counts['posted']} programs made, {counts['refused']} refused; "
-          f"{different} differences")  # fmt: skip
-    sys.exit(1 if different else 0)
+    olds, news = (
+        {one.what: one.texts for one in _read(tree.resolve(), files, options)}
+        for tree in (asked.old, asked.new)
+    )
+    both = [what for what in olds if what in news]
+    made = sum(bool(olds[what]["program"]) for what in both)
+    others = sum(olds[what]["program"] != news[what]["program"] for what in both)
+    different = [what for what in both if olds[what] != news[what]]
+    for what in different:
+        print("\n".join(_difference(what, olds[what], news[what])))
+    for tree, own, other in ((asked.old, olds, news), (asked.new, news, olds)):
+        for what in own:
+            if what not in other:
+                print(f"{what}: by {tree} alone")
+    print(f"{len(files)} files: {made} programs made, {len(both) - made} refused; "
+          f"{len(different)} differences, {others} of programs; {len(olds) - len(both)} results by "
+          f"{asked.old} alone, {len(news) - len(both)} by {asked.new} alone")  # fmt: skip
+    sys.exit(1 if different or olds.keys() != news.keys() else 0)
 
 
 def _files(path: Path) -> Iterator[Path]:
@@ -124,15 +131,12 @@ def _post(parts: Any, machine: Any, options: dict[str, Any]) -> dict[str, str]:
     return texts
 
 
-def _difference(old: Result, new: Result) -> Iterator[str]:
+def _difference(what: str, old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
     """The lines that tell how two results differ."""
-    if old.what != new.what:
-        yield f"{old.what}, but with the change {new.what}"
-        return
-    for name in old.texts | new.texts:
-        mine, theirs = old.texts.get(name, ""), new.texts.get(name, "")
+    for name in {**old, **new}:
+        mine, theirs = old.get(name, ""), new.get(name, "")
         if mine != theirs:
-            yield f"{old.what}: {name}"
+            yield f"{what}: {name}"
             lines = difflib.unified_diff(mine.splitlines(), theirs.splitlines(), n=0, lineterm="")
             yield from ("    " + line for line in list(lines)[2 : 2 + SHOWN_LINES])
 
