@@ -24,10 +24,7 @@ def codes_of(text: str) -> Codes:
 
 def holds(codes: Codes, pair: bytes) -> bool:
     """Whether two characters stand side by side somewhere."""
-    word = np.frombuffer(pair, "<u2")
-    # As words of two characters, those from even places on and those from odd ones.
-    words = (codes[at : at + (len(codes) - at) // 2 * 2].view("<u2") for at in (0, 1))
-    return any(bool((some == word).any()) for some in words)
+    return bool(((codes[:-1] == pair[0]) & (codes[1:] == pair[1])).any())
 
 
 def places_of(codes: Codes, signs: bytes) -> Places:
