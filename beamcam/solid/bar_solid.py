@@ -1,0 +1,247 @@
+"""A bar machined as a solid by the events of its program alone, and the pieces that are left.
+
+    stock of the section - what each tool sweeps - a slab for each saw cut -> pieces along the bar
+
+Drills are cylinders with their points, along their own spindle's axis; mills are led from place to
+place. Punches, scribes, taps and letters take nothing that a solid would show.
+"""
+
+from collections.abc import Iterable, Sequence
+from math import cos, hypot, isnan, nan, radians, sin
+from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.controllers.dialect import Dialect, dialect_of
+from beamcam.controllers.events import BarEvent, Move, Switch
+from beamcam.errors import BeamcamError, Source
+from beamcam.machine.machine import Machine
+from beamcam.machine.saw import Saw
+from beamcam.model.part import Part
+from beamcam.solid.kernel import drill_profile, kernel, minus, moved, prism, turned
+from beamcam.solid.part_solid import ALONG
+from beamcam.solid.rules import NO_MACHINE
+from beamcam.solid.section import FREE, outline
+from beamcam.solid.spindle import Reach, Tip, reaches
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+BEYOND = 500.0  #: mm of bar behind the last event, where its length is not known
+REMOVING = ("drill", "countersink", "mill")  #: tools whose work a solid shows
+DUST = 1.0  #: mm3; smaller pieces are chips
+
+
+class Slab(Struct, frozen=True):
+    """What one saw cut takes: everything between two planes."""
+
+    line: int
+    at: float  #: bar x of its middle, on the pivot edge of the web, at the h side
+    normal: tuple[float, float, float]  #: of its planes, of length 1
+    thickness: float  #: along the normal
+
+
+class Sweep(Struct, frozen=True):
+    """What a tool sweeps between two places of its point."""
+
+    reach: Reach
+    kind: str
+    diameter: float
+    start: Tip
+    end: Tip
+
+
+class Work(Struct, frozen=True):
+    """What a program does to its bar."""
+
+    slabs: tuple[Slab, ...]
+    sweeps: tuple[Sweep, ...]
+    section: dict[str, float]  #: what it says of its bar
+
+
+def lying(part: Part, said: dict[str, float]) -> Part:
+    """A part whose section lies as a program's words have it: angles and tubes also on the side."""
+    p = part.profile
+    size = said.get("height", p.height), said.get("width", p.width)
+    if size == (p.height, p.width) or size != (p.width, p.height) or p.code not in ("L", "M"):
+        return part
+    other = replace(
+        p, height=p.width, width=p.height, web_thickness=p.flange_thickness,
+        flange_thickness=p.web_thickness or 0.0,
+    )  # fmt: skip
+    return replace(part, profile=other)
+
+
+def said_of_section(events: Iterable[BarEvent], machine: Machine) -> dict[str, float]:
+    """Height, width and number of the section by a program's own words."""
+    words = dialect_of(machine).m_words
+    said: dict[str, float] = {}
+    for event in events:
+        if isinstance(event, Switch) and event.number in words:
+            word = words[event.number]
+            if word.role == "section":
+                said |= {name: event.words[at] for at, name in word.fields if at in event.words}
+    return said
+
+
+def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> Work:
+    """Cuts and sweeps of a program, on a bar of a part's section."""
+    drill, saw = machine.drill, machine.saw
+    if drill is None or saw is None:
+        raise BeamcamError(
+            NO_MACHINE.at(Source(machine.name), found=f"{machine.name} without saw or drill")
+        )
+    dialect = dialect_of(machine)
+    slabs: list[Slab] = []
+    chosen = reaches(machine, part.profile)
+    tool: tuple[str, float] | None = None
+    spindles: tuple[Reach, ...] = ()
+    tips: dict[int, Tip] = {}
+    sweeps: list[Sweep] = []
+    x = nan
+    for event in events:
+        if isinstance(event, Switch) and event.number in dialect.m_words:
+            word = dialect.m_words[event.number]
+            values = {name: event.words[at] for at, name in word.fields if at in event.words}
+            if word.role == "saw" and not isnan(x):
+                slabs.append(
+                    _slab(event.line, x - saw.x, values["angle"], values.get("tilt", 0.0), saw,
+                          part.profile.height)
+                )  # fmt: skip
+            elif word.role == "choose":
+                number = values.get("spindle", dialect.only_spindle)
+                spindles = chosen.get(int(number), ()) if number is not None else ()
+                tool = _tool(word.cycle.kind if word.cycle else "drill", values, dialect)
+        elif isinstance(event, Move):
+            x = event.end[0]
+            for reach in spindles:
+                tip = reach.tip(x - drill.x, event.end)
+                before = tips.get(reach.number, tip)
+                tips[reach.number] = tip
+                if (
+                    tool is not None
+                    and tool[0] in REMOVING
+                    and not isnan(tip.x + tip.y + tip.depth)
+                ):
+                    _swept(sweeps, Sweep(reach, *tool, before, tip))
+    return Work(tuple(slabs), tuple(sweeps), said_of_section(events, machine))
+
+
+def _tool(kind: str, values: dict[str, float], dialect: Dialect) -> tuple[str, float]:
+    if "tool" in values and int(values["tool"]) in dialect.numbered:
+        return dialect.numbered[int(values["tool"])]
+    return kind, dialect.size(values.get("diameter", 0.0))
+
+
+def _swept(sweeps: list[Sweep], one: Sweep) -> None:
+    """Add a sweep, unless it is before the bar or only deeper or shallower than the last one."""
+    start, end = one.start, one.end
+    if max(start.depth, end.depth) <= -one.reach.front:
+        return
+    if isnan(start.x + start.y + start.depth):
+        one = replace(one, start=end)
+    last = sweeps[-1] if sweeps else None
+    straight_in = (start.x, start.y) == (end.x, end.y)
+    if straight_in:
+        deepest = end if end.depth >= start.depth else start
+        one = replace(one, start=deepest, end=deepest)
+        for at in range(len(sweeps) - 1, max(-1, len(sweeps) - 5), -1):
+            last = sweeps[at]
+            same = (last.reach.number, last.kind, last.diameter) == (
+                one.reach.number, one.kind, one.diameter
+            )  # fmt: skip
+            if same and last.start == last.end and (last.end.x, last.end.y) == (end.x, end.y):
+                if deepest.depth > last.end.depth:
+                    sweeps[at] = one
+                return
+    sweeps.append(one)
+
+
+def _slab(line: int, at: float, angle: float, tilt: float, saw: Saw, height: float) -> Slab:
+    """A cut by the saw's own angles.
+
+    A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t); with
+    DSTV's signs a mitre runs as x = c - y tan w. X counts on the pivot edge of the web.
+    """
+    w, t = radians(saw.angle_sign * (angle - saw.square)), radians(saw.tilt_sign * tilt)
+    normal = cos(t) * cos(w), cos(t) * sin(w), sin(t)
+    pivot = height if saw.pivot == "o" else 0.0
+    thickness = saw.kerf * (1.0 if saw.kerf_along == "normal" else normal[0])
+    # Along the bar, where the plane through the pivot edge meets y = 0, z = 0.
+    return Slab(line, at + pivot * normal[1] / normal[0], normal, thickness)
+
+
+def bar_pieces(
+    work: Work, part: Part, machine: Machine, bar: float | None = None,
+    points: dict[tuple[str, float], float] | None = None,
+) -> "list[Manifold]":  # fmt: skip
+    """The pieces of the bar between its cuts, along x; chips and what is no steel any more are out.
+
+    `part` gives the section. `points` are the angles of tools' points by kind and diameter. Where
+    the length of the bar is not known, it goes on behind the last cut.
+    """
+    p = part.profile
+    ends = [s.at for s in work.slabs] + [s.end.x for s in work.sweeps]
+    over = p.height + p.width
+    length = bar if bar is not None else max(ends, default=0.0) + over + BEYOND
+    points = points or {}
+    body = prism(outline(part), 0.0, length, ALONG)
+    reach = hypot(p.height, p.width, p.web_thickness or 0.0)
+    tools = [_body(sweep, points, reach) for sweep in work.sweeps]
+    slabs = [_slab_body(slab, over) for slab in work.slabs]
+    pieces = [one for one in minus(body, [*tools, *slabs]).decompose() if one.volume() > DUST]
+    pieces.sort(key=lambda one: one.bounding_box()[0] + one.bounding_box()[3])
+    return pieces
+
+
+def _slab_body(slab: Slab, over: float) -> "Manifold":
+    nx, ny, nz = slab.normal
+    # Two directions in the plane: up the web, and square to it.
+    flat = hypot(nx, ny)
+    up = (-ny / flat, nx / flat, 0.0)
+    side = (ny * up[2] - nz * up[1], nz * up[0] - nx * up[2], nx * up[1] - ny * up[0])
+    size = 20.0 * over / max(nx, 0.05)
+    frame = tuple((slab.normal[k], up[k], side[k], slab.at if k == 0 else 0.0) for k in range(3))
+    cube = kernel().Manifold.cube((slab.thickness, size, size), True)
+    return cube.transform(frame)
+
+
+def _body(sweep: Sweep, points: dict[tuple[str, float], float], reach: float) -> "Manifold":
+    """What a tool takes: from the air before the bar to its point, at both places and between."""
+    radius = sweep.diameter / 2
+    point = points.get((sweep.kind, sweep.diameter), 180.0)
+    bodies = []
+    places = [sweep.start] if sweep.start == sweep.end else [sweep.start, sweep.end]
+    for tip in places:
+        frame = moved(sweep.reach.wall.frame, tip.x, tip.y)
+        bodies.append(turned(_profile(sweep, tip.depth, radius, point), frame))
+    if len(bodies) == 1:
+        return bodies[0]
+    return kernel().Manifold.batch_hull(bodies)
+
+
+def _profile(sweep: Sweep, depth: float, radius: float, point: float) -> list[Any]:
+    """A tool whose point is at a depth, from the air before the bar, by (radius, depth)."""
+    air = min(-sweep.reach.front, depth) - FREE - radius
+    whole = drill_profile(radius, air, 0.0, point)
+    length = whole[-1][1]  # of the point
+    full = depth - length
+    if full <= air:
+        air = full - FREE
+    return drill_profile(radius, air, full, point)
+
+
+def points_of(machine: Machine, parts: Sequence[Part]) -> dict[tuple[str, float], float]:
+    """Angles of the tools' points by kind and diameter.
+
+    Of two countersinks of one diameter, which a program does not tell apart, the one that has the
+    cone of the parts' sinks.
+    """
+    wanted = {h.angle or 180.0 for part in parts for h in part.holes if h.kind == "countersink"}
+    found: dict[tuple[str, float], float] = {}
+    for tools in machine.tools:
+        for size in tools.sizes:
+            if (tools.kind, size) not in found or tools.point_deg in wanted:
+                found[tools.kind, size] = tools.point_deg
+    return found

@@ -1,0 +1,113 @@
+"""The third opinion: a program machined as a solid, and each piece compared with its part.
+
+It shares nothing with planning, motion and emitters, and nothing with the read-back but the
+controllers' events.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from beamcam.controllers import cell_events
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.model.part import Part
+from beamcam.model.request import Request
+from beamcam.solid.bar_margins import bar_bodies
+from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
+from beamcam.solid.compare import (
+    ALIKE,
+    Bodies,
+    Fit,
+    best_fit,
+    differences,
+    likely,
+    ways_to_lie,
+    without_left_out,
+)
+from beamcam.solid.kernel import kernel
+from beamcam.solid.plates import sheet_faults
+from beamcam.solid.rules import NO_MACHINE, PIECES
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+
+def solid_faults(
+    program: str | bytes, request: Request, bar: float | None = None
+) -> tuple[Diagnostic, ...]:
+    """Where the pieces that a program leaves differ from those of a request.
+
+    They may lie in any order and turned; `bar` is the length of the bar. What no solid shows is not
+    looked for: marks, texts, scribed lines, threads. A machine or a section that has no solid is
+    said (`solid-machine`, `solid-none`), as is a missing manifold3d.
+    """
+    text = program if isinstance(program, str) else program.decode("utf-8", "replace")
+    try:
+        kernel()
+        if request.machine.stock == "beam":
+            return tuple(_of_bar(text, request, bar))
+        if request.machine.controller in ("codesys", "linuxcnc", "grbl"):
+            return tuple(sheet_faults(text, pieces_asked(request), request))
+        raise BeamcamError(NO_MACHINE.at(Source(request.name), found=request.machine.name))
+    except BeamcamError as error:
+        return error.diagnostics
+
+
+def pieces_asked(request: Request) -> list[Part]:
+    """The part of each piece: as often as the request or the part's file says, or once."""
+    asked = request.quantity
+    return [
+        part
+        for part in request.parts
+        for _ in range(1 if asked is None else part.quantity if asked == "file" else asked)
+    ]
+
+
+def _of_bar(text: str, request: Request, bar: float | None) -> list[Diagnostic]:
+    parts, machine, name = pieces_asked(request), request.machine, request.name
+    events, _ = cell_events(text, machine, name)
+    stock = lying(parts[0], said_of_section(events, machine))
+    work = work_of(events, machine, stock)
+    pieces = bar_pieces(work, stock, machine, bar, points_of(machine, parts))
+    known: dict[Part, Bodies] = {}
+    for part in parts:
+        if part not in known:
+            known[part] = bar_bodies(part, machine)
+    bodies = [known[part] for part in parts]
+    source = Source(name)
+    if len(pieces) < len(parts):
+        found = f"{len(pieces)} piece(s)"
+        return [PIECES.at(source, found=found, expected=f"{len(parts)}, one for each part")]
+    said: list[Diagnostic] = []
+    free = {*range(len(pieces))}
+    for number, one in enumerate(bodies, 1):
+        costs = [(cost, k) for cost, k in likely(pieces, one) if k in free]
+        alike = [k for cost, k in costs if cost <= costs[0][0] + ALIKE]
+        fits = [(k, fit) for k in alike if (fit := _fit(pieces[k], stock, one)) is not None]
+        if not fits:
+            return [PIECES.at(source, found="no piece", expected=f"{one.part.mark or 'a part'}")]
+        chosen, best = next(((k, fit) for k, fit in fits if not fit.differs), fits[0])
+        free.remove(chosen)
+        mirror = ways_to_lie(pieces[chosen], stock, one, True)
+        best, told = without_left_out(best, one, f"piece {number}", request.skips)
+        said += (*told, *differences(best, mirror, one, f"piece {number}", source))
+    said += _surplus([pieces[k] for k in sorted(free)], stock, [*known.values()], source)
+    return said
+
+
+def _fit(piece: "Manifold", stock: Part, bodies: Bodies) -> Fit | None:
+    """How a piece of the bar fits its part, as it lies or turned."""
+    return best_fit(ways_to_lie(piece, stock, bodies, False), bodies)
+
+
+def _surplus(
+    rest: "Sequence[Manifold]", stock: Part, known: Sequence[Bodies], source: Source
+) -> list[Diagnostic]:
+    """Pieces that are parts though nobody asked for so many."""
+    return [
+        PIECES.at(source, found=f"one more {one.part.mark or 'part'}", expected="only those asked")
+        for piece in rest
+        for one in known
+        if likely([piece], one)[0][0] <= ALIKE
+        and (fit := _fit(piece, stock, one)) is not None
+        and not fit.differs
+    ]

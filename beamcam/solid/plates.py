@@ -1,0 +1,205 @@
+"""The pieces that a program cuts from a sheet beside the pieces of its parts.
+
+A piece lies in the table as its part is drawn, or in quarter turns of it, with the same face up; so
+does one that is asked for mirrored. What may differ follows from the machine's file:
+
+    tolerance   of the path, and how near ends belong together (`torch.tolerance`, `gap`, `corner`)
+    step        the last decimal of a place, on both sides
+    corners     an inner corner keeps the round of half a kerf
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import hypot
+from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct
+
+from beamcam.controllers import table_events
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
+from beamcam.model.part import Part
+from beamcam.model.request import Request
+from beamcam.solid.compare import ALIKE, NOISE, Bodies, best_fit, differences, left_out
+from beamcam.solid.kernel import CHORD, prism
+from beamcam.solid.part_solid import AS_DRAWN
+from beamcam.solid.plate_pieces import Plate, plate_of
+from beamcam.solid.rules import NO_SOLID, PIECES
+from beamcam.solid.section import no_solid
+from beamcam.solid.sheet_solid import pieces_cut, rows_for, strokes_of
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+Shape = Any  #: of shapely
+SAME_AREA = 0.02  #: share by which a piece's area may differ that nobody asked for
+QUARTERS = (0.0, 90.0, 180.0, 270.0)
+UPRIGHT = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+
+
+class Expected(Struct, frozen=True):
+    """One piece of a part, with the least and the most steel that a sound program leaves of it."""
+
+    plate: Plate
+    drawn: Shape
+    least: Shape
+    most: Shape
+    tolerance: float
+
+    @property
+    def bodies(self) -> Bodies:
+        """As solids."""
+        thick = self.plate.thickness
+        drawn, least, most = (
+            prism(shape, 0.0, thick, UPRIGHT) for shape in (self.drawn, self.least, self.most)
+        )
+        return Bodies(
+            self.plate.part, drawn, least, most, AS_DRAWN, AS_DRAWN, 2 * self.tolerance,
+            self.tolerance,
+        )  # fmt: skip
+
+    def holds(self, piece: Shape) -> bool:
+        """Whether a piece that lies on it is within it, and it within the piece."""
+        noise = NOISE / self.plate.thickness
+        missing, extra = self.least.difference(piece), piece.difference(self.most)
+        return all(
+            one.area < noise
+            for shape in (missing, extra)
+            for one in getattr(shape, "geoms", [shape])
+        )
+
+
+def sheet_faults(text: str, parts: Sequence[Part], request: Request) -> list[Diagnostic]:
+    """Where the pieces that a program frees differ from those of its parts."""
+    machine, name = request.machine, request.name
+    torch = machine.torch
+    if torch is None or torch.tabs:
+        found = (
+            "parts that bridges hold in their sheet" if torch else f"{machine.name} without torch"
+        )
+        raise BeamcamError(NO_SOLID.at(Source(name), found=found))
+    plates = {part: plate_of(part, torch, request.skips) for part in dict.fromkeys(parts)}
+    first = plates[parts[0]]
+    for plate in plates.values():
+        if not plate.pieces:
+            raise no_solid(plate.part, "cuts that enclose no piece")
+    rows = rows_for(torch, first.thickness, first.part.grade or torch.material)
+    kerf = next((row.kerf for row in rows if row.process == "cut"), None)
+    if kerf is None:
+        raise no_solid(first.part, f"no cut of {first.thickness:g} mm in the machine's chart")
+    kerf = 0.0 if torch.kerf_by == "none" else kerf
+    events, _ = table_events(text, machine, name)
+    pieces = pieces_cut(strokes_of(events, machine, rows, name), kerf)
+    copies = torch.copies[0] * torch.copies[1]
+    wanted = [
+        one
+        for part in parts
+        for one in list(_expected(plates[part], machine, torch, kerf)) * copies
+    ]
+    return [
+        *_compared(pieces, wanted, torch.rotate, request),
+        *(said for part in parts for said in _by_hand(plates[part])),
+    ]
+
+
+def _expected(plate: Plate, machine: Machine, torch: Torch, kerf: float) -> Iterator[Expected]:
+    step = machine.format.resolution
+    tolerance = torch.tolerance + torch.gap + torch.corner + 2 * CHORD + hypot(step, step)
+    for drawn in plate.pieces:
+        least = drawn.buffer(-tolerance, join_style="mitre")
+        if not plate.slits.is_empty:
+            least = least.difference(plate.slits.buffer(kerf / 2 + 2 * tolerance))
+        most = drawn.buffer(kerf / 2 + tolerance, quad_segs=32).buffer(-kerf / 2, quad_segs=32)
+        yield Expected(plate, drawn, least, most, tolerance)
+
+
+def _compared(
+    pieces: Sequence[Shape], wanted: Sequence[Expected], turn: float, request: Request
+) -> Iterator[Diagnostic]:
+    """Each piece that is wanted beside the likeliest one that is free."""
+    source = Source(request.name)
+    free = {*range(len(pieces))}
+    cut_out = {
+        k for k, one in enumerate(pieces) if any(_within(one, o) for o in pieces if o is not one)
+    }
+    for number, one in enumerate(wanted, 1):
+        costs = sorted((_unlike(pieces[k], one.drawn), k) for k in free)
+        if not costs:
+            found = f"{len(pieces)} piece(s) that come free"
+            yield PIECES.at(source, found=found, expected=f"{len(wanted)}, and their cut-outs")
+            return
+        near = [k for cost, k in costs if cost <= costs[0][0] + ALIKE]
+        near.sort(key=cut_out.__contains__)  # a cut-out may be as large as a part
+        chosen = next((k for k in near if _lies(pieces[k], one, turn)), None)
+        if chosen is None:
+            chosen = near[0]
+            yield from _differences(pieces[chosen], one, turn, f"piece {number}", source)
+        free.remove(chosen)
+    for k in sorted(free):
+        if k not in cut_out:
+            for one in dict.fromkeys(wanted):
+                alike = abs(pieces[k].area - one.drawn.area) <= SAME_AREA * one.drawn.area
+                if alike and _lies(pieces[k], one, turn):
+                    mark = one.plate.part.mark or "part"
+                    yield PIECES.at(source, found=f"one more {mark}", expected="only those asked")
+                    break
+
+
+def _unlike(piece: Shape, drawn: Shape) -> float:
+    """How much two shapes differ, in mm of their outlines."""
+    length = max(drawn.length, 1e-9)
+    off = abs(piece.area - drawn.area) / length + abs(piece.length - drawn.length) / 4
+    return round(float(off), 3)
+
+
+def _within(piece: Shape, other: Shape) -> bool:
+    """Whether a piece is a cut-out of another one."""
+    from shapely import Polygon
+
+    return bool(Polygon(other.exterior).contains(piece))
+
+
+def _laid(piece: Shape, drawn: Shape, turn: float, mirrored: bool) -> Iterator[Shape]:
+    """A piece in the axes of its part: in quarter turns, by the middles of the boxes."""
+    from shapely.affinity import rotate, scale
+
+    if mirrored:
+        piece = scale(piece, -1.0, 1.0, origin=(0.0, 0.0))
+    for angle in QUARTERS:
+        yield _onto(rotate(piece, angle - turn, origin=(0.0, 0.0)), drawn, 0.5)
+
+
+def _onto(piece: Shape, drawn: Shape, share: float) -> Shape:
+    """A piece moved so that its box has its middle, or a corner, where the drawn one's is."""
+    from shapely.affinity import translate
+
+    a, b = piece.bounds, drawn.bounds
+    dx, dy = ((b[k] - a[k]) * (1 - share) + (b[k + 2] - a[k + 2]) * share for k in (0, 1))
+    return translate(piece, dx, dy)
+
+
+def _lies(piece: Shape, one: Expected, turn: float) -> bool:
+    return any(one.holds(laid) for laid in _laid(piece, one.drawn, turn, False))
+
+
+def _differences(
+    piece: Shape, one: Expected, turn: float, name: str, source: Source
+) -> Iterator[Diagnostic]:
+    bodies = one.bodies
+
+    def ways(mirrored: bool) -> "Iterable[Manifold]":
+        for laid in _laid(piece, one.drawn, turn, mirrored):
+            for share in (0.5, 0.0, 1.0):
+                moved = _onto(laid, one.drawn, share)
+                yield prism(moved, 0.0, one.plate.thickness, UPRIGHT)
+
+    best = best_fit(ways(False), bodies)
+    if best is not None:
+        yield from differences(best, ways(True), bodies, name, source)
+
+
+def _by_hand(plate: Plate) -> Iterator[Diagnostic]:
+    """Holes that the torch leaves to the drill."""
+    for feature, shape in plate.left:
+        volume = shape.area * plate.thickness
+        yield left_out(feature, volume, plate.part.mark or "the part")

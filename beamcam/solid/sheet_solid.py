@@ -1,0 +1,229 @@
+"""A plate cut as a solid by the events of its program alone, and the pieces that come free.
+
+    sheet - what the torch sweeps, as wide as the kerf -> pieces; what reaches the sheet's edge is
+    the frame that stays behind
+
+All cuts of a torch go straight through, so that the solid is the plane shape over the thickness.
+Marks take nothing.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.controllers.events import Compensation, HeadMove, Move, Switch, TableEvent
+from beamcam.errors import BeamcamError, Source
+from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.polylines import polylines
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchRow
+from beamcam.solid.kernel import CHORD, facets
+from beamcam.solid.rules import NO_SOLID
+
+Shape = Any  #: of shapely
+AROUND = 20.0  #: mm of sheet round all cuts
+HAIR = 0.01  #: mm of width of a cut whose kerf no one makes up for
+PROCESSES = ("cut", "mark", "engrave")
+ENDS = (2, 30)
+_M_WORD = re.compile(r"\s*M0*(\d+)\b(.*)")
+_ADDRESS = re.compile(r"([A-Z$])(?:\{(\w+)\}|(-?\d+(?:\.\d+)?))")
+
+
+class Starting(Struct, frozen=True):
+    """The M word that starts the tool of a process."""
+
+    process: str
+    number: int
+    fixed: frozenset[tuple[str, float]]  #: its parameters that are always the same
+    carried: tuple[tuple[str, str], ...]  #: letter and name of those that carry a figure
+
+    def takes(self, switch: Switch) -> bool:
+        """Whether a word of a program is this one."""
+        letters = {letter for letter, _ in (*self.fixed, *self.carried)}
+        return (
+            switch.number == self.number
+            and switch.words.keys() == letters
+            and self.fixed <= {*switch.words.items()}
+        )
+
+
+class Stroke(Struct):
+    """The moves of the head between on and off."""
+
+    switch: Switch
+    process: str
+    side: str
+    radius: float
+    moves: list[HeadMove]
+
+
+def starting_words(machine: Machine) -> tuple[Starting, ...]:
+    """The words that start each tool, by the machine's templates."""
+    found = []
+    for process in PROCESSES:
+        for line in getattr(machine.words, f"{process}_on"):
+            match = _M_WORD.match(line)
+            if match is None:
+                continue
+            addresses = _ADDRESS.findall(match[2])
+            fixed = frozenset((a, float(value)) for a, name, value in addresses if not name)
+            carried = tuple((a, name) for a, name, _ in addresses if name and name != "feed")
+            found.append(Starting(process, int(match[1]), fixed, carried))
+            break
+    return tuple(found)
+
+
+def strokes_of(
+    events: Sequence[TableEvent], machine: Machine, rows: Sequence[TorchRow], name: str
+) -> list[Stroke]:
+    """The strokes of a program whose sheet is worked by `rows`.
+
+    Where one word starts several tools, power and feed say which.
+    """
+    known = starting_words(machine)
+    strokes: list[Stroke] = []
+    on: Stroke | None = None
+    side, radius = "on", 0.0
+    for event in events:
+        if isinstance(event, Switch):
+            starts = [one for one in known if one.takes(event)]
+            if starts and on is None:
+                on = Stroke(event, "|".join(s.process for s in starts), side, radius, [])
+                strokes.append(on)
+            elif not starts:  # any other word stops it, as does the end
+                on = None
+        elif isinstance(event, Compensation):
+            side, radius = event.side, event.radius
+        elif isinstance(event, Move) and on is not None:
+            on.moves.append(event)
+    for stroke in strokes:
+        if "|" in stroke.process:
+            stroke.process = _process(stroke, known, rows, name)
+    return strokes
+
+
+def _process(stroke: Stroke, known: Sequence[Starting], rows: Sequence[TorchRow], name: str) -> str:
+    """Of several processes with one word that whose row has the stroke's power and feed."""
+    feeds = {move.feed_mm_min for move in stroke.moves if move.feed_mm_min > 0}
+    fitting = set()
+    for row in rows:
+        words = next(
+            (w for w in known if w.process == row.process and w.takes(stroke.switch)), None
+        )
+        if words is None:
+            continue
+        powers = [stroke.switch.words[a] for a, what in words.carried if what == "power"]
+        if all(abs(p - row.power) <= 0.5 for p in powers) and (
+            not feeds or min(abs(f - row.feed_mm_min) for f in feeds) <= 1e-3 * row.feed_mm_min
+        ):
+            fitting.add(row.process)
+    if len(fitting) == 1:
+        return fitting.pop()
+    found = f"a stroke that may {' or '.join(sorted(fitting)) or 'do nothing that is known'}"
+    raise BeamcamError(NO_SOLID.at(Source(name, stroke.switch.line), found=found))
+
+
+def pieces_cut(strokes: Sequence[Stroke], kerf: float) -> list[Shape]:
+    """The pieces that come free of the sheet, in X and Y of the table; cut-outs among them."""
+    from shapely import box, union_all
+
+    swept = union_all([shape for s in strokes if s.process == "cut" for shape in _swept(s, kerf)])
+    if swept.is_empty:
+        return []
+    x0, y0, x1, y1 = swept.bounds
+    sheet = box(x0 - AROUND, y0 - AROUND, x1 + AROUND, y1 + AROUND)
+    left = sheet.difference(swept)
+    edge = sheet.exterior
+    return [one for one in getattr(left, "geoms", (left,)) if not one.intersects(edge)]
+
+
+def _swept(stroke: Stroke, kerf: float) -> Iterator[Shape]:
+    """What the torch sweeps on a stroke: its path, as the controller keeps it off, by the kerf."""
+    from shapely import LineString, Point
+
+    half = max(kerf, HAIR) / 2
+    quarter = facets(half) // 4
+    path = _path(stroke.moves)
+    if len(path) < 2:
+        yield from (Point(p).buffer(half, quad_segs=quarter) for p in path)
+        return
+    lines = [LineString(path)]
+    if stroke.side != "on" and stroke.radius > 0.0:
+        lines = _kept_off(path, stroke.radius if stroke.side == "left" else -stroke.radius)
+    yield from (line.buffer(half, quad_segs=quarter) for line in lines if not line.is_empty)
+
+
+def _kept_off(path: list[tuple[float, float]], left: float) -> list[Shape]:
+    """Where the controller leads the tool beside a path, left of it or, below 0, right.
+
+    Round corners that it passes outside, and no farther than it gets into those inside. A path that
+    closes is a loop, with a lead before it and one behind it.
+    """
+    from shapely import LineString, Polygon
+
+    quarter = 4 * facets(abs(left))
+    begin, end = _loop(path)
+    lines = []
+    for open_path in (path[: begin + 1], path[end:]):
+        if len(open_path) > 1:
+            line = LineString(open_path)
+            lines.append(line.offset_curve(left, quad_segs=quarter, join_style="round"))
+    if end > begin:
+        ring = Polygon(path[begin : end + 1])
+        grown = -left if ring.exterior.is_ccw else left
+        # In the corner between a lead and the loop the tool turns where it is as far from both.
+        near = ring.exterior.buffer(abs(left) - CHORD, quad_segs=quarter)
+        lines = [line.difference(near) for line in lines]
+        lines.append(ring.buffer(grown, quad_segs=quarter).boundary)
+    return lines
+
+
+def _loop(path: list[tuple[float, float]]) -> tuple[int, int]:
+    """The longest stretch of a path that comes back to where it began; at its end without one."""
+    best = len(path) - 1, len(path) - 1
+    seen: dict[tuple[float, float], int] = {}
+    for at, point in enumerate(path):
+        first = seen.setdefault((round(point[0], 3), round(point[1], 3)), at)
+        if at - first > max(best[1] - best[0], 2):
+            best = first, at
+    return best
+
+
+def _path(moves: Sequence[HeadMove]) -> list[tuple[float, float]]:
+    """The corners of the head's path, chords within CHORD of its arcs."""
+    curves: list[Curve] = [m.curve or Line(m.start, m.end) for m in moves]
+    if not curves:
+        return []
+    drawn = polylines(curves, CHORD / 2)
+    path = [moves[0].start]
+    for first, last in pairwise(drawn.begins.tolist()):
+        path += [(x, y) for x, y in drawn.points[first + 1 : last].tolist()]
+    return [path[0], *(b for a, b in pairwise(path) if a != b)]
+
+
+def rows_for(torch: Torch, thickness: float, material: str) -> list[TorchRow]:
+    """The rows of the cut chart for a sheet: of each process the first that is thick enough.
+
+    With the speeds and powers of colours and layers as rows of their own.
+    """
+    from fnmatch import fnmatchcase
+
+    from msgspec.structs import replace
+
+    rows: dict[str, TorchRow] = {}
+    for row in torch.rows:
+        if thickness <= row.up_to and fnmatchcase(material.upper(), row.material.upper()):
+            rows.setdefault(row.process, row)
+    more = [
+        replace(
+            rows[torch.colours[key]],
+            feed_mm_min=own.speed or rows[torch.colours[key]].feed_mm_min,
+            power=rows[torch.colours[key]].power if own.power is None else own.power,
+        )
+        for key, own in torch.settings.items()
+        if torch.colours.get(key) in rows
+    ]
+    return [*rows.values(), *more]

@@ -1,0 +1,32 @@
+"""The solid of a part that was read has the volume of the member, by the kernel of ifcopenshell."""
+
+from random import Random
+
+import pytest
+
+from beamcam.errors import Severity
+from beamcam.readers.ifc import Options, read
+from beamcam.solid.part_solid import part_solid
+from tests.property.ifc_cut_families import FAMILIES
+from tests.property.ifc_cuts import model_of
+from tests.property.ifc_kernel import kernel_volume
+
+#: Of each family the first members that are read without a remark.
+SEEDS = 6
+
+
+@pytest.mark.parametrize("family", sorted(FAMILIES))
+def test_volumes_are_the_kernels(family: str) -> None:
+    measured = 0
+    for seed in range(SEEDS):
+        bar, cutters = FAMILIES[family](Random(f"{family}{seed}"))
+        data = model_of(bar, cutters)
+        volume = kernel_volume(data)
+        reading = read(data, "m.ifc", options=Options(kernel=True))
+        said = [d for d in reading.diagnostics if d.severity is not Severity.NOTE]
+        if not volume or said or len(reading.parts) != 1:
+            continue
+        (part,) = reading.parts
+        assert part_solid(part).volume() / 1000 == pytest.approx(volume, rel=2e-4, abs=0.1), seed
+        measured += 1
+    assert measured
