@@ -12,7 +12,10 @@ CodeFault = tuple[str, object, str]  #: dotted key, what was found, what was exp
 _DOCUMENTED_G = frozenset(range(7)) | {8, 9, 17, 20, 21, 40, 41, 42, 64, 75, 90, 91, 98, 99}
 _DOCUMENTED_M = frozenset(range(10)) | {30}
 _CODE = re.compile(r"([GM])(\d{1,3})(\.\d)?")
-_OWN_OF_LINUXCNC = range(100, 200)  # "User Defined Commands M100-M199"
+#: "User Defined Commands M100-M199", and M words of its own that beamcam gives no meaning.
+_OWN_OF_LINUXCNC = frozenset({*range(100, 200), *range(61, 74)})
+#: Letters that a table of X and Y may carry for axes and offsets that beamcam does not follow.
+OTHER_LETTERS = frozenset("ABCUVWZHTKELD")
 
 
 def plain_code(text: str) -> str | None:
@@ -32,6 +35,8 @@ def code_faults(machine: Machine) -> Iterator[CodeFault]:
     """Words of `[codes]` and `allowed_codes` that are none, or cannot mean what they should."""
     for code, meaning in machine.codes.items():
         key = f"codes.{code}"
+        if code in OTHER_LETTERS and machine.stock == "sheet" and meaning == "none":
+            continue
         plain = plain_code(code)
         if plain is None:
             yield key, code, "a G word such as G81, or an M word such as M77"
@@ -47,10 +52,13 @@ def code_faults(machine: Machine) -> Iterator[CodeFault]:
             yield (
                 key,
                 code,
-                "M100 to M199, the words of the user"
+                "M61 to M73, or M100 to M199, the words of the user"
                 if (machine.controller == "linuxcnc")
                 else f"no M word, {machine.controller} has no others",
             )
+    if machine.startup_code and machine.controller not in ("linuxcnc", "grbl"):
+        expected = f"none, programs of {machine.controller} say all that holds"
+        yield "startup_code", machine.startup_code, expected
     yield from _allowed_faults(machine)
 
 

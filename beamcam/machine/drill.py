@@ -71,6 +71,7 @@ class Drill(Keys, frozen=True):
     max_width: Positive  #: of the largest section
     fits: tuple[Fit, ...]
     cutting: tuple[Cutting, ...]
+    never_under: bool = False  #: whether no drill may be smaller than its hole, whatever fits say
     merge_tolerance: NotNegative = 0.1  #: flange holes nearer than this are one operation
     clearance: NotNegative = 5.0  #: between tool and surface where the feed begins
     breakthrough: NotNegative = 2.0  #: of the drill's full diameter beyond the far side

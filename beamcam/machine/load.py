@@ -5,6 +5,7 @@ from functools import partial
 from os.path import isfile
 from pathlib import Path, PurePath
 from typing import Any
+from unicodedata import normalize
 from zlib import crc32
 
 from msgspec import Struct, json, structs
@@ -32,8 +33,8 @@ from beamcam.machine.name_faults import name_faults
 from beamcam.machine.range_faults import range_faults
 from beamcam.machine.references import reference_faults
 from beamcam.machine.templates import template_faults
-from beamcam.machine.toml import Place, TomlError, TomlFile, line_of, toml_text
-from beamcam.system import portable_path
+from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, line_of, toml_text
+from beamcam.system import beginning_of, portable_path
 
 MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0
 MAX_BASES = 8  #: machine files laid over each other
@@ -86,6 +87,7 @@ def _machine(files: tuple[TomlFile, ...]) -> Machine:
     remarks = tuple(said for file in files for said in _renamed(file))
     table, places = merged(files)
     place = Place(places)
+    _refuse_shipped_name(files[0], table["name"], place)
     try:
         read = converted(table, MachineFile, as_formula)
     except Fault as fault:
@@ -93,6 +95,17 @@ def _machine(files: tuple[TomlFile, ...]) -> Machine:
     machine = Machine(**structs.asdict(read), checksum=_checksum(table), remarks=remarks)
     _check(machine, place, _left_behind(files))
     return machine
+
+
+def _refuse_shipped_name(file: TomlFile, name: object, place: Place) -> None:
+    """Raises MachineError where a file that is not shipped gives its machine a shipped name.
+
+    The head of a program and every message would name a machine that did not make it.
+    """
+    if file.path.parent == SHIPPED or not isinstance(name, str):
+        return
+    if normalize("NFKC", name).strip().casefold() in shipped():
+        raise MachineError(rules.NAME_TWICE.at(place.child("name").source, found=name))
 
 
 def _left_behind(files: tuple[TomlFile, ...]) -> frozenset[str]:
@@ -195,7 +208,7 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
             raise MachineError(rules.BASE_LOOP.at(Source(str(found[0].path)), found=path.stem))
         shown = path.name if path.parent == SHIPPED else str(path)
         try:
-            file = TomlFile(path, shown, toml_text(path.read_bytes()))
+            file = TomlFile(path, shown, toml_text(beginning_of(path, MAX_TOML_BYTES + 1)))
             base = file.table.get("base")
         except TomlError as error:
             raise MachineError(rules.NOT_TOML.at(Source(shown, error.line), found=error)) from error

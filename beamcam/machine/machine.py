@@ -133,6 +133,8 @@ class MachineFile(Keys, frozen=True):
     codes: Mapping[str, CodeMeaning] = field(default_factory=dict)
     #: all G and M words that it takes, as "G01"; empty: those of its family, codes and words
     allowed_codes: tuple[str, ...] = ()
+    #: block that the controller runs before each program, as LinuxCNC's RS274NGC_STARTUP_CODE
+    startup_code: str = ""
 
 
 class Machine(MachineFile, frozen=True):

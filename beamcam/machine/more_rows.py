@@ -2,7 +2,8 @@
 
 A list in a machine file takes the place of the whole list of its base, so that a row more would
 need all of them again. Rows under `more_rows` are set among the others by their thickness; one of
-the same process, material and thickness takes the place of the other.
+the same process, material and thickness takes the place of the other. One that names no material
+is of that of the base's rows of its process, if these are all of one.
 """
 
 from collections.abc import Sequence
@@ -45,7 +46,13 @@ def _is_row(row: object) -> bool:
 def _merged(rows: Sequence[dict[str, Any]], more: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """The rows in the order in which the first that fits counts."""
     found = list(rows)
-    for new in more:
+    for row in more:
+        # A chart of one material is not left by a row that names none.
+        own = {_key(other)[1]: other for other in rows if _key(other)[0] == _key(row)[0]}
+        is_of_one = "material" not in row and len(own) == 1
+        new = (
+            row | {"material": next(iter(own.values())).get("material", ANY)} if is_of_one else row
+        )
         same = [k for k, row in enumerate(found) if _key(row) == _key(new)]
         if same:
             found[same[0]] = new

@@ -4,7 +4,7 @@ machines/ beside the configuration   before   machines/ in this folder   before 
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine import rules
@@ -14,16 +14,22 @@ from beamcam.system import user_folder
 FOLDER = "machines"
 
 
-def machine_folders(config_file: str | None) -> tuple[str, ...]:
-    """Folders searched for the user's machines, the nearest first; they need not exist."""
-    beside = () if config_file is None else (os.path.join(os.path.dirname(config_file), FOLDER),)
-    return tuple(dict.fromkeys((*beside, FOLDER, os.path.join(user_folder(), FOLDER))))
+def machine_folders(configurations: Sequence[str]) -> tuple[str, ...]:
+    """Folders searched for the user's machines, the nearest first; they need not exist.
+
+    `configurations` are those that are one's own, the nearest first. A link to one of them does not
+    bring the machines that lie beside the link.
+    """
+    files = (os.path.realpath(path) if os.path.islink(path) else path for path in configurations)
+    beside = (os.path.join(os.path.dirname(path), FOLDER) for path in files)
+    last = os.path.join(user_folder(), FOLDER)
+    return (*dict.fromkeys(f for f in (*beside, FOLDER) if f != last), last)
 
 
-def own_machines(config_file: str | None) -> dict[str, str]:
+def own_machines(configurations: Sequence[str]) -> dict[str, str]:
     """Name -> path of each machine of one's own; of two with one name the nearest."""
     found: dict[str, str] = {}
-    for folder in machine_folders(config_file):
+    for folder in machine_folders(configurations):
         for path in _files(folder):
             found.setdefault(os.path.splitext(os.path.basename(path))[0], path)
     return dict(sorted(found.items()))
@@ -34,14 +40,14 @@ def is_file_name(name: str) -> bool:
     return name.endswith(".toml") or os.path.basename(name) != name
 
 
-def resolved(name: str, config_file: str | None) -> str:
+def resolved(name: str, configurations: Sequence[str]) -> str:
     """The path of a machine of one's own that is called so; the name as it is of any other.
 
     Raises MachineError where a shipped machine has the name too.
     """
     if is_file_name(name):
         return name
-    for folder in machine_folders(config_file):
+    for folder in machine_folders(configurations):
         path = os.path.join(folder, f"{name}.toml")
         if os.path.isfile(path):
             if (SHIPPED / f"{name}.toml").is_file():

@@ -12,8 +12,9 @@ NAME_TWICE = Rule(
     "machine-name-twice",
     Severity.ERROR,
     "found a machine of your own with the name {found!r} of one that is shipped; expected another "
-    "name for the file",
-    "Which of the two a job means would be a guess.",
+    "name, of the file and of its key `name`",
+    "Which of the two a job means would be a guess, and a program's head would name a machine that "
+    "did not make it.",
 )
 NOT_TOML = Rule(
     "machine-toml",
@@ -42,7 +43,7 @@ WRONG_VALUE = Rule(
 WORD = Rule(
     "machine-word",
     Severity.ERROR,
-    "found {found} in {key!r}; expected {expected}",
+    "in {key!r}, {said}",
     "The words of a machine file are tried on its controller before planning: a word that the "
     "read-back would refuse in every program is a fault of the file.",
 )

@@ -11,6 +11,7 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.errors import Source
 from beamcam.machine.former_keys import former_name
+from beamcam.plain_text import fault_text
 
 #: The longest machine file shipped has 12,000 bytes; reading takes a second for a million.
 MAX_TOML_BYTES = 500_000
@@ -44,7 +45,7 @@ class TomlFile(Struct, frozen=True):
 def toml_text(data: bytes) -> str:
     """The text of a file. Raises TomlError for what is not text, or more than anybody writes."""
     if len(data) > MAX_TOML_BYTES:
-        raise TomlError(f"{len(data)} bytes; expected at most {MAX_TOML_BYTES}")
+        raise TomlError(f"more bytes than one has; expected at most {MAX_TOML_BYTES}")
     if data.startswith(UTF_16):
         raise TomlError("the file is UTF-16; save it as UTF-8")
     try:
@@ -64,7 +65,7 @@ def _table(text: str) -> dict[str, Any]:
     except RecursionError:
         raise TomlError(f"nested more than {MAX_DEPTH} deep") from None
     except ValueError as error:  # of numbers with too many digits too
-        raise _error_of(str(error), text) from error
+        raise _error_of(fault_text(error), text) from error
     if _depth(table) > MAX_DEPTH:
         raise TomlError(f"nested more than {MAX_DEPTH} deep")
     return table

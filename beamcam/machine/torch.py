@@ -17,7 +17,7 @@ class TorchRow(Keys, frozen=True):
     process: TorchProcess  #: that the row is for
     up_to: Positive  #: thickness of the sheet
     feed_mm_min: Positive  #: along the contour
-    material: str = "*"  #: grade of the sheet, as a shell pattern
+    material: str = "*"  #: of the sheet: mild steel, a grade ...; or a shell pattern of grades
     power: NotNegative = 0.0  #: what the words call {power}
     pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
     kerf: NotNegative = 0.0  #: width of the cut
@@ -78,6 +78,8 @@ class Torch(Keys, frozen=True):
     copies: tuple[PositiveCount, PositiveCount] = (1, 1)  #: of the part, along X and along Y
     tolerance: Positive = 0.01  #: maximum deviation of the path from the contour
     gap: Positive = 0.01  #: ends of curves as near as this belong together
+    #: whether open lines may be cut where kerf is compensated: they have no side that a part is on
+    allow_open: bool = False
     kerf_by: Literal["none", "offset", "machine"] = "none"  #: kerf compensation
     lead: Literal["none", "line", "arc"] = "none"  #: lead-in: from the pierce point to the contour
     lead_in: NotNegative = 0.0  #: length of the lead-in
@@ -108,6 +110,8 @@ class Torch(Keys, frozen=True):
     arc_limit: Positive = 0.005  #: radii at both ends of an arc may differ by this
     traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
     acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
+    #: whether the tool works in feeds alone, with the last S, and traverses are dark ($32 of grbl)
+    laser_mode: bool = False
     corner: NotNegative = 0.0  #: distance from a corner of a circle passed as fast; 0 stops there
 
     @property

@@ -116,16 +116,16 @@ def test_a_machine_of_the_user_is_known_in_every_folder(
     assert (shop / "user" / "beamcam" / "machines" / "mine.toml").is_file()
     monkeypatch.chdir(shop)
     assert "mine " in call("machines", "list").stdout
-    assert own_machines(None) == {"mine": str(Path(machine_folders(None)[-1], "mine.toml"))}
+    assert own_machines(()) == {"mine": str(Path(machine_folders(())[-1], "mine.toml"))}
 
 
 def test_the_nearest_of_two_counts(shop: Path) -> None:
-    for folder in machine_folders(str(shop / "shop" / "beamcam.toml")):
+    for folder in machine_folders([str(shop / "shop" / "beamcam.toml")]):
         Path(folder).mkdir(parents=True)
         Path(folder, "mine.toml").write_text('base = "beamline"\n')
-    config = str(shop / "shop" / "beamcam.toml")
+    config = [str(shop / "shop" / "beamcam.toml")]
     assert resolved("mine", config) == str(shop / "shop" / "machines" / "mine.toml")
-    assert resolved("mine", None) == str(Path("machines", "mine.toml"))
+    assert resolved("mine", ()) == str(Path("machines", "mine.toml"))
     assert resolved("other", config) == "other"
     assert resolved("./mine.toml", config) == "./mine.toml"
 
@@ -134,13 +134,35 @@ def test_a_name_of_a_shipped_machine_is_refused(shop: Path) -> None:
     Path("machines").mkdir()
     Path("machines/beamline.toml").write_text('base = "beamline-annex"\n')
     with pytest.raises(MachineError, match="machine-name-twice"):
-        resolved("beamline", None)
+        resolved("beamline", ())
     fill(Path("in"), 1)
     done = call("post", "in/P000.nc1", "-o", "-", "--machine", "beamline")
     assert done.exit_code == 1
     assert (
         "error machine-name-twice: found a machine of your own with the name 'beam" in done.stderr
     )
+
+
+@pytest.mark.parametrize("name", ["beamline", "Beamline ", "\uff42eamline"])
+def test_no_file_of_ones_own_has_the_name_of_a_shipped_machine(shop: Path, name: str) -> None:
+    Path("m.toml").write_text(f'base = "beamline"\nname = "{name}"\ndrill.x = 78.56\n', "utf-8")
+    with pytest.raises(MachineError) as refused:
+        load("m.toml")
+    assert [d.code for d in refused.value.diagnostics] == ["machine-name-twice"]
+    assert str(refused.value).startswith(f"{Path('m.toml').resolve()}:2: ")
+    fill(Path("in"), 1)
+    done = call("post", "in/P000.nc1", "-o", "out.gcode", "--machine", "m.toml")
+    assert done.exit_code == 1
+    assert "machine-name-twice" in done.stderr
+    assert not Path("out.gcode").exists()
+
+
+def test_nor_by_the_name_of_the_file(shop: Path) -> None:
+    Path("beamline.toml").write_text('base = "beamline"\n')
+    with pytest.raises(MachineError, match="machine-name-twice"):
+        load("beamline.toml")
+    Path("beamline.toml").write_text('base = "beamline"\nname = "mine"\n')
+    assert load("beamline.toml").name == "mine"
 
 
 def test_a_machine_that_cannot_be_read_is_told_beside_the_list(shop: Path) -> None:
@@ -180,12 +202,14 @@ def test_the_page_shows_the_file_that_comes_with_the_samples() -> None:
 def test_every_machine_of_the_page_is_one(tmp_path: Path) -> None:
     blocks = re.findall(r"^```toml\n(# (\S+)\n.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
     named = {name: text for text, name in blocks if name.endswith(".toml")}
-    assert set(named) == {"saw.toml", "cycles.toml", "pecks.toml", "codes.toml"}
+    assert set(named) == {
+        "saw.toml", "cycles.toml", "pecks.toml", "sheetcam.toml", "codes.toml",
+    }  # fmt: skip
     hall = (SAMPLES / "machines" / "hall-drill.toml").read_text(encoding="utf-8")
     (tmp_path / "hall-drill.toml").write_text(hall)
     for name, text in named.items():
         (tmp_path / name).write_text(text)
-        is_line = name == "pecks.toml"
+        is_line = name in ("pecks.toml", "sheetcam.toml")
         controller = load_machine(str(tmp_path / name)).controller
         assert controller == ("linuxcnc" if is_line else "codesys")
 
