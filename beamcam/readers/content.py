@@ -3,12 +3,12 @@
 import os
 import sys
 
+from beamcam.budget import BYTES, limits
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import rules
-from beamcam.system import BINARY
+from beamcam.system import NotAFile, open_file
 
 STANDARD_INPUT = "-"
-TO_READ = os.O_RDONLY | BINARY  #: how a file is opened
 _PIECE = 1 << 20
 _ZEROS = bytes(_PIECE)
 
@@ -19,15 +19,24 @@ def shown_name(path: str) -> str:
 
 
 def content(path: str) -> bytes | Diagnostic:
-    """Content of a file, `-` for standard input; a diagnostic if it cannot be read or is zeros."""
+    """Content of a file, `-` for standard input.
+
+    A diagnostic if it cannot be read, is no plain file, is zeros or larger than `limits.bytes`.
+    """
     try:
         if path == STANDARD_INPUT:
-            return _unless_zeros(sys.stdin.buffer.read(), "stdin")
-        file = os.open(path, TO_READ)
+            most, pieces, total = limits().bytes, [], 0
+            while total <= most and (piece := sys.stdin.buffer.read(_PIECE)):
+                pieces.append(piece)
+                total += len(piece)
+            return _unless_zeros(b"".join(pieces), "stdin")
+        file = open_file(path)
         try:
             return content_of(file, os.fstat(file).st_size, path)
         finally:
             os.close(file)
+    except NotAFile as error:
+        return rules.NOT_A_FILE.at(Source(path), found=error.strerror)
     except OSError as error:
         if os.path.isdir(path):
             return rules.FOLDER.at(Source(path), found=path)
@@ -36,6 +45,8 @@ def content(path: str) -> bytes | Diagnostic:
 
 def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
     """Content of an open file, as `content`; its `size` as the system has it. Raises OSError."""
+    if size > limits().bytes:
+        return _too_long(size, name)
     if size >= _PIECE:
         # A broken copy is often as large as the disk had room, and would fill the memory.
         zeros = 0
@@ -45,10 +56,12 @@ def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
             return _zeros(zeros, name)
         os.lseek(file, 0, os.SEEK_SET)
     data = os.read(file, size + 1)
-    if len(data) != size:  # a pipe, or a file that someone writes to
+    if len(data) != size:  # a file that someone writes to
         pieces = [data]
-        while piece := os.read(file, _PIECE):
+        total = len(data)
+        while total <= limits().bytes and (piece := os.read(file, _PIECE)):
             pieces.append(piece)
+            total += len(piece)
         data = b"".join(pieces)
     return _unless_zeros(data, name)
 
@@ -56,7 +69,11 @@ def content_of(file: int, size: int, name: str) -> bytes | Diagnostic:
 def _unless_zeros(data: bytes, name: str) -> bytes | Diagnostic:
     if data[:1] == b"\0" and not data.strip(b"\0"):
         return _zeros(len(data), name)
-    return data
+    return _too_long(len(data), name) if len(data) > limits().bytes else data
+
+
+def _too_long(size: int, name: str) -> Diagnostic:
+    return BYTES.at(Source(name), found=size, expected=limits().bytes)
 
 
 def _zeros(count: int, name: str) -> Diagnostic:

@@ -7,7 +7,7 @@ from typing import Any
 from beamcam.errors import ReadError, Rule, Severity, Source
 from beamcam.model.part_from_json import JSON_PART_RULES, part_from_json
 from beamcam.model.part_json import PART_SCHEMA
-from beamcam.plain_text import whole_text
+from beamcam.plain_text import fault_text, whole_text
 from beamcam.readers.polynomials import checked_polynomials
 from beamcam.readers.reading import Reading
 
@@ -56,7 +56,7 @@ def read(data: bytes, name: str) -> Reading:
         found = f"bytes that are no UTF-8 at {error.start}"
         return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=found),))
     except (RecursionError, ValueError) as error:
-        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=str(error)),))
+        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=fault_text(error)),))
     try:
         part = part_from_json(value, name)
     except ReadError as error:

@@ -27,6 +27,12 @@ FOLDER = Rule(
     "`check` its golden programs, `diff` compares two folders)",
     "This command takes files one by one.",
 )
+NOT_A_FILE = Rule(
+    "read-not-a-file",
+    Severity.ERROR,
+    "found {found}; expected a plain file, or `-` for standard input",
+    "A pipe or a device may have no end, or none that comes.",
+)
 ZEROS = Rule(
     "read-zeros",
     Severity.ERROR,
@@ -54,4 +60,14 @@ NODES_LOST = Rule(
     "Its values cancel each other until no digit of them is left.",
 )
 
-RULES = (EMPTY, UNKNOWN_FORMAT, UNREADABLE, FOLDER, ZEROS, ENCODING, OSCILLATION, NODES_LOST)
+RULES = (
+    EMPTY,
+    UNKNOWN_FORMAT,
+    UNREADABLE,
+    FOLDER,
+    NOT_A_FILE,
+    ZEROS,
+    ENCODING,
+    OSCILLATION,
+    NODES_LOST,
+)

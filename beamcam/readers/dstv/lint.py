@@ -23,10 +23,13 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
+from beamcam.model.section import WALLED, section_fault
+from beamcam.model.weight import STEEL_KG_MM3, section_area
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.contour_rows import Rows
 from beamcam.readers.dstv.tokens import Log
 
+WEIGHT_SHARE = 0.05  #: of the section's, by which the header's weight may differ
 LENGTH_TOLERANCE = 0.2  #: real files differ by up to 0.12
 EDGE_TOLERANCE = 0.2  #: a hole's centre this far out of the material is still in it
 ANGLE_TOLERANCE_DEG = 0.5  #: real headers hold angles such as 0.07 for square ends
@@ -68,7 +71,20 @@ def check(part: Part, contours: list[Rows], header: list[int], log: Log) -> None
         _check_end_planes(part, log)
     if part.profile.code == "B":
         _check_unrolled(part, header, log)
+    _check_weight(part, header, log)
     _check_holes(part, outers, log)
+
+
+def _check_weight(part: Part, header: list[int], log: Log) -> None:
+    """The weight of a metre against the section's area; of plates each exporter counts another."""
+    profile = part.profile
+    if part.weight <= 0.0 or profile.code not in WALLED or section_fault(profile) is not None:
+        return
+    area = section_area(profile)
+    weight = 0.0 if area is None else area * STEEL_KG_MM3 * 1000
+    if weight > 0.0 and abs(part.weight - weight) > WEIGHT_SHARE * weight:
+        name = profile.name or profile.code
+        log.add(rules.WEIGHT_SECTION, header[14], found=part.weight, profile=name, expected=weight)
 
 
 def _outline(contour: Contour) -> _Outline:

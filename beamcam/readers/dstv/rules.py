@@ -147,6 +147,13 @@ WEIGHT = _warning(
     "header line {number} ({name}): found {found!r}, expected a number; read as 0",
     "Weight and surface do not change what is made.",
 )
+WEIGHT_SECTION = _note(
+    "weight-section",
+    "found {found:g} kg/m in the header, but a section of {profile} as it is given weighs "
+    "{expected:.3g} kg/m",
+    "They should agree within 5 %; one of the figures of the section may be another's. The weight "
+    "changes nothing of what is made.",
+)
 HEIGHT = _warning(
     "height",
     "found height {found:g}, expected more than 0",

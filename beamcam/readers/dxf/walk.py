@@ -6,6 +6,7 @@ from typing import Any
 
 from msgspec import Struct, field
 
+from beamcam.budget import DEPTH, limits
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
 from beamcam.model.part import Contour, TextMark
@@ -186,6 +187,8 @@ class Walk(Struct):
         if name.lower() in blocks:
             self.found.said.append(rules.BLOCK_CYCLE.at(source, found=name))
             return
+        if len(blocks) >= limits().depth:
+            raise ReadError(DEPTH.at(source, found=name, expected=limits().depth))
         copies = insert.mcount
         self._copies += copies
         if self._copies > MOST_COPIES:

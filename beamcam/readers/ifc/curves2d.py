@@ -5,12 +5,15 @@ from collections.abc import Sequence
 from math import atan2, degrees, hypot, pi
 from typing import Any
 
+from beamcam.geometry.arc_fitting import fit_chains
+from beamcam.geometry.bspline import BSpline
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.step import Typed
 
 Chain = tuple[Curve, ...]
+SPLINE_FIT = 0.005  #: mm that the arcs which stand for a spline may lie off it
 SAME_POINT = 1e-4  #: mm between the end of a curve and the start of the next
 
 
@@ -82,7 +85,28 @@ def _curve(model: Model, entity: Entity) -> list[Curve]:
         if not radius > 0.0:
             raise Unreadable(f"a circle of radius {radius:g}")
         return _long([Arc((frame.o[0], frame.o[1]), radius, start, 360.0)])
+    if "IfcBSplineCurve" in known.kinds:
+        (arcs,) = fit_chains([[spline_of(model, entity)]], SPLINE_FIT)
+        return _long([*arcs])
     raise Unreadable(f"an outline by {kind}")
+
+
+def spline_of(model: Model, entity: Entity) -> BSpline:
+    """An IfcBSplineCurve in a plane. Raises Unreadable for one that is not well formed."""
+    degree, listed, *_ = entity.values
+    control = tuple((c[0] * model.mm, c[1] * model.mm) for c in listed)
+    if entity.is_a("IfcBSplineCurveWithKnots"):
+        rows = zip(entity.Knots, entity.KnotMultiplicities, strict=True)
+        knots = tuple(float(knot) for knot, often in rows for _ in range(often))
+    else:  # Bezier curves, one behind the other
+        pieces = (len(control) - 1) // degree
+        inner = (float(k) for k in range(1, pieces) for _ in range(degree))
+        knots = (*(degree + 1) * (0.0,), *inner, *(degree + 1) * (float(pieces),))
+    weights = entity.WeightsData if "WeightsData" in entity.type.places else None
+    try:
+        return BSpline(degree, control, knots, weights and tuple(map(float, weights)))
+    except ValueError as fault:
+        raise Unreadable(f"an outline by a spline that is not well formed ({fault})") from fault
 
 
 def _long(curves: list[Curve]) -> list[Curve]:

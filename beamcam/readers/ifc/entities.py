@@ -41,12 +41,24 @@ class Unreadable(Exception):
     """Something in a member's geometry that the reader does not take; the text says what."""
 
 
-class OddCut(Unreadable):
+class OddSection(Unreadable):
+    """What the reader does not take is the section."""
+
+
+class OddCut(OddSection):
     """A cut that a part of a round or special section cannot hold."""
 
 
-class NoSection(Unreadable):
+class NoSection(OddSection):
     """A profile that is not a section, which its solid would not be either."""
+
+
+class OtherShell(Unreadable):
+    """A closed shell of planar faces that is no member: the kernel has no more than these faces."""
+
+    def __init__(self, reason: Unreadable) -> None:
+        super().__init__(str(reason))
+        self.reason = reason
 
 
 class Kinked(Unreadable):

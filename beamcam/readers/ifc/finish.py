@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from math import hypot, pi
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source
@@ -47,6 +48,13 @@ class Shaped(Struct, frozen=True, gc=False):
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
     stocks: Stocks | None = None  #: regions of the section, where a shell showed them
     said: tuple[Diagnostic, ...] = ()  #: of what no feature explains, where a body was compared
+
+    def at(self, source: Source) -> "Shaped":
+        """What was read of a member, of another one of its form."""
+        features = tuple(replace(f, source=source) for f in self.features)
+        return replace(
+            self, features=features, said=tuple(replace(d, source=source) for d in self.said)
+        )
 
 
 Levels = tuple[tuple[float, Shape], ...]  #: of a wall, from its lowest c to its highest

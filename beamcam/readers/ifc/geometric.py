@@ -19,7 +19,7 @@ from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import MIN_LEAN, End
-from beamcam.readers.ifc.entities import Entity, Kinked, Model, Unreadable
+from beamcam.readers.ifc.entities import Entity, Kinked, Model, OddSection, Unreadable
 from beamcam.readers.ifc.exact import Circle, circles_in
 from beamcam.readers.ifc.explained import KERNEL_SLACK, difference, measured, plain_stocks
 from beamcam.readers.ifc.features import opening
@@ -58,6 +58,8 @@ SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
 EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no such member
+SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls give
+BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
 SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
@@ -113,7 +115,7 @@ def read_shell(
     kink = kinked(shell)
     if kink is not None:
         raise Kinked(f"a member kinked by {kink:.1f} degrees")
-    raise fault or Unreadable(f"a shell of {shell.count} faces without a constant section")
+    raise fault or OddSection(f"a shell of {shell.count} faces without a constant section")
 
 
 def _readings(
@@ -153,6 +155,13 @@ def _unexplained(
     """What of a shell its member does not explain. Raises Unreadable where that is most of it."""
     body = shell.moved(found.frame.inverse())
     theirs = volume if volume is not None else measured(body)
+    if abs(theirs - found.volume) > SURELY_OTHER * theirs:  # building the part again takes long
+        raise _not_explained(theirs, found.volume)
+    beyond = _beyond(body, found.section)
+    if beyond is not None:
+        if kinked(shell) is not None:
+            raise OddSection("a kinked member")
+        return (rules.UNEXPLAINED.at(source, found=beyond),)
     stocks = found.stocks or plain_stocks(found.section)
     slack = KERNEL_SLACK if volume is not None else FACET_SLACK
     off = difference(
@@ -160,11 +169,26 @@ def _unexplained(
         faceted=volume is None,
     )  # fmt: skip
     if abs(off.off) > EXPLAINED * theirs:
-        raise Unreadable(
-            f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
-            f"{(theirs - off.off) / 1e3:.1f} cm3"
-        )
+        raise _not_explained(theirs, theirs - off.off)
     return (*off.said(source), *_other_area(found, stocks, source))
+
+
+def _beyond(body: Shell, section: Section) -> str | None:
+    """What of a body, in the part's place, reaches out of its section's box; None if nothing."""
+    _, y, z = body.points.T
+    far = np.maximum.reduce((-y, -z, y - section.height, z - section.width))
+    out = body.points[far > BEYOND, 0]
+    if not len(out):
+        return None
+    place = f"at x {out.min():.1f} to {out.max():.1f}"
+    return f"more steel, up to {far.max():.1f} mm beyond the section {place},"
+
+
+def _not_explained(theirs: float, explained: float) -> OddSection:
+    return OddSection(
+        f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
+        f"{explained / 1e3:.1f} cm3"
+    )
 
 
 def _other_area(found: Shaped, stocks: Stocks, source: Source) -> tuple[Diagnostic, ...]:
@@ -190,7 +214,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     walls = walls_of(stock.section)
     if not walls:
         if taken:
-            raise Unreadable("cuts in a faceted round or special section")
+            raise OddSection("cuts in a faceted round or special section")
         return _round(local, stock, source)
     circles = Circles()
     regions: Regions = {}
@@ -341,7 +365,7 @@ def _flat_end(local: Shell, side: int) -> End:
     ways = local.area_normals[found] * (1 / areas[found])[:, None]
     way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))
     if way is None:
-        raise Unreadable("a round section without plane ends")
+        raise OddSection("a round section without plane ends")
     same = found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
     n = vec(local.area_normals[same[areas[same].argmax()]])
     a, b = -n[1] / n[0], -n[2] / n[0]

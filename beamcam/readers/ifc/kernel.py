@@ -7,14 +7,16 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.caches import cached
+from beamcam.geometry.polylines import polylines
+from beamcam.interrupts import interrupts_waiting
 from beamcam.readers.ifc.brep import BrepError, surfaces_of
+from beamcam.readers.ifc.curves2d import spline_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.references import broken_reference
 from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.space import cross, size, sub
 from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
-from beamcam.system import interrupts_waiting
 
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
@@ -22,6 +24,7 @@ FINE_CHORD = 0.00002  #: m, of facets that a section is measured by
 FINE_ANGLE = 0.06  #: rad
 FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
 WRITTEN = ("serialized_element", "SerializedElement")
+SPLINE_CHORD = 0.01  #: mm between a spline and the polyline that the kernel has for it
 ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
 
 
@@ -126,7 +129,7 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
     file = load(model)
     instances = [_instance(file, each) for each in (element, *openings)]
     for each in used:
-        _make_slots_buildable(file, each or ())
+        _make_buildable(model, file, each or ())
     _log()  # what earlier solids left
     try:
         return geom.create_shape(settings, instances[0], geometry_library="opencascade")
@@ -201,11 +204,12 @@ def _blunted(a: Cylinder, b: Cylinder) -> bool:
     return abs(off - apart) < 0.01 * apart and abs(a.radius - b.radius) < 0.01 * apart
 
 
-def _make_slots_buildable(file: Any, entities: Iterable[Entity]) -> None:
-    """Make rounded rectangles whose radius is half of a side a hair less round.
+def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None:
+    """Make what the kernel cannot build a little different, in its own copy of the file.
 
-    The file is the kernel's own copy. Slots as round as they are it leaves out of the solid without
-    an error to its caller.
+    Rounded rectangles whose radius is half of a side become a hair less round, as slots as round
+    as they are it leaves out of the solid without an error to its caller. Splines of outlines, of
+    which it makes nothing, become polylines.
     """
     for entity in entities:
         if entity.is_a("IfcRoundedRectangleProfileDef"):
@@ -213,3 +217,25 @@ def _make_slots_buildable(file: Any, entities: Iterable[Entity]) -> None:
             most = min(profile.XDim, profile.YDim) / 2 * ROUNDER
             if profile.RoundingRadius > most:
                 profile.RoundingRadius = most
+        elif entity.is_a("IfcBSplineCurve") and len(entity.values[1][0]) == 2:
+            spline = file.by_id(entity.id())
+            owners = file.get_inverse(spline)
+            if owners:
+                _put_in_place(spline, _polyline(model, file, entity), owners)
+
+
+def _polyline(model: Model, file: Any, entity: Entity) -> Any:
+    """A polyline along a spline, in the kernel's file."""
+    points = polylines((spline_of(model, entity),), SPLINE_CHORD).points / model.mm
+    corners = [file.create_entity("IfcCartesianPoint", tuple(p)) for p in points.tolist()]
+    return file.create_entity("IfcPolyline", corners)
+
+
+def _put_in_place(old: Any, new: Any, owners: Iterable[Any]) -> None:
+    """Let the owners of an entity of the kernel's file have another one."""
+    for owner in owners:
+        for k, value in enumerate(owner):
+            if value == old:
+                owner[k] = new
+            elif isinstance(value, tuple) and old in value:
+                owner[k] = [new if one == old else one for one in value]

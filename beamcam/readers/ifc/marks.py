@@ -35,6 +35,7 @@ _WANTED = tuple(
                              *VOLUMES, "Reference", "Phase")
 )  # fmt: skip
 _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
+_GRADE = re.compile(r"\b(?:S ?\d{3}|A\d{2,3}|Q\d{3}|C\d{3})[A-Z0-9+]*")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
 
 
@@ -205,6 +206,39 @@ def grade_of(material: str, data: Data) -> str:
     return (
         material.rsplit("/", 1)[-1].strip() if material.upper().startswith("STEEL/") else material
     )
+
+
+def grades_apart(material: str, data: Data) -> tuple[str, str] | None:
+    """The steel of a material and that of a grade property, where they are two of one family.
+
+    S355 is no other steel than S355JR.
+    """
+    grade = data.text(*_GRADES)
+    if not grade:
+        return None
+    (one, other) = (_GRADE.search(text.upper()) for text in (material, grade))
+    if one is None or other is None or one[0][0] != other[0][0]:
+        return None
+    apart = not (one[0].startswith(other[0]) or other[0].startswith(one[0]))
+    return (grade_of(material, Data()), grade) if apart else None
+
+
+def profile_set_names(model: Model, element: Entity) -> tuple[str, ...]:
+    """The names of sections that the profile set of an element's material states."""
+    for name in tied(element, "materials"):
+        return model.once("profile set", name, _profile_names, model.file.entity(name))
+    return ()
+
+
+def _profile_names(material: Entity) -> tuple[str, ...]:
+    if material.is_a("IfcMaterialProfileSetUsage"):
+        material = material.ForProfileSet
+    if not material.is_a("IfcMaterialProfileSet"):
+        return ()
+    found = [material.Name]
+    for one in material.MaterialProfiles:
+        found += [one.Name, one.Profile and one.Profile.ProfileName]
+    return tuple(dict.fromkeys(filter(None, (_section_name(text or "") for text in found))))
 
 
 def label_of(element: Entity, profile: Entity | None, data: Data) -> str:

@@ -1,7 +1,7 @@
 """One member of a model after another: each is read, refused or left out, and counted."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -9,13 +9,21 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 from shapely.errors import ShapelyError
 
+from beamcam.budget import MEMBER, OverTimeError, begin_member, limits
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of
 from beamcam.readers.ifc.candidates import elements_of
-from beamcam.readers.ifc.checks import STEEL, check_data, check_kernel, check_stock
+from beamcam.readers.ifc.checks import (
+    STEEL,
+    Compared,
+    check_data,
+    check_kernel,
+    check_stock,
+    settled,
+)
 from beamcam.readers.ifc.entities import (
     NOT_WELL_FORMED,
     Entity,
@@ -23,34 +31,36 @@ from beamcam.readers.ifc.entities import (
     Model,
     NoSection,
     OddCut,
+    OddSection,
+    OtherShell,
     Unreadable,
 )
 from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.form import form_of
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
+from beamcam.readers.ifc.items import curved_or_tapered
 from beamcam.readers.ifc.kernel import load
 from beamcam.readers.ifc.marks import (
     Data,
     assembly_of,
     data_of,
     grade_of,
+    grades_apart,
     label_of,
     mark_of,
     material_of,
     not_steel,
+    profile_set_names,
 )
 from beamcam.readers.ifc.naming import named, remark_at
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Selection
 from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.semantic import read_swept
+from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import IDENTITY
 
 SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is not steel
-CURVED = ("IfcRevolvedAreaSolid", "IfcSurfaceCurveSweptAreaSolid", "IfcSweptDiskSolid",
-          "IfcFixedReferenceSweptAreaSolid", "IfcDirectrixCurveSweptAreaSolid",
-          "IfcSweptDiskSolidPolygonal")  # fmt: skip
-TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSectionedSpine",
-           "IfcSectionedSolidHorizontal")  # fmt: skip
 
 
 class Ledger(Struct):
@@ -98,7 +108,8 @@ class Members(Struct):
     selection: Selection
     options: Options
     taken: Taken = field(default_factory=Taken)
-    kernel_done: dict[Any, tuple[Diagnostic, ...]] = field(default_factory=dict)
+    compared: dict[Hashable, Compared] = field(default_factory=dict)  #: by their forms
+    shells: dict[Hashable, Shaped | Unreadable] = field(default_factory=dict)  #: likewise
 
     @classmethod
     def of(cls, model: Model, name: str, selection: Selection, options: Options) -> "Members":
@@ -146,8 +157,17 @@ class Members(Struct):
     def _whole_member(self, element: Entity) -> tuple[Part, Shaped] | None:
         """As `_member`; a file that is not well formed refuses the member and no other."""
         before = self.taken.ledger.total
+        begin_member()
         try:
             return self._member(element)
+        except OverTimeError:
+            said = MEMBER.at(
+                Source(self.name, where=element.guid),
+                expected=f"{limits().member_s:g} s of the processor",
+            )
+            self.taken.said.append(said)
+            self.taken.ledger.refused += 1
+            return None
         except (*NOT_WELL_FORMED, ShapelyError) as fault:
             if self.taken.ledger.total != before:
                 raise  # it was counted already, so that the fault is ours
@@ -208,7 +228,8 @@ class Members(Struct):
         source = part.source
         said = [*check_data(part, shaped, data, source), *shaped.said]
         if self.options.kernel and body is not None:
-            said += self._kernel_check(element, body, part, shaped, profile, data)
+            compared = self._compared(element, body, shaped, profile, source)
+            said += settled(compared, shaped, data)
         said += [rules.FITTED.at(source, found=kind) for kind in shaped.fitted]
         said += [rules.PIECES.at(source, found=text) for text in shaped.remarks]
         if projections := features_of(element, "IfcRelProjectsElement"):
@@ -218,22 +239,44 @@ class Members(Struct):
     def _shape(self, element: Entity, body: Body, source: Source) -> tuple[Shaped, Entity | None]:
         if isinstance(body.base, Swept):
             return read_swept(self.model, element, body, source), body.base.profile
-        taken = body.cutters(self.model, IDENTITY)
-        return read_shell(body.base, taken, source, self.model.precision), None
+        form = element if body.has_openings else self._form(element)
+        if form not in self.shells:  # a model has most of its accessories many times
+            self.shells[form] = self._read_shell(body, body.base, source)
+        known = self.shells[form]
+        if isinstance(known, Unreadable):
+            raise known.with_traceback(None)
+        return known.at(source), None
+
+    def _read_shell(self, body: Body, base: Shell, source: Source) -> Shaped | Unreadable:
+        """The member of a shell and what is cut off it; or why it is none."""
+        try:
+            taken = body.cutters(self.model, IDENTITY)
+            return read_shell(base, taken, source, self.model.precision)
+        except (Kinked, OddCut) as reason:
+            return reason
+        except Unreadable as reason:
+            alike = not body.removed and base.volume is not None
+            return OtherShell(reason) if alike else reason
 
     def _by_kernel(self, element: Entity, source: Source, reason: Unreadable) -> Shaped | None:
         """The member as the kernel builds it, where its definition is not understood."""
-        kinds = {i.is_a() for i in _items_below(element) if not _is_straight(i)}
-        for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
-            for kind in names:
-                if kind in kinds:
-                    self._refuse(rule, source, kind)
-                    return None
+        odd = curved_or_tapered(element)
+        if odd is not None:
+            rule, kind = odd
+            self._refuse(rule, source, kind)
+            return None
         if element.Representation is None:
             self._leave_out("elements without geometry", element)
             return None
         if isinstance(reason, NoSection):  # the kernel may take minutes to say the same
             self._refuse(rules.SECTION, source, str(reason))
+            return None
+        if isinstance(reason, Kinked):
+            self._refuse(rules.KINKED, source, str(reason))
+            return None
+        if isinstance(reason, OtherShell):
+            rule = rules.SECTION if isinstance(reason.reason, OddSection) else rules.GEOMETRY
+            self._refuse(rule, source, str(reason))
             return None
         try:
             return read_kernel(self.model, element, source)
@@ -247,7 +290,7 @@ class Members(Struct):
             text = (
                 str(reason) if str(reason) == str(second) else f"{reason}; by the kernel {second}"
             )
-            rule = rules.SECTION if "section" in str(second) else rules.GEOMETRY
+            rule = rules.SECTION if isinstance(second, OddSection) else rules.GEOMETRY
             self._refuse(rule, source, text)
             return None
 
@@ -260,9 +303,12 @@ class Members(Struct):
         if denied and isinstance(reason, OddCut):
             self._refuse(rules.ODD_CUT, source, str(reason))
         elif denied:
-            text = denied[0].message.removeprefix("found ").split(" than the features")[0]
-            rule = rules.SECTION if "section" in str(reason) else rules.GEOMETRY
-            self._refuse(rule, source, f"{reason}; by the kernel {text} than was read")
+            rule = rules.SECTION if isinstance(reason, OddSection) else rules.GEOMETRY
+            self._refuse(
+                rule,
+                source,
+                f"{reason}; by the kernel {rules.of_the_solid(denied[0])} than was read",
+            )
         return bool(denied)
 
     def _refuse(self, rule: Rule, source: Source, found: str) -> None:
@@ -297,9 +343,12 @@ class Members(Struct):
         mark, assembly, material = names
         section = shaped.section
         bare = section.profile("")
-        label, remark = named(bare, label_of(element, profile, data))
-        if remark is not None:
-            self.taken.said.append(remark_at(remark, bare, source))
+        labels = label_of(element, profile, data), *profile_set_names(self.model, element)
+        label, wrong = named(bare, labels)
+        self.taken.said += (remark_at(one, bare, source) for one in wrong)
+        grades = grades_apart(material, data)
+        if grades is not None:
+            self.taken.said.append(rules.GRADE.at(source, found=grades[0], expected=grades[1]))
         return Part(
             mark=mark,
             profile=replace(bare, name=label),
@@ -315,30 +364,33 @@ class Members(Struct):
             section=section.points,
         )
 
-    def _kernel_check(
-        self,
-        element: Entity,
-        body: Body,
-        part: Part,
-        shaped: Shaped,
-        profile: Entity | None,
-        data: Data,
-    ) -> tuple[Diagnostic, ...]:
-        """Kernel check of members with cuts, and of every section.
+    def _compared(
+        self, element: Entity, body: Body, shaped: Shaped, profile: Entity | None, source: Source
+    ) -> Compared:
+        """What section and solid of the kernel have against a member, worked out once for a form.
 
         A shell that is taken as it stands was held against its own faces.
         """
-        from beamcam.readers.ifc.quantities import geometry_key
-
-        key = geometry_key(part), round(shaped.section.area, 1)
-        if key not in self.kernel_done:
-            found: tuple[Diagnostic, ...] = ()
-            if profile is not None:
-                found += check_stock(self.model, element, part, shaped, profile)
+        form = self._form(element)
+        if form not in self.compared:
+            solid = Compared()
             if body.removed:
-                found += check_kernel(self.model, element, part, shaped, profile, data)
-            self.kernel_done[key] = found
-        return tuple(replace(d, source=part.source) for d in self.kernel_done[key])
+                solid = check_kernel(self.model, element, shaped, profile, source)
+            if profile is not None:
+                stock = check_stock(self.model, element, shaped, profile, source)
+                solid = replace(solid, said=(*stock, *solid.said))
+            self.compared[form] = solid
+        known = self.compared[form]
+        fault = known.disputed and replace(known.disputed, source=source)
+        said = tuple(replace(d, source=source) for d in known.said)
+        return replace(known, said=said, disputed=fault)
+
+    def _form(self, element: Entity) -> Hashable:
+        """The form of an element; itself where that cannot be told."""
+        try:
+            return form_of(self.model, element)
+        except Unreadable:
+            return element
 
 
 def class_names(kind: str) -> set[str]:
@@ -346,38 +398,6 @@ def class_names(kind: str) -> set[str]:
     name = kind.lower().removeprefix("ifc")
     names = {name, name.removesuffix("standardcase")}
     return names | {"proxy"} if name == "buildingelementproxy" else names
-
-
-def _items_below(element: Entity) -> Iterator[Entity]:
-    """All representation items of an element, through maps and booleans."""
-    todo = []
-    if element.Representation is not None:
-        for representation in element.Representation.Representations:
-            if representation.RepresentationIdentifier not in ("Axis", "Box", "FootPrint"):
-                todo += list(representation.Items)
-    seen = set[Entity]()
-    while todo:
-        item = todo.pop()
-        if item in seen:  # shared, or geometry that contains itself
-            continue
-        seen.add(item)
-        yield item
-        if item.is_a("IfcMappedItem"):
-            todo += list(item.MappingSource.MappedRepresentation.Items)
-        elif item.is_a("IfcBooleanResult"):
-            todo.append(item.FirstOperand)
-        elif item.is_a("IfcCsgSolid"):
-            todo.append(item.TreeRootExpression)
-
-
-def _is_straight(item: Entity) -> bool:
-    """Whether a solid is a disc or a ring that is swept along one line: a rod or a pipe."""
-    if not item.is_a("IfcSweptDiskSolid"):
-        return False
-    line = item.Directrix
-    return (line.is_a("IfcPolyline") and len(line.Points) == 2) or (
-        line.is_a("IfcTrimmedCurve") and bool(line.BasisCurve.is_a("IfcLine"))
-    )
 
 
 def _weight(profile: Profile, area: float) -> float:

@@ -1,26 +1,78 @@
-"""Name of a section, and whether its label agrees with its dimensions."""
+"""Name of a section, and whether the labels of the file agree with its dimensions."""
 
+import re
+from collections.abc import Iterable
+
+from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source
 from beamcam.model import catalogue
 from beamcam.model.part import Profile
 from beamcam.readers.ifc import rules
 
+#: Names that are measures: of tubes, pipes, angles, flat and round bars, as modellers write them.
+_MEASURES = re.compile(
+    r"(?:RHS|SHS|CHS|QRO|RRO|MSH|VHP|K|KR|KKR|VKR|KCKR|RO|ROR|TUBE|PIPE?|O|D|Ø|RD|L|FL|FLT|FB|PL|BL)"
+    r"[ .-]?(\d+(?:[.,]\d+)?(?:[xX*×/-]\d+(?:[.,]\d+)?)*)"
+)
+_NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
+LARGEST_INCHES = 30.0  #: names whose numbers are all smaller may be in inches
+SIZE_OFF = 1.0  #: mm that a size may differ from its name
+WALL_OFF = 0.4  #: mm that a thickness may
 
-def named(profile: Profile, label: str) -> tuple[str, str | None]:
-    """The name of a section, and the file's label where the dimensions contradict it.
 
-    The label stands unless the catalogue knows it by other measures; a section without one has
-    the catalogue's name, or one made of its measures.
+def named(profile: Profile, labels: Iterable[str]) -> tuple[str, list[str]]:
+    """The name of a section, and the labels that its dimensions contradict.
+
+    The first label stands unless the catalogue knows it, or it says itself, by other measures; a
+    section without one has the catalogue's name, or one made of its measures.
     """
-    if not label:
-        return name_of(profile), None
+    first, *others = labels
+    wrong = [label for label in (first, *others) if label and _contradicts(label, profile)]
+    name = first if first and first not in wrong else name_of(profile)
+    return name, [*dict.fromkeys(wrong)]
+
+
+def _contradicts(label: str, profile: Profile) -> bool:
     known = catalogue.measures_of(label)
-    # Measures of angles and tubes do not say which side is up.
-    if known is None or (
-        known[0] == profile.code and catalogue.difference(profile, known[1]) <= 1.0
-    ):
-        return label, None
-    return name_of(profile), label
+    if known is not None:
+        # Measures of angles and tubes do not say which side is up.
+        return known[0] != profile.code or catalogue.difference(profile, known[1]) > SIZE_OFF
+    said = _said_measures(label)
+    walls, sizes = _own_measures(profile)
+    if not walls or len(said) < 2 or max(said) < LARGEST_INCHES:
+        return False
+    if profile.code == "B":  # of a plate the other numbers may be those of a larger blank
+        return all(abs(said_ - walls[0]) > WALL_OFF for said_ in said)
+    if len(said) == 2 and len(sizes) == 2:  # K100*5 is square
+        sizes = sizes if abs(sizes[0] - sizes[1]) <= SIZE_OFF else (0.0, 0.0)
+        said = (said[0], *said)
+    if len(said) != len(sizes) + 1:
+        return False
+    *outer, wall = sorted(said, reverse=True)
+    off = (abs(a - b) for a, b in zip(outer, sorted(sizes, reverse=True), strict=True))
+    return max(off) > SIZE_OFF or abs(wall - walls[0]) > WALL_OFF
+
+
+@cached("ifc.said_measures")
+def _said_measures(label: str) -> tuple[float, ...]:
+    """The numbers of a name that is made of measures, in mm; none of another name."""
+    found = _MEASURES.fullmatch(label.strip().upper())
+    if found is None:
+        return ()
+    return tuple(float(n.replace(",", ".")) for n in _NUMBER.findall(found[1]))
+
+
+def _own_measures(profile: Profile) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The thickness of a section that is named by its measures, and its sizes."""
+    wall = profile.web_thickness or 0.0
+    match profile.code:
+        case "B":
+            return (wall,), (profile.height,)
+        case "RO":
+            return (wall,), (profile.height,)
+        case "M" | "L":
+            return (wall,), (profile.height, profile.width)
+    return (), ()
 
 
 def name_of(profile: Profile) -> str:

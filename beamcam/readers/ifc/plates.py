@@ -36,7 +36,7 @@ def plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Pl
     kinds = profile.type.kinds
     if "IfcParameterizedProfileDef" in kinds and kinds.isdisjoint(_FLAT):
         return None  # a rolled form
-    key = profile, round(depth, 4), element.is_a()
+    key = profile, depth, element.is_a()
     return model.once("plate", key, _plate_of, model, element, profile, depth)
 
 

@@ -14,7 +14,7 @@ from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain, with_sides
-from beamcam.readers.ifc.entities import Entity, Model, NoSection, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, NoSection, OddSection, Unreadable
 from beamcam.readers.ifc.section import Section, area_by_measures, placed, special
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
@@ -44,7 +44,7 @@ def _section(model: Model, entity: Entity) -> Section:
     section = _stated_section(model, entity)
     widest = max(section.height, section.width, section.radius)
     if widest > MAX_COORDINATE:
-        raise Unreadable(f"a section with a measure of {widest:g} mm")
+        raise OddSection(f"a section with a measure of {widest:g} mm")
     fault = section_fault(section.profile(""))
     if fault is not None:
         raise NoSection(f"a section with {fault}")
@@ -180,7 +180,8 @@ def _parameterised(model: Model, entity: Entity) -> Section | None:
         return _asymmetric(entity, model.mm, frame)
     if entity.is_a("IfcZShapeProfileDef"):
         corners = _sharp(model, entity) or []
-        radii = [number("FilletRadius") if _reflex(corners, i) else 0.0 for i in range(8)]
+        half = [0.0, 0.0, number("EdgeRadius"), number("FilletRadius")]
+        radii = half + half
         return _outlined(rounded_chain(corners, radii), frame)
     measures = _measures(model, entity)
     if measures is None:
@@ -342,7 +343,7 @@ def _towards(a: Point, b: Point) -> Point:
 
 def _sharp(model: Model, entity: Entity) -> list[Point] | None:
     """The corners of an open parameterised profile without its fillets."""
-    if entity.is_a("IfcZShapeProfileDef"):
+    if entity.is_a("IfcZShapeProfileDef"):  # its flanges are measured from the back of the web
         number = partial(_number, entity, model.mm)
         h, b = number("Depth") / 2, number("FlangeWidth")
         t, w = number("FlangeThickness"), number("WebThickness") / 2

@@ -11,6 +11,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from beamcam.budget import check_member
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Bevel, Contour, Hole, Slot
 from beamcam.readers.ifc.ends import End
@@ -137,6 +138,7 @@ class Rebuilt(Struct, frozen=True, eq=False):
 
     def _across(self, strip: Strip) -> float:
         """Material removed by a hole across the section, in closer slices where it is narrow."""
+        check_member()
         total = 0.0
         for i in range(SLICES):
             angle = pi * ((i + 0.5) / SLICES - 0.5)

@@ -95,6 +95,13 @@ PROFILE_NAME = Rule(
     "found the name {found} on a section of {size}; expected {expected} by its measures",
     "The element's name is often left from an earlier section; the geometry counts.",
 )
+GRADE = Rule(
+    "ifc-grade",
+    _W,
+    "found the material {found} and the grade {expected}; expected one steel",
+    "The grade of the property set is taken. Which of the two is ordered is for the designer to "
+    "say.",
+)
 LENGTH = Rule(
     "ifc-length",
     _E,
@@ -247,11 +254,17 @@ BOLT_SKEW = Rule(
 
 RULES = (
     SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, OTHER_CLASSES, CURVED, TAPERED,
-    GEOMETRY, SECTION, ODD_CUT, OUTLINE, PROFILE_NAME, LENGTH, WEIGHT, WEIGHT_NEAR, NET_VOLUME,
-    CUTOUT, KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED, SECTION_AREA,
-    KINKED, ROOT_FILLET, LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES, BOLT_AIR, BOLT_SHANK,
-    BOLTS, BOLT_SKEW, PROJECTION,
+    GEOMETRY, SECTION, ODD_CUT, OUTLINE, PROFILE_NAME, GRADE, LENGTH, WEIGHT, WEIGHT_NEAR,
+    NET_VOLUME, CUTOUT, KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED,
+    SECTION_AREA, KINKED, ROOT_FILLET, LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES,
+    BOLT_AIR, BOLT_SHANK, BOLTS, BOLT_SKEW, PROJECTION,
 )  # fmt: skip
+
+
+def of_the_solid(said: Diagnostic) -> str:
+    """What a message finds in the solid of a member, as a part of another message."""
+    unit = " cm3 in all" if said.code == VOLUME_OFF.code else ""
+    return f"{said['found']}{unit}"
 
 
 def forced(said: Diagnostic) -> Diagnostic:

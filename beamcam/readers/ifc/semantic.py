@@ -65,7 +65,7 @@ def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Sha
     if known is None:
         known = of_one_stock.known[form] = _read(model, element, body, source)
         return known
-    return replace(known, features=tuple(replace(f, source=source) for f in known.features))
+    return known.at(source)
 
 
 class Repeats(Struct):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from beamcam.budget import check_member
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.exact import Circle, with_exact_arcs
 from beamcam.readers.ifc.outline import with_arcs
@@ -26,6 +27,7 @@ Segments = NDArray[np.float64]  #: (n, 2, 2): start and end, each by its two coo
 
 def region_within(segments: Segments) -> Shape:
     """The region that segments enclose, each of which may be there more than once."""
+    check_member()
     from shapely import point_on_surface, union_all
 
     start, end = segments[:, 0], segments[:, 1]

@@ -1,12 +1,12 @@
 """The walls of a section: flat plates of full outer size, as DSTV divides a section (page 13)."""
 
-from math import cos, pi, sin
 from typing import Literal
 
 from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.model.part import Face
+from beamcam.model.section import corners
 from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Vec
 
@@ -76,15 +76,8 @@ def walls_of(section: Section) -> tuple[Wall, ...]:
 @cached("ifc.corners")
 def corner_points(section: Section) -> tuple[tuple[float, float], ...]:
     """(Y, Z) of the outermost points of a section, in which the end cuts reach furthest."""
-    if section.code in ("RO", "RU"):
-        r = section.height / 2
-        return tuple((r + r * sin(pi * i / 360), r + r * cos(pi * i / 360)) for i in range(720))
-    walls = walls_of(section)
-    if not walls:
-        h, b = section.height, section.width
-        return ((0.0, 0.0), (h, 0.0), (0.0, b), (h, b))
-    found = []
-    for wall in walls:
+    found = list(corners(section.profile(""), section.points))
+    for wall in () if section.code in ("M", "C") else walls_of(section):
         for q in (0.0, wall.width):
             for c in (wall.low, wall.high):
                 found.append((c, q) if wall.normal == "y" else (q, c))

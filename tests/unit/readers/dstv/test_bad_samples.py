@@ -86,6 +86,7 @@ LINES = {
     "dstv-unread": 2,
     "dstv-unrolled": 8,
     "dstv-weight": 16,
+    "dstv-weight-section": 16,
 }
 
 #: Says how much of a refused file was not read, so it comes with the reason for that.

@@ -1,9 +1,13 @@
 """What several planes at one end of a stock leave of it."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from beamcam.readers.ifc import Options, read
 from beamcam.readers.ifc.ends import End, trim
+from tests.property.ifc_cuts import Bar, Half, model_of
+from tests.property.ifc_kernel import facets
 
 SLOPES = st.sampled_from((0.0, 0.0, 0.5, -0.5, 1.25)) | st.floats(-2, 2)
 CORNERS = ((0.0, 0.0), (0.0, 150.0), (300.0, 0.0), (300.0, 150.0), (10.0, 71.0), (290.0, 71.0))
@@ -41,3 +45,21 @@ def test_the_sole_plane_is_the_first_that_no_other_comes_before(ends: list[End])
     assert found.sole == (first[0] if first else None)
     reach = max(first[0].side * first[0].x(y, z) for y, z in CORNERS) if first else found.most
     assert abs(found.reach - reach) < 1e-9
+
+
+TUBE = Bar("M", 2000.0, (200.0, 100.0, 8.0, 8.0, 12.0))
+LIPPED = Bar("C", 2000.0, (200.0, 70.0, 3.0, 3.0, 6.0), girth=20.0)
+
+
+@pytest.mark.parametrize("bar", [TUBE, LIPPED], ids=["tube", "lipped channel"])
+@pytest.mark.parametrize("normal", [(1.0, 0.3, 0.2), (1.0, -0.5, 0.4), (-1.0, 0.3, -0.7)])
+def test_round_corners_reach_less_far_than_sharp_ones(bar: Bar, normal: tuple[float, ...]) -> None:
+    """Mitred both ways, a section with bends is as long as its bends reach."""
+    x = 1700.0 if normal[0] > 0 else 300.0
+    data = model_of(bar, [Half((x, 100.0, 40.0), normal)])
+    found = read(data, "m.ifc", options=Options(kernel=True))
+    assert not found.refused, found.diagnostics
+    (part,) = found.parts
+    points, _ = facets(data)
+    xs = [x for x, _, _ in points]
+    assert part.length == pytest.approx(max(xs) - min(xs), abs=0.02)

@@ -86,6 +86,14 @@ def wrong_name() -> bytes:
     return m.data
 
 
+def two_grades(material: str = "S355JR", grade: str = "S460") -> bytes:
+    m = Small()
+    e = m.element(m.extruded(m.ipe300(), 2000.0))
+    m.material(e, material)
+    m.properties(e, "Pset_MemberCommon", Grade=f"IFCLABEL('{grade}')")
+    return m.data
+
+
 def stated(**quantities: str) -> bytes:
     """An IPE 300 of 2 m, 84.5 kg, with what Tekla says of it."""
     m = Small()
@@ -147,10 +155,10 @@ def sloped() -> bytes:
     return m.data
 
 
-def zed() -> bytes:
-    """A section that the kernel draws 3 mm wider than its definition has it."""
+def bow() -> bytes:
+    """A section whose outline crosses itself."""
     m = Small()
-    profile = m.add(f"IFCZSHAPEPROFILEDEF(.AREA.,$,{m.flat},200.,75.,3.,3.,$,$)")
+    profile = m.polygon((0, 0), (100, 0), (100, 10), (20, 60), (60, 60), (0, 10))
     m.element(m.extruded(profile, 2000.0))
     return m.data
 
@@ -220,7 +228,7 @@ def bolted_through_a_slot() -> bytes:
 CHECKED: dict[str, Callable[[], bytes]] = {
     "ifc-unexplained": planed,
     "ifc-section-area": sloped,
-    "ifc-outline": zed,
+    "ifc-outline": bow,
     "ifc-root-fillet": beside_the_web,
     "ifc-leaning-edge": saddled,
     "ifc-volume": elliptic,
@@ -243,6 +251,7 @@ CASES: dict[str, Callable[[], bytes]] = {
     "ifc-section": no_section,
     "ifc-odd-cut": slotted_tube,
     "ifc-profile-name": wrong_name,
+    "ifc-grade": two_grades,
     "ifc-length": lambda: stated(Length="IFCLENGTHMEASURE(2100.)"),
     "ifc-weight": lambda: stated(NetWeight="IFCMASSMEASURE(42.)"),
     "ifc-kernel-fitted": elliptic,
@@ -344,3 +353,32 @@ def test_formats_are_told_apart() -> None:
     assert looks_like(plain().data)
     assert not looks_like(b"ST\n  1\n")
     assert not looks_like(b"0\nSECTION\n")
+
+
+@pytest.mark.parametrize(
+    ("material", "grade", "apart"),
+    [("S355JR", "S355", False), ("STEEL/S355JR", "S460", True), ("S355JR", "S355J2", True),
+     ("Steel", "S460", False), ("S355JR", "A36", False), ("A992", "A36", True)],
+)  # fmt: skip
+def test_two_steels_are_told(material: str, grade: str, apart: bool) -> None:
+    found = read(two_grades(material, grade), "m.ifc")
+    assert ("ifc-grade" in [d.code for d in found.diagnostics]) is apart
+    assert found.parts[0].grade == grade
+
+
+@pytest.mark.parametrize("usage", [False, True])
+@pytest.mark.parametrize(("name", "wrong"), [("IPE500", True), ("IPE300", False), ("mine", False)])
+def test_the_name_of_a_profile_set_is_compared(name: str, wrong: bool, usage: bool) -> None:
+    m = Small()
+    profile = m.ipe300()
+    e = m.element(m.extruded(profile, 2000.0))
+    steel = m.add("IFCMATERIAL('S355JR',$,$)")
+    row = m.add(f"IFCMATERIALPROFILE($,$,{steel},{profile},$,$)")
+    of = m.add(f"IFCMATERIALPROFILESET('{name}',$,({row}),$)")
+    if usage:
+        of = m.add(f"IFCMATERIALPROFILESETUSAGE({of},5,$)")
+    m.add(f"IFCRELASSOCIATESMATERIAL('{m.step.guid()}',$,$,$,({e}),{of})")
+    found = read(m.data, "m.ifc")
+    said = [d.message for d in found.diagnostics if d.code == "ifc-profile-name"]
+    assert [name in text for text in said] == [True] * wrong
+    assert found.parts[0].grade == "S355JR"

@@ -1,7 +1,7 @@
 """Sections by their outline, in any position, and the catalogue's names for them."""
 
 import itertools
-from math import cos, radians, sin
+from math import cos, pi, radians, sin
 
 import pytest
 from hypothesis import given, settings
@@ -135,12 +135,13 @@ def test_spellings_of_a_name(spelled: str, plain: str) -> None:
 
 def test_a_name_stands_unless_the_measures_deny_it() -> None:
     heb280 = Profile("I", "", 280.0, 280.0, 18.0, 10.5, 24.0)
-    assert named(heb280, "HEB220") == ("HEB280", "HEB220")
-    assert named(heb280, "HE280B") == ("HE280B", None)
-    assert named(heb280, "") == ("HEB280", None)
-    assert named(heb280, "my beam") == ("my beam", None)
+    assert named(heb280, ["HEB220"]) == ("HEB280", ["HEB220"])
+    assert named(heb280, ["HE280B"]) == ("HE280B", [])
+    assert named(heb280, [""]) == ("HEB280", [])
+    assert named(heb280, ["my beam"]) == ("my beam", [])
+    assert named(heb280, ["HE280B", "HEB220"]) == ("HE280B", ["HEB220"])
     odd = Profile("I", "", 281.0, 280.0, 18.0, 10.5, 24.0)
-    assert named(odd, "") == ("I281x280x10.5x18", None)
+    assert named(odd, [""]) == ("I281x280x10.5x18", [])
     assert catalogue.name_of(Profile("I", "", 280.25, 280.0, 18.0, 10.5)) == "HEB280"
 
 
@@ -175,3 +176,50 @@ def test_a_section_that_cannot_be_is_refused(flange: str, said: str) -> None:
     (error,) = [d for d in found.diagnostics if d.severity is Severity.ERROR]
     assert error.code == "ifc-section"
     assert said in error.message
+
+
+@pytest.mark.parametrize(("fillet", "edge"), [("$", "$"), ("6.", "$"), ("6.", "2.")])
+def test_a_z_has_flanges_from_the_back_of_its_web(fillet: str, edge: str) -> None:
+    """As the standard draws it; the kernel draws it half a web wider, which is told."""
+    m = Small()
+    sizes = f"200.,75.,3.,4.,{fillet},{edge}"
+    m.element(m.extruded(m.add(f"IFCZSHAPEPROFILEDEF(.AREA.,$,{m.flat},{sizes})"), 2000.0))
+    found = read(m.data, "m.ifc", options=Options(kernel=True))
+    (part,) = found.parts
+    assert part.profile.code == "SO"
+    assert (part.profile.height, part.profile.width) == pytest.approx((200.0, 147.0))
+    area = 2 * 75 * 4 + (200 - 8) * 3
+    area += (1 - pi / 4) * 2 * (36 * (fillet != "$") - 4 * (edge != "$"))
+    assert part.weight == pytest.approx(area * 7.85e-3, rel=1e-6)
+    assert [d.code for d in found.diagnostics] == ["ifc-section-area", "ifc-ledger"]
+
+
+PIPE, TUBE = Profile("RO", "", 152.4, 152.4, 4.0, 4.0), Profile("M", "", 200.0, 100.0, 8.0, 8.0)
+EQUAL, FLAT = Profile("L", "", 100.0, 100.0, 10.0, 10.0), Profile("B", "", 150.0, 0.0, 0.0, 20.0)
+
+
+@pytest.mark.parametrize(
+    ("profile", "label", "wrong"),
+    [
+        (PIPE, "K152,4/12,5", True),
+        (PIPE, "K152,4/4,0", False),
+        (PIPE, "CHS 168.3x4", True),
+        (PIPE, "O152.4*4", False),
+        (PIPE, "K152,4", False),
+        (TUBE, "RHS200/100/8", False),
+        (TUBE, "RHS100*200*8", False),
+        (TUBE, "RHS200*100*10", True),
+        (TUBE, "SHS200*8", True),
+        (TUBE, "HSS8x4x.3125", False),
+        (EQUAL, "L100/10", False),
+        (EQUAL, "L100x100x12,5", True),
+        (EQUAL, "L4x4x3/8", False),
+        (FLAT, "PL20*200", False),
+        (FLAT, "FL150/20", False),
+        (FLAT, "FL150/12", True),
+    ],
+)
+def test_a_name_that_is_made_of_measures_is_compared(
+    profile: Profile, label: str, wrong: bool
+) -> None:
+    assert named(profile, [label])[1] == [label] * wrong

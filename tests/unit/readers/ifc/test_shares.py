@@ -136,7 +136,7 @@ def test_a_member_at_which_the_kernel_dies_is_refused_by_name(
     real = member.check_stock
 
     def check_stock(*args: object) -> object:
-        if args[2].guid == deadly.guid:  # type: ignore[attr-defined]
+        if args[1].guid == deadly.guid:  # type: ignore[attr-defined]
             os.kill(os.getpid(), signal.SIGKILL)
         return real(*args)  # type: ignore[arg-type]
 
