@@ -91,6 +91,8 @@ class Dialect(Struct, frozen=True):
     cycles: Mapping[str, Cycle]  #: how it works with each kind of tool
     only_spindle: int | None  #: that needs no choice, as there is no other
     text_word: TextWord | None = None  #: where a stamp or printer letters
+    startup: str = ""  #: block that runs before each program
+    laser_mode: bool = False  #: whether S holds from feed to feed, and traverses are dark
 
     def size(self, diameter: float) -> float:
         """The shop's tool that a diameter means: programs write three decimals of an inch size."""
@@ -135,6 +137,8 @@ def _dialect_of(machine: Machine) -> Dialect:
         cycles=cycles,
         only_spindle=machine.spindles[0].number if len(machine.spindles) == 1 else None,
         text_word=_text_word(machine),
+        startup=machine.startup_code,
+        laser_mode=machine.torch is not None and machine.torch.laser_mode,
     )
 
 

@@ -5,6 +5,7 @@
     Pause         a dwell
     Compensation  from here on the controller keeps beside the contour
     Acceleration  from here on the head runs up or brakes at another acceleration
+    Blending      from here on corners may be passed at some distance
     Lettering     a unit stamps or prints a text
 
 Every run of `post` makes thousands of them, and a drawing tens of thousands. Coordinates are mm,
@@ -80,6 +81,13 @@ class Acceleration(Struct, frozen=True, gc=False):
     mm_s2: float
 
 
+class Blending(Struct, frozen=True, gc=False):
+    """From here on the controller may pass corners so far off the path to keep its speed."""
+
+    line: int
+    distance: float  #: mm; 0 follows the path exactly, inf is without a limit
+
+
 class Lettering(Struct, frozen=True, gc=False):
     """A text that a stamp or printer is told."""
 
@@ -89,7 +97,7 @@ class Lettering(Struct, frozen=True, gc=False):
     values: dict[str, float]  #: what the word carries, by the names of the machine's file
 
 
-Other = Switch | Pause | Compensation | Acceleration | Lettering  #: all but moves
+Other = Switch | Pause | Compensation | Acceleration | Blending | Lettering  #: all but moves
 HeadMove = Move[Point]
 BarEvent = Move[Place] | Other
 TableEvent = HeadMove | Other

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from math import inf, isnan, nan
 from typing import Any, Protocol
 
-from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.dialect import DOCUMENTED, Dialect
 from beamcam.controllers.events import (
     BarEvent,
     Curve,
@@ -97,7 +97,12 @@ class Interpreter(ABC):
 
     @property
     def plain_motions(self) -> tuple[int, ...]:
-        """The numbers of the G words of plain moves that the machine's controller takes."""
+        """The numbers of the G words of plain moves that the machine's controller takes.
+
+        In laser mode each move may switch the tool, so that none is plain.
+        """
+        if self._dialect.laser_mode:
+            return ()
         return tuple(n for n in range(4) if self._dialect.is_allowed(f"G{n}"))
 
     def lines_of(self, text: str) -> list[str]:
@@ -111,6 +116,27 @@ class Interpreter(ABC):
     @abstractmethod
     def knows(self, code: str) -> bool:
         """Whether a G word, `G1`, has a meaning on this controller or in the machine's file."""
+
+    @abstractmethod
+    def vocabulary(self) -> dict[str, frozenset[str]]:
+        """All words that it gives a meaning, each with what it may carry, by letters.
+
+        M words of the machine's own stand there by their roles (`saw`) and what they carry by the
+        placeholders of the machine file (`{angle}`), words of `[codes]` by their meaning.
+        """
+
+    def _words_of_the_file(self) -> dict[str, frozenset[str]]:
+        """Those that the machine's file gives a meaning, and those of all controllers."""
+        found: dict[str, frozenset[str]] = {}
+        for number, word in self._dialect.m_words.items():
+            name = f"M{number}" if number in DOCUMENTED else word.role
+            fields = frozenset(f"{{{field}}}" for _, field in word.fields)
+            found[name] = found.get(name, frozenset()) | fields
+        if self._dialect.text_word is not None:
+            said = self._dialect.text_word.pattern.groupindex
+            found["text"] = frozenset(f"{{{field}}}" for field in said)
+        found |= {f"codes: {meaning}": frozenset() for meaning in self._dialect.codes.values()}
+        return found
 
     @abstractmethod
     def line(self, line: int, text: str) -> None:

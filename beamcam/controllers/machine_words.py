@@ -8,6 +8,8 @@ draw the tool back, switch off what they switched on.
 
 from collections.abc import Iterator
 
+from msgspec.structs import replace
+
 from beamcam.caches import PerObject
 from beamcam.controllers import cell_events, interpreter_of
 from beamcam.controllers.dialect import (
@@ -59,7 +61,7 @@ _CURVES = {
 TEXT_X = 300.0  #: machine X of the text that is tried
 
 Line = tuple[str, str, str]  #: key of the template, its text, the block that it becomes
-WordFault = tuple[str, str, str, str]  #: key, text of its line, what was found, what was expected
+WordFault = tuple[str, str, str]  #: key, text of its line, what is wrong with it
 
 
 def load_machine(name: str) -> Machine:
@@ -69,8 +71,8 @@ def load_machine(name: str) -> Machine:
     """
     machine = load(name)
     said = tuple(
-        rules.WORD.at(source_in(name, key, text), key=key, found=found, expected=expected)
-        for key, text, found, expected in _known_faults(machine)
+        rules.WORD.at(source_in(name, key, text), key=key, said=said)
+        for key, text, said in _known_faults(machine)
     )
     if said:
         raise MachineError(said)
@@ -82,12 +84,19 @@ def word_faults(machine: Machine) -> tuple[WordFault, ...]:
     if machine.controller == "simotion":
         from beamcam.controllers.simotion.trial import trial
 
-        return tuple(("triggers", "", *_parted(said)) for said in trial(machine)[:1])
+        return tuple(("triggers", "", said.message) for said in trial(machine)[:1])
     if machine.controller in TABLE_CONTROLLERS:
         return ()
+    if machine.startup_code:
+        own = replace(machine, startup_code="")
+        _, said = cell_events(f"{machine.startup_code}\nM2", own, "")
+        if said:
+            return (("startup_code", machine.startup_code, said[0].message),)
     unknown = tuple(_allowed_faults(machine))
     if unknown:
         return unknown[:1]
+    if machine.torch is not None:  # in laser mode a word by itself switches nothing
+        machine = replace(machine, torch=replace(machine.torch, laser_mode=False))
     found = _bar_faults(machine) if machine.stock == "beam" else _table_faults(machine)
     first = {fault[0]: fault for fault in reversed([*found])}
     return tuple(first[key] for key in sorted(first))
@@ -102,13 +111,15 @@ def _allowed_faults(machine: Machine) -> Iterator[WordFault]:
         if code in telling:
             continue
         if code[0] == "G" and not interpreter.knows(code):
-            yield "allowed_codes", text, text, "a word of the controller's, or one of [codes]"
+            yield fault_in(
+                "allowed_codes", text, text, "a word of the controller's, or one of [codes]"
+            )
         elif (
             code[0] == "M"
             and code not in own.codes
             and (int(code[1:]) not in {*DOCUMENTED, *own.m_words})
         ):
-            yield "allowed_codes", text, text, "a word of a template, or one of [codes]"
+            yield fault_in("allowed_codes", text, text, "a word of a template, or one of [codes]")
 
 
 _known_faults = PerObject("machine.words", word_faults)
@@ -146,14 +157,14 @@ def _bar_faults(machine: Machine) -> Iterator[WordFault]:
             own = [event for key in words_of(tool) for event in of.get(key, [])]
             first, last = words_of(tool)[0], words_of(tool)[-1]
             for found, expected in _begin_faults(own, dialect, tool in _STANDING, stroke):
-                yield f"words.{first}", "", found, expected
+                yield fault_in(f"words.{first}", "", found, expected)
             for found, expected in _end_faults(own, dialect, stroke):
-                yield f"words.{last}", "", found, expected
+                yield fault_in(f"words.{last}", "", found, expected)
     if machine.saw is not None and not _with_role(of.get("saw", []), dialect, "saw"):
-        yield "words.saw", "", "no cut", "an M word with {angle}"
+        yield fault_in("words.saw", "", "no cut", "an M word with {angle}")
     if unit:
         for found, expected in _text_faults(of.get(unit, [])):
-            yield f"words.{unit}", "", found, expected
+            yield fault_in(f"words.{unit}", "", found, expected)
     if dialect.feeds:
         yield from _unfed(machine, of)
 
@@ -190,12 +201,8 @@ def _unfed(machine: Machine, of: dict[str, list[BarEvent]]) -> Iterator[WordFaul
         moves = [e for key in keys for e in of.get(key, []) if isinstance(e, Move) and not e.rapid]
         says = any("F" in line for key in keys for line in getattr(machine.words, key))
         if moves and not says:
-            yield (
-                f"words.{name}",
-                "",
-                "a feed without an F word",
-                "F{feed}, as other templates have",
-            )
+            expected = "F{feed}, as other templates have"
+            yield fault_in(f"words.{name}", "", "a feed without an F word", expected)
 
 
 def _double_words(lines: list[Line]) -> Iterator[WordFault]:
@@ -209,7 +216,7 @@ def _double_words(lines: list[Line]) -> Iterator[WordFault]:
         said = f"section ({', '.join(carried)})" if role == "section" else role
         if number is not None and roles.setdefault(number, said) != said:
             expected = f"another word, as that one stands for {roles[number]} already"
-            yield key, text, f"M{number:02} for {said}", expected
+            yield fault_in(key, text, f"M{number:02} for {said}", expected)
 
 
 def _with_role(events: list[BarEvent], dialect: Dialect, role: str) -> list[Switch]:
@@ -308,7 +315,8 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
             least <= v <= most for least, v, most in zip(low, event.end, high, strict=True)
         ):
             found = f"a move to X {event.end[0]:g}, Y {event.end[1]:g}"
-            yield key, text, found, f"one within the table of {high[0]:g} x {high[1]:g} mm"
+            expected = f"one within the table of {high[0]:g} x {high[1]:g} mm"
+            yield fault_in(key, text, found, expected)
 
 
 def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
@@ -318,18 +326,20 @@ def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
     for key in dict.fromkeys(key for key, _, _ in lines):
         name = key.removeprefix("words.")
         if name in ("traverse", "feed", *_CURVES) and key not in moving:
-            yield key, "", "no move", "one to {x} and {y}"
+            yield fault_in(key, "", "no move", "one to {x} and {y}")
         if name.endswith(("_on", "_off")) and key not in switching:
-            yield key, "", "no M word", f"one that switches the tool {name.rpartition('_')[2]}"
+            expected = f"one that switches the tool {name.rpartition('_')[2]}"
+            yield fault_in(key, "", "no M word", expected)
     for event in events:
         if isinstance(event, Move):
             key, text, _ = lines[event.line - 1]
             name = key.removeprefix("words.")
             if name in ("feed", *_CURVES) and event.rapid:
-                yield key, text, "a traverse", "a move at the feed, such as G1"
+                yield fault_in(key, text, "a traverse", "a move at the feed, such as G1")
             if name.endswith(("_on", "_off")):
                 x, y = event.end[:2]
-                yield key, text, f"a move to X {x:g}, Y {y:g}", "the tool switched where it stands"
+                found = f"a move to X {x:g}, Y {y:g}"
+                yield fault_in(key, text, found, "the tool switched where it stands")
 
 
 def _text(lines: list[Line]) -> str:
@@ -345,10 +355,9 @@ def _said(lines: list[Line], said: list[Diagnostic]) -> Iterator[WordFault]:
         key, text, _ = lines[min(one.source.line or len(lines), len(lines)) - 1]
         if one.code in (SETTING.code, SHEET_SETTING.code):
             key, text = "words.header", ""
-        yield key, text, *_parted(one)
+        yield key, text, one.message
 
 
-def _parted(said: Diagnostic) -> tuple[str, str]:
-    """The found and expected parts of a message."""
-    found, _, expected = said.message.removeprefix("found ").rpartition("; expected ")
-    return found, expected
+def fault_in(key: str, text: str, found: str, expected: str) -> WordFault:
+    """A fault of a template, said as the read-back says those that it finds."""
+    return key, text, f"found {found}; expected {expected}"

@@ -113,6 +113,14 @@ class Codesys(Interpreter):
         """Whether a G word has a meaning here."""
         return code in self._dialect.codes or code in {f"G{number}" for number in _KNOWN_G}
 
+    def vocabulary(self) -> dict[str, frozenset[str]]:
+        """All words that it gives a meaning, each with what it may carry."""
+        found = {f"G{number}": frozenset[str]() for number in _KNOWN_G}
+        found |= {f"G{number}": frozenset("D") for number in _SIDES}
+        found |= {f"G{number}": own for number, own in self._language.letters.items()}
+        found |= {"G4": frozenset("T")} | {f"M{number}": frozenset() for number in ENDS}
+        return found | self._words_of_the_file()
+
     def lines_of(self, text: str) -> list[str]:
         """The lines of a text without their block numbers, which count for nothing."""
         return _LINE_BEGINS.split("\n" + text)[1:]

@@ -5,13 +5,14 @@ Written from the "G-Code Overview" of the LinuxCNC documentation and the grbl 1.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from math import inf
 
 from msgspec import Struct
 
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import Compensation, Other, Pause, Side, Switch
+from beamcam.controllers.events import Blending, Compensation, Other, Pause, Side, Switch
 from beamcam.geometry.plane import Point
-from beamcam.machine.codes import shown_code
+from beamcam.machine.codes import OTHER_LETTERS, shown_code
 from beamcam.model import drill_cycle
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
@@ -22,6 +23,10 @@ MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 #: Canned cycles, and their end, of a controller that knows them.
 CYCLES = {f"G{number}": number for number in (drill_cycle.END, *drill_cycle.DRILLING)}
 ENDS = (2, 30)
+#: G words that shift or leave the places that a program names.
+SHIFTS = ("G10", "G28", "G28.1", "G30", "G30.1", "G52", "G68", "G92", "G92.3")
+#: Letters of a block that belong to its move, whatever else stands in it.
+MOVING = frozenset("XYZIJRF")
 LARGEST = 1e15  #: of any number; controllers count no further
 MAX_NUMBER = 1e9  #: of an M word, which has three digits at most
 
@@ -38,7 +43,14 @@ class Variant(Struct, frozen=True):
     own_switches: range  #: M words that a machine may give a meaning, and
     own_letters: frozenset[str]  #: what they may carry
     cycles: bool  #: whether it knows canned cycles, and where they draw back to by G98 and G99
+    blends: bool  #: whether it passes corners at a distance that programs say
     sides: dict[str, Side]  #: G words of cutter compensation
+    #: G words that do nothing to the places of a table in X and Y, and what they carry.
+    idle: dict[str, frozenset[str]]
+    #: G words that choose an offset of the workpiece; the controller alone knows where it is.
+    offsets: frozenset[str]
+    #: M words that neither move a table nor switch its tool, and what they carry.
+    idle_switches: dict[int, frozenset[str]]
     arc_fault: Callable[[Point, Point, Point, bool], str | None]  #: start, end, centre, clockwise
 
     @property
@@ -47,19 +59,15 @@ class Variant(Struct, frozen=True):
         others = {*self.settings, *self.sides, "G4", "G40", "G90", "G91"}
         return frozenset({*MOTIONS, *others, *(("G98", "G99", *CYCLES) if self.cycles else ())})
 
-    @property
-    def codes(self) -> str:
-        """Its G words, for messages."""
-        others = {*self.settings, *self.sides, "G4", "G40", "G90", "G91"}
-        return ", ".join((*MOTIONS, *sorted(others, key=lambda code: float(code[1:]))))
-
 
 class Block(Struct, frozen=True):
     """The content of a block, without modal state."""
 
     syntax: str = ""  #: what was expected, where it is not a block
     faults: tuple[tuple[str, str], ...] = ()  #: what is wrong with its words, found and expected
+    unknown: tuple[tuple[str, str], ...] = ()  #: words without a meaning here, likewise
     feed: float | None = None
+    speed: float | None = None  #: of a table's tool, said apart from the word that starts it
     events: tuple[Other, ...] = ()  #: before its move; their lines are 0
     settings: tuple[str, ...] = ()
     motion: int | None = None
@@ -100,7 +108,9 @@ class _Words:
     ) -> None:
         self._variant, self._switches, self._dialect = variant, switches, dialect
         self._own = dialect.codes
+        self._is_table = dialect.stock == "sheet"
         self._faults: list[tuple[str, str]] = []
+        self._unknown: list[tuple[str, str]] = []
         self._values: dict[str, float] = {}
         self._codes: list[str] = []
         self._m_words: list[int] = []
@@ -109,6 +119,13 @@ class _Words:
 
     def _wrong(self, found: str, expected: str) -> None:
         self._faults.append((found, expected))
+
+    def _unexplained(self, word: str) -> None:
+        """A word that nothing gives a meaning, with the line that would."""
+        expected = f'codes.{word} = "none" in the machine file, if it neither moves nor switches'
+        if word in SHIFTS:
+            expected = "none, it shifts the places of all that follows"
+        self._unknown.append((f"{word}, which beamcam does not know", expected))
 
     def _take(self, place: int, letter: str, digits: str) -> None:
         value = float(digits)
@@ -127,7 +144,7 @@ class _Words:
                 self._wrong(f"M{digits}", "a whole number")
         elif letter in self._values:
             self._wrong(f"{letter} twice in a block", "it once")
-        else:
+        elif letter not in self._own:
             self._values[letter] = value
 
     def block(self) -> Block:
@@ -139,6 +156,17 @@ class _Words:
         known = {**MOTIONS, **CYCLES} if self._variant.cycles else MOTIONS
         settings = tuple(code for code in self._codes if code not in known)
         events = (*self._m_events(), *self._settings(settings))
+        speed = self._values.pop("S", None) if self._is_table else None
+        if self._is_table:
+            self._values.pop("T", None)  # prepares a tool; which one works the machine's words say
+            stand_alone = not self._unknown  # else they belong to the word that is not known
+            for letter in sorted(self._values.keys() & OTHER_LETTERS):
+                del self._values[letter]
+                if stand_alone:
+                    self._unexplained(letter)
+            if "G53" in settings and self._values.keys() & set("XY"):
+                expected = "places on the sheet; where those of the machine are is not known"
+                self._wrong("G53 with X or Y", expected)
         motions = [known[code] for code in self._codes if code in known]
         if len(motions) > 1:
             self._wrong("two motions in a block", "one")
@@ -146,7 +174,8 @@ class _Words:
         if len(ends) > 1:
             self._wrong("two ends of the program in a block", "one")
         return Block(
-            faults=tuple(self._faults), feed=feed, events=events, settings=settings,
+            faults=tuple(self._faults), unknown=tuple(self._unknown), feed=feed, speed=speed,
+            events=events, settings=settings,
             motion=motions[-1] if motions else None, values=self._values,
             end=ends[0] if ends else None,
         )  # fmt: skip
@@ -154,13 +183,16 @@ class _Words:
     def _m_events(self) -> Iterator[Other]:
         for number in self._m_words:
             letters = self._switches.get(number)
-            if number in ENDS or f"M{number}" in self._own:
+            values = self._values
+            if number in ENDS:
+                continue
+            if f"M{number}" in self._own:
+                for letter in values.keys() - MOVING:
+                    del values[letter]
                 continue
             if letters is None:
-                known = ", ".join(f"M{m}" for m in sorted({*self._switches, *ENDS}))
-                self._wrong(f"M{number}", f"an M word that {self._variant.name} knows: {known}")
+                self._unexplained(f"M{number}")
                 continue
-            values = self._values
             yield Switch(0, number, {k: values.pop(k) for k in sorted(letters & values.keys())})
 
     def _settings(self, codes: Iterable[str]) -> Iterator[Other]:
@@ -176,9 +208,17 @@ class _Words:
             elif code == "G40":
                 yield Compensation(0, "on", 0.0)
             elif code == "G64" and code in variant.settings:
-                values.pop("P", None)
-                values.pop("Q", None)
+                # Q is the reach of its filter of short lines; without P, or with 0, no limit holds.
+                off = values.pop("P", 0.0)
+                yield Blending(0, max(off, values.pop("Q", off)) if off > 0.0 else inf)
+            elif code in ("G61", "G61.1") and variant.blends:
+                yield Blending(0, 0.0)
             elif (code in ("G98", "G99") and variant.cycles) or self._own.get(code) == "none":
                 continue
+            elif self._is_table and code in variant.idle:
+                for letter in variant.idle[code] & values.keys():
+                    del values[letter]
+            elif self._is_table and code in variant.offsets:
+                continue
             elif code not in ("G90", "G91") and code not in variant.settings:
-                self._wrong(code, f"a G word that {variant.name} knows here: {variant.codes}")
+                self._unexplained(code)

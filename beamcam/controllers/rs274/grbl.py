@@ -48,6 +48,10 @@ GRBL = Variant(
     cycles=False,
     own_switches=range(0),
     own_letters=frozenset(),
+    blends=False,
     sides={},
+    idle={"G43.1": frozenset("Z"), "G49": frozenset(), "G53": frozenset(), "G92.1": frozenset()},
+    offsets=frozenset(f"G{number}" for number in range(54, 60)),
+    idle_switches={0: frozenset(), 1: frozenset()},
     arc_fault=arc_fault,
 )  # fmt: skip

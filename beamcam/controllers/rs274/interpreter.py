@@ -16,7 +16,7 @@ from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Curve, Other, Switch
 from beamcam.controllers.interpreter import Interpreter, Words
-from beamcam.controllers.rs274.blocks import Block, Variant, read_block
+from beamcam.controllers.rs274.blocks import ENDS, Block, Variant, read_block
 from beamcam.geometry.plane import Point
 from beamcam.model import drill_cycle
 
@@ -44,9 +44,22 @@ class Rs274(Interpreter):
                 if number in variant.own_switches or number in _STOPS
             },
         }
+        if self._flat:
+            self._switches = {**variant.idle_switches, **self._switches}
         self._percents: list[int] = []  #: lines
         self._seen: set[str] = set()
+        self._told: set[str] = set()  #: words without a meaning, each told once
+        self._offset: str | None = None  #: of the workpiece
+        self._speed: float | None = None  #: S of a table's tool, said apart from what starts it
+        self._running = 0  #: M word that has started it
+        self._lit: Switch | None = None  #: what it works with, in laser mode
         self._ready = False
+
+    def begin(self, lines: int) -> None:
+        """The beginning of a text of so many lines, behind what the controller runs by itself."""
+        super().begin(lines)
+        if self._dialect.startup:
+            self.line(0, self._dialect.startup)
 
     def _is_simple(self) -> bool:
         return self._ready and super()._is_simple()
@@ -54,6 +67,27 @@ class Rs274(Interpreter):
     def knows(self, code: str) -> bool:
         """Whether a G word has a meaning here."""
         return code in self._dialect.codes or code in self._variant.g_words
+
+    def vocabulary(self) -> dict[str, frozenset[str]]:
+        """All words that it gives a meaning, each with what it may carry."""
+        variant, axes = self._variant, frozenset(self._dialect.axes)
+        found = {code: frozenset[str]() for code in variant.g_words}
+        found |= {"G0": axes, "G1": axes, "G2": axes | set("IJ"), "G3": axes | set("IJ")}
+        found |= {"G4": frozenset("P"), "F": frozenset()}
+        found |= dict.fromkeys(variant.sides, frozenset("D"))
+        if "G64" in variant.settings:
+            found["G64"] = frozenset("PQ")
+        if variant.cycles:
+            for number, letters in drill_cycle.OWN_LETTERS.items():
+                found[f"G{number}"] = axes | set("R" + letters)
+        found |= {f"M{number}": letters for number, letters in variant.switches.items()}
+        found |= {f"M{number}": frozenset[str]() for number in ENDS}
+        for word, carried in self._words_of_the_file().items():
+            found[word] = found.get(word, frozenset()) | carried
+        if self._flat:
+            found |= variant.idle | {f"M{n}": known for n, known in variant.idle_switches.items()}
+            found |= dict.fromkeys((*variant.offsets, "S", "T"), frozenset())
+        return found
 
     def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
@@ -88,18 +122,60 @@ class Rs274(Interpreter):
             self._wrong(line, found, expected)
         if block.feed is not None:
             self._feed = block.feed
-        for event in block.events:
-            self._event(_on_line(line, event))
+        for found, expected in block.unknown:
+            if found not in self._told:
+                self._told.add(found)
+                self._wrong(line, found, expected)
+        if self._flat:
+            self._switch_tool(line, block)
+        else:
+            for event in block.events:
+                self._event(_on_line(line, event))
         for code in block.settings:
             if code in ("G90", "G91"):
                 self._absolute = code == "G90"
             elif code in ("G98", "G99"):
                 self._back_to_near = code == "G99"
+            elif self._flat and code in self._variant.offsets:
+                if self._offset not in (None, code):
+                    expected = f"{self._offset} as before; where {code} lies is not known"
+                    self._wrong(line, code, expected)
+                self._offset = code
             self._seen.add(code)
         if block.motion is not None or block.values:
             self._travel(line, block)
         if block.end is not None:
             self._end(Switch(line, block.end, {}))
+
+    def _switch_tool(self, line: int, block: Block) -> None:
+        """Carries out the M words of a table's block, with the S that holds."""
+        if block.speed is not None:
+            self._speed = block.speed
+        laser = self._dialect.laser_mode
+        for event in block.events:
+            said = event
+            if isinstance(event, Switch) and event.number in (3, 4, 5) and "$" not in event.words:
+                self._running = 0 if event.number == 5 else event.number
+                self._speed = event.words.get("S", self._speed)
+                if self._running and self._speed is not None:
+                    said = replace(event, words={**event.words, "S": self._speed})
+                if laser:
+                    continue
+            self._event(_on_line(line, said))
+        if laser and not self._running:
+            self._light(line, None)
+        elif self._running and block.speed is not None and not laser and not block.events:
+            self._event(Switch(line, self._running, {"S": block.speed}))
+
+    def _light(self, line: int, wanted: Switch | None) -> None:
+        """In laser mode, the tool on with a power, or dark."""
+        if (wanted and wanted.said) == (self._lit and self._lit.said):
+            return
+        if self._lit is not None:
+            self._event(Switch(line, 5, {}))
+        if wanted is not None:
+            self._event(wanted)
+        self._lit = wanted
 
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         self._block(line, Block(feed=words.pop("F", None), motion=motion, values=words))
@@ -119,6 +195,10 @@ class Rs274(Interpreter):
             letters = " or ".join(sorted(places))
             self._wrong(line, f"{letters} without a motion", "G0, G1, G2 or G3 before")
         elif places:
+            if self._dialect.laser_mode:
+                power = self._speed or 0.0
+                works = self._running and motion > 0 and power > 0.0
+                self._light(line, Switch(line, self._running, {"S": power}) if works else None)
             self._motion = motion
             self._check_settings(line)
             self._go(line, motion, {k: values[k] for k in used}, block.feed is not None)

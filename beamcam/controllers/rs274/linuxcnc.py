@@ -42,6 +42,17 @@ LINUXCNC = Variant(
     cycles=True,
     own_switches=range(100, 200),  # "User Defined Commands M100-M199"
     own_letters=frozenset("PQ"),
+    blends=True,
     sides={"G41.1": "left", "G42.1": "right"},
+    idle={
+        "G43": frozenset("HZ"), "G43.1": frozenset("Z"), "G49": frozenset(), "G53": frozenset(),
+        "G92.1": frozenset(), "G92.2": frozenset(),
+    },
+    offsets=frozenset({f"G{number}" for number in range(54, 60)} | {"G59.1", "G59.2", "G59.3"}),
+    idle_switches={
+        0: frozenset(), 1: frozenset(), 6: frozenset("T"), 48: frozenset(), 49: frozenset(),
+        50: frozenset("P"), 51: frozenset("P$"), 52: frozenset("P"), 53: frozenset("P"),
+        60: frozenset(),
+    },
     arc_fault=arc_fault,
 )  # fmt: skip
