@@ -54,4 +54,33 @@ BAR_TOLD = Rule(
     "The plan tells which bar to load, the read-back works out which the program needs. It is a "
     "fault of beamcam; send in the part.",
 )
-RULES = (PART_SHORT, BAR_START, BAR_END, BAR_SIZE, BAR_LEFT, BAR_NEEDED, BAR_TOLD)
+STOCK = Rule(
+    "verify-stock",
+    _E,
+    "found a section of {found}; expected {expected}",
+    "The machine does not hold or reach round any other (`layout.profiles`, and `max_height` and "
+    "`max_width` of saw and drill).",
+)
+SAW_REACH = Rule(
+    "verify-saw-reach",
+    _E,
+    "found a cut of {angle} degrees through a section of {found} mm; expected at most {expected} "
+    "mm (height x width), as the blade reaches at that angle",
+    "A blade that is turned reaches less far across (`saw.max_sections`).",
+)
+NO_TOOL = Rule(
+    "verify-no-tool",
+    _E,
+    "found {found} chosen; expected a tool that the shop has, {expected}",
+    "No station can hold it, whatever hole it would fit.",
+)
+HOLE_STEEL = Rule(
+    "verify-hole-steel",
+    _E,
+    "found the {what} on face {face} of {mark} at x {x}, y {y} {found}; expected {expected}",
+    "A drill that meets another wall, an edge or another hole runs off or breaks.",
+)
+RULES = (
+    STOCK, SAW_REACH, NO_TOOL, HOLE_STEEL, PART_SHORT, BAR_START, BAR_END, BAR_SIZE, BAR_LEFT,
+    BAR_NEEDED, BAR_TOLD,
+)  # fmt: skip

@@ -20,9 +20,23 @@ STOP_BACK = Rule(
 CUT_OFF = Rule(
     "verify-cut-off",
     _E,
-    "found a hole at X {found} in a part that the cut on line {cut} has already parted; expected "
+    "found {what} at X {found} in a part that the cut on line {cut} has already parted; expected "
     "it before",
     "Where the drills come first a part has no reference any more once it is cut off.",
+)
+WORK_ORDER = Rule(
+    "verify-order",
+    _E,
+    "found {what} on face {face} at X {x}, y {y} {found}; expected {expected}",
+    "A tap or a countersink that meets full steel breaks, and so does a mill that cannot plunge.",
+)
+TAP = Rule(
+    "verify-tap",
+    _E,
+    "found a tap of pitch {pitch} fed {way} at {found} mm/min; expected {expected} mm/min, as it "
+    "turns",
+    "A tap moves by its pitch each turn, in and out; any other feed strips the thread or breaks "
+    "the tap.",
 )
 NO_SPINDLE = Rule(
     "verify-no-spindle",
@@ -91,6 +105,12 @@ TOOL_CHANGE = Rule(
     "found {found} on spindle {spindle}; expected {expected}",
     "The stations hold the tools that the program needs first; any other is changed manually, "
     "where the program stops for it.",
+)
+STOP_COMMENT = Rule(
+    "verify-stop-comment",
+    _E,
+    "found {found}; expected {expected}",
+    "The operator puts in what the comment at the stop says, and the program works on with it.",
 )
 UNSEEN = Rule(
     "verify-unseen",
@@ -238,10 +258,10 @@ NOT_MADE = Rule(
 )
 
 RULES = (
-    *BAR_RULES, LIMIT, STOP_BACK, CUT_OFF, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
+    *BAR_RULES, LIMIT, STOP_BACK, CUT_OFF, WORK_ORDER, TAP, NO_SPINDLE, SPINDLE_OFF, SPINDLE_ON,
     SPINDLE_STOPPED, SPINDLE_IDLE,
-    SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, UNKNOWN_STEEL, SIDEWAYS, TOOL_CHANGE, NO_FEED, FEED,
-    FEED_LIMIT, NO_OPERATION, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, ONE_PART, CUT_EXTRA,
-    OUTLINE,
+    SPEED, COOLANT, RAPID, CLEARANCE, UNSEEN, UNKNOWN_STEEL, SIDEWAYS, TOOL_CHANGE, STOP_COMMENT,
+    NO_FEED, FEED, FEED_LIMIT, NO_OPERATION, SECTION, CUT_MISSING, CUT_PLACE, CUT_ANGLE, ONE_PART,
+    CUT_EXTRA, OUTLINE,
     HOLE_MISSING, HOLE_PLACE, HOLE_EXTRA, DEPTH, TOOL, PECK, TURN, PATH, PATH_EXTRA, NOT_MADE,
 )  # fmt: skip

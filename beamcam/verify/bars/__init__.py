@@ -26,8 +26,11 @@ from beamcam.verify.bars.cell import Cell
 from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.cutting_data import CuttingData
 from beamcam.verify.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
+from beamcam.verify.bars.magazine import Changed, Chosen
+from beamcam.verify.bars.sequence import place_faults
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice, choices_of
+from beamcam.verify.bars.stop_comments import comment_faults, stop_comments
 from beamcam.verify.bars.turned import standing
 
 __all__ = [
@@ -45,6 +48,7 @@ class BarRun(Struct, frozen=True):
     dialect: Dialect
     choices: dict[int, Choice]
     unseen: tuple[str, ...] = ()  #: faces that it works on without saying where they lie
+    tools: tuple[Chosen | Changed, ...] = ()  #: that it chooses, and its stops for them
 
 
 class _Known:
@@ -86,7 +90,8 @@ def run(
     if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
     done = run_of_events(events, machine, profile, name, grades)
-    return replace(done, diagnostics=(*said, *done.diagnostics))
+    told = comment_faults(stop_comments(text), done.tools, machine, name)
+    return replace(done, diagnostics=(*said, *done.diagnostics, *told))
 
 
 def run_of_events(
@@ -99,7 +104,9 @@ def run_of_events(
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
     unseen = tuple(sorted(cell.unseen))
-    return BarRun(made, tuple(events), tuple(cell.said), known.dialect, choices, unseen)
+    said = (*cell.said, *place_faults(made, machine, name))
+    tools = tuple(cell.tools)
+    return BarRun(made, tuple(events), said, known.dialect, choices, unseen, tools)
 
 
 def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:

@@ -27,6 +27,7 @@ from beamcam.verify.bars.targets import (
     slot_corners,
     targets_of,
 )
+from beamcam.verify.bars.walls import wall_thickness
 
 FeatureRef = tuple[int, int]  #: index of the part, index of its feature
 #: A mill that is led round a hole is smaller than it by this at least.
@@ -160,7 +161,7 @@ def _off_stroke(
         values = stroke_values(shop.machine, part.profile, face) | {"y": target.y}
         if bottom(values) != bottom(values | {"depth": 1.0}):
             continue
-        reach = REACHES[kind.tool](kind, kind.own, part.profile.thickness(face), shop)
+        reach = REACHES[kind.tool](kind, kind.own, wall_thickness(part.profile, face), shop)
         depth = stations[face].tip_depth(bottom(values), target.y)
         through = kind.hole.depth is None and kind.tool in ("drill", "tap")
         if depth < reach.least - slack or (depth > reach.greatest + slack and not through):
@@ -181,7 +182,7 @@ def _off_axis(
         if isinstance(target, Round) and target.optional and not _is_drilled(target, part, shop):
             continue
         face = target.face
-        depth, tip = _depth_and_tip(target, part.profile.thickness(face), shop)
+        depth, tip = _depth_and_tip(target, wall_thickness(part.profile, face), shop)
         values = stroke_values(shop.machine, part.profile, face) | {"depth": depth, "tip": tip}
         for y in _places(target, shop):
             if not is_within(values | {"y": y}, spindles[face], stations[face], shop.machine):

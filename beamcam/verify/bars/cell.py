@@ -7,16 +7,19 @@ the feed. The state and the M words stand in `cell_state`; here are the moves.
 """
 
 from collections.abc import Callable, Iterable
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import Any
 
 from msgspec.structs import replace
 
 from beamcam.controllers.events import (
+    Acceleration,
     BarEvent,
+    Blending,
     Compensation,
     Lettering,
     Move,
+    Pause,
     Place,
     Switch,
 )
@@ -33,6 +36,9 @@ from beamcam.verify.bars.machined_features import (
 from beamcam.verify.bars.stations import NOWHERE, Choice, Station, Tip
 
 _OTHER_WAY = {3: 4, 4: 3}
+LONGEST_PAUSE_S = 60.0  #: a longer one is a slip, of milliseconds for seconds
+WHOLE_TURN = 0.6  #: rpm that a speed may be rounded by
+ROUNDED_FEED = 0.1  #: mm/min that a feed may be
 
 
 class Cell(CellState):
@@ -41,14 +47,34 @@ class Cell(CellState):
     def run(self, events: Iterable[BarEvent]) -> MachinedFeatures:
         """The features that the events make."""
         for event in events:
-            takes = _TAKES.get(type(event))
-            if takes is not None:
-                takes(self, event)
+            _TAKES[type(event)](self, event)
         return made_in_order(tuple(self.section.items()), self.order)
 
     def _compensate(self, event: Compensation) -> None:
         if event.side != "on":
             self.say(WORD, event.line, found="compensation", expected="none, of strokes")
+
+    def _pause(self, event: Pause) -> None:
+        """A dwell: of a few seconds, and in the steel only where the machine's own cycle has it."""
+        if not 0.0 <= event.seconds <= LONGEST_PAUSE_S:
+            expected = f"0 to {LONGEST_PAUSE_S:g} s"
+            self.say(WORD, event.line, found=f"a dwell of {event.seconds:g} s", expected=expected)
+        elif event.seconds and not self.limits.dwells and self.in_steel() is not None:
+            expected = "the tool drawn back, no cycle of this machine dwells"
+            self.say(WORD, event.line, found="a dwell in the material", expected=expected)
+
+    def _accelerate(self, event: Acceleration) -> None:
+        most = max((a.acceleration for a in self.machine.axes), default=inf)
+        if not 0.0 < event.mm_s2 <= most:
+            found = f"an acceleration of {event.mm_s2:g} mm/s2"
+            self.say(WORD, event.line, found=found, expected=f"one above 0, at most {most:g}")
+
+    def _blend(self, event: Blending) -> None:
+        """Corners that the controller may pass off the path, which is the end of any stroke."""
+        most = self.machine.drill.path_tolerance if self.machine.drill else 0.0
+        if event.distance > most:
+            found = f"corners passed {event.distance:g} mm off"
+            self.say(WORD, event.line, found=found, expected=f"at most {most:g} mm, or G61")
 
     def _move(self, move: Move[Place]) -> None:
         line, start, end = move.line, move.start, move.end
@@ -71,6 +97,8 @@ class Cell(CellState):
         first = stations[0]
         across, stroke = end[first.across], end[first.stroke]
         if isnan(stroke) or isnan(across):
+            if end[first.stroke] != start[first.stroke] and not isnan(stroke):
+                self._stroke_from_nowhere(move.line, first, stroke)
             return
         before = self.at.get(first.number, NOWHERE)
         sideways = moved or across != before.across
@@ -87,6 +115,15 @@ class Cell(CellState):
             return
         for station in stations:
             self._enter(move, station, choice, before.stroke)
+
+    def _stroke_from_nowhere(self, line: int, station: Station, stroke: float) -> None:
+        """A tool that goes where steel may be before it was said where it stands across."""
+        if station.tip(station.across_0, stroke).beside > EPSILON:
+            axis, across = AXES[station.stroke], AXES[station.across]
+            found = f"{axis} at {stroke:g} with {across} unknown"
+            self.say(
+                WORD, line, found=found, expected=f"{across} before, or {axis} free of the bar"
+            )
 
     def _aside(self, move: Move[Place], first: Station, before: Tip, moved: bool) -> bool:
         """A move along or across the bar; whether nothing is left to be looked at."""
@@ -160,6 +197,9 @@ class Cell(CellState):
             self.say(rules.COOLANT, move.line, found="a feed into the material", expected="on")
         if not cycle.feeds:
             return
+        if cycle.kind == "tap":
+            self._tap_feed(move, "in", self.pitch * self.speed_rpm or move.feed_mm_min)
+            self.tapped_mm_min = move.feed_mm_min
         run = self.data.run(cycle.kind, self.diameter, self.pitch)
         if run is None:
             return
@@ -233,9 +273,24 @@ class Cell(CellState):
         """Retract of a tap, which has to be screwed out as it was screwed in."""
         if station.tip_depth(before, tip.y) > max(tip.depth, 0.0) + EPSILON:
             back = _OTHER_WAY.get(self.cycle.turns, 0)
+            if self.cycle.cools and not self.cooling:
+                self.say(rules.COOLANT, move.line, found="a tap drawn back", expected="on")
             if move.rapid or self.turning != back:
                 found = 0 if move.rapid else self.turning
                 self.say(rules.TURN, move.line, found=found, expected=back)
+            else:
+                self._tap_feed(move, "out", self.pitch * self.speed_rpm or self.tapped_mm_min)
+
+    def _tap_feed(self, move: Move[Place], way: str, expected: float) -> None:
+        """A tap's feed, which is its pitch each turn; speeds are written as whole turns a minute.
+
+        Where the program does not say the speed, the tap has to come out as it went in.
+        """
+        if abs(move.feed_mm_min - expected) > WHOLE_TURN * self.pitch + ROUNDED_FEED:
+            self.say(
+                rules.TAP, move.line, pitch=f"{self.pitch:g}", way=way,
+                found=f"{move.feed_mm_min:.6g}", expected=f"{expected:.6g}",
+            )  # fmt: skip
 
     def _approach(self, move: Move[Place], station: Station, tip: Tip) -> None:
         """A rapid towards the bar: to its clearance, or into what is drilled already."""
@@ -302,7 +357,8 @@ class Cell(CellState):
         self.order.append(bore)
 
 
-#: How the cell takes each kind of event; a pause and an acceleration change nothing in it.
+#: How the cell takes each kind of event.
 _TAKES: dict[type, Callable[[Cell, Any], None]] = {
     Move: Cell._move, Switch: Cell.switch, Lettering: Cell.letter, Compensation: Cell._compensate,
+    Blending: Cell._blend, Pause: Cell._pause, Acceleration: Cell._accelerate,
 }  # fmt: skip

@@ -17,7 +17,7 @@ from beamcam.controllers.events import Lettering, Switch
 from beamcam.controllers.rules import WORD
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
-from beamcam.verify import rules
+from beamcam.verify import bar_rules, rules
 from beamcam.verify.bars.cell_limits import EPSILON, limits_of_cell
 from beamcam.verify.bars.cutting_data import LEAST, CuttingData
 from beamcam.verify.bars.machined_features import Cut, Thing, ToldText
@@ -50,6 +50,7 @@ class CellState:
         self.diameter = 0.0
         self.cycle = _NO_CYCLE  #: of the tool that is chosen
         self.pitch = 0.0
+        self.tapped_mm_min = 0.0  #: feed of the tap into the steel
         self.turning = 0  #: the M word that started the spindle
         self.speed_rpm = 0.0  #: that it was started with; 0 where the program does not say
         self.idle = False  #: whether the spindle turns and has not been fed
@@ -196,6 +197,13 @@ class CellState:
             self.say(WORD, switch.line, found=f"spindle {number:g}", expected=f"one of {numbers}")
             return
         self.tools.append(Chosen(switch.line, self.choice.number, (self.cycle.kind, self.diameter)))
+        sizes = self.limits.tools.get(self.cycle.kind, ())
+        if "diameter" in values and self.limits.tools and self.diameter not in sizes:
+            near = min(sizes, key=lambda d: abs(d - self.diameter), default=None)
+            expected = (
+                "and it has none of that kind" if near is None else f"the nearest is {near:g}"
+            )
+            self.say(bar_rules.NO_TOOL, switch.line, found=self.tool, expected=expected)
         if "station" in values:
             self._take_station(switch.line, self.choice.stations[0].number, values["station"])
 
@@ -227,6 +235,11 @@ class CellState:
         self.at_rest(switch.line, "a manual tool change")
         spindle, diameter = values.get("spindle"), values.get("diameter")
         size = None if diameter is None else self.dialect.size(diameter)
+        known = [s.number for s in self.machine.spindles]
+        if spindle is not None and spindle not in known:
+            expected = f"one of {', '.join(map(str, known))}"
+            self.say(WORD, switch.line, found=f"a stop for spindle {spindle:g}", expected=expected)
+            return
         station = values.get("station")
         self.held = {
             (number, at): tool for (number, at), tool in self.held.items()

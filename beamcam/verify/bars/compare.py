@@ -18,14 +18,22 @@ from beamcam.verify.bars.ability import FeatureRef, may_be_missing, repeats
 from beamcam.verify.bars.cut_faults import CutFaults
 from beamcam.verify.bars.holes import HoleCheck, Want
 from beamcam.verify.bars.layout import Candidate, LaidPart, lay_out, wedge_cuts
-from beamcam.verify.bars.machined_features import MachinedFeatures, ToldText
+from beamcam.verify.bars.machine_limits import (
+    reach_faults,
+    section_faults,
+    shape_of,
+    steel_faults,
+)
+from beamcam.verify.bars.machined_features import MachinedFeatures
 from beamcam.verify.bars.part_ends import End, ends_of
 from beamcam.verify.bars.pieces import overlapping, pieces, planes
-from beamcam.verify.bars.pockets import Led, check_paths, is_led
+from beamcam.verify.bars.pockets import Led, PathsAlong, check_paths, is_led
+from beamcam.verify.bars.sequence import Done, entry_faults, parting_faults
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice
 from beamcam.verify.bars.targets import (
     Lack,
+    Pocket,
     Round,
     Target,
     targets_of,
@@ -67,10 +75,16 @@ class Comparison:
         self.made, self.asked, self.shop, self.saw = made, asked, shop, saw_of(shop.machine)
         self.machine: Machine = shop.machine
         self.profile, self.name = profile, name
+        self.paths = PathsAlong(made.paths)
         self.targets: dict[int, list[Target]] = {}
         self.holes = HoleCheck(made.bores, shop, profile, choices, name)
+        self.cuts = planes(made.cuts, self.saw, profile)
         self.laid: list[LaidPart] = []  #: the parts, once they are found
-        self.said: list[Diagnostic] = [*_section(made, profile, self.machine, name)]
+        self.said: list[Diagnostic] = [
+            *_section(made, profile, self.machine, name),
+            *section_faults(profile, self.machine, name),
+            *reach_faults(made.cuts, profile, self.machine, name),
+        ]
 
     def run(self) -> tuple[Diagnostic, ...]:
         """All faults."""
@@ -93,12 +107,25 @@ class Comparison:
         needed = {(w.part, w.target.feature) for w in left}
         gone = {(w.part, w.target.feature) for w in unmade if not w.target.optional}
         self.said += self._left_out(parts, required.missing | (gone - needed))
+        done = [Done(w.part, self.holes.bores[i]) for i, w in self.holes.made.items()]
+        shapes = [(w.part, shape_of(w.target)) for w in self.holes.made.values()]
         if self.made.paths or required.led:
-            self.said += check_paths(
+            found = check_paths(
                 self.made.paths, required.led, parts, self.shop, self.profile, self.name
             )
-        if self.machine.layout is not None and self.machine.layout.order == "drill-saw":
-            self.said += self._after_its_cut(laid, told.taken if told is not None else ())
+            self.said += found.said
+            done += (Done(led.part, path) for path, led in found.taken)
+            milled = [(p, w.target) for p, w in found.taken if isinstance(w.target, Pocket)]
+            self.said += entry_faults(self.made, milled, self.shop, self.name)
+            shapes += ((led.part, shape_of(led.target)) for _, led in found.taken)
+        for p, one in enumerate(laid):
+            own = {s.feature: s for q, s in shapes if q == p and s is not None}
+            self.said += steel_faults(tuple(own.values()), one.part, one.ends, self.machine)
+        if told is not None:
+            done += (Done(part, text) for part, text in told.taken)
+        self.said += parting_faults(
+            self.made, laid, done, self.cuts, self.machine, self.profile, self.name
+        )
         if told is not None:
             self.said += told.extra()
         return tuple(self.said)
@@ -119,7 +146,7 @@ class Comparison:
                     required.missing.add((p, target.feature))
                 else:
                     self.said.append(_lack(target, one.part))
-            elif target.feature in spare and not is_led(self.made.paths, target, from_x, self.shop):
+            elif target.feature in spare and not is_led(self.paths, target, from_x, self.shop):
                 gone.add(target.feature)
                 required.missing.add((p, target.feature))
             else:
@@ -153,7 +180,7 @@ class Comparison:
         if self.machine.saw is None:
             return self._come_cut()
         asked, saw = self.asked, self.saw
-        cuts = planes(self.made.cuts, saw, self.profile)
+        cuts = self.cuts
         found = pieces(cuts, asked.bar)
         laid = lay_out(found, asked.parts, self.machine, saw, asked.free, asked.turn, self._faults)
         if len(laid) == len(asked.parts):
@@ -218,7 +245,7 @@ class Comparison:
             or (
                 not self.holes.is_made(Want(0, t, from_x + t.x))
                 if isinstance(t, Round)
-                else not is_led(self.made.paths, t, from_x, shop)
+                else not is_led(self.paths, t, from_x, shop)
             )
             if not (isinstance(t, Round) and t.optional)
         ]
@@ -243,22 +270,6 @@ class Comparison:
         for p in sorted({p for p, _ in missing}):
             features = {f for q, f in missing if q == p}
             yield from left_out(parts[p], {*features, *repeats(features, parts[p], self.shop)})
-
-    def _after_its_cut(
-        self, laid: Sequence[LaidPart], texts: Sequence[tuple[int, ToldText]]
-    ) -> Iterator[Diagnostic]:
-        """Holes and texts of a part that has been parted before."""
-        place: dict[int, int] = {}  #: line of a cut or bore -> its place in the order of work
-        for index, op in enumerate(self.made.order):
-            place.setdefault(op.line, index)
-        parted = [None if one.piece is None else one.piece.end.cut.line for one in laid]
-        found = sorted((self.holes.bores[i].line, i, w.part) for i, w in self.holes.made.items())
-        worked = [(line, self.holes.bores[i].x, part) for line, i, part in found]
-        worked += [(text.line, text.x, part) for part, text in texts]
-        for line, x, part in worked:
-            cut = parted[part]
-            if cut and place[line] > place[cut]:
-                yield rules.CUT_OFF.at(Source(self.name, line), found=f"{x:g}", cut=cut)
 
 
 def _section(

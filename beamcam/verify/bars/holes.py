@@ -19,6 +19,7 @@ from beamcam.verify.bars.machined_features import Bore
 from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice, stroke_values
 from beamcam.verify.bars.targets import Round, RoundKind
+from beamcam.verify.bars.walls import wall_thickness
 
 NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
 NEAR = 60.0  #: mm; a hole this near to where it should be is taken for it, in the wrong place
@@ -124,12 +125,14 @@ class HoleCheck:
         """Permitted depth of the tip in a hole; through holes as deep as the machine strokes."""
         reach = self._reach(kind, bore)
         if kind.hole.depth is None and kind.tool in ("drill", "tap"):
-            thickness = self.profile.thickness(bore.face)
+            thickness = wall_thickness(self.profile, bore.face)
             return DepthRange(reach.least, max(reach.greatest, self._stroke_end(bore, thickness)))
         return reach
 
     def _reach(self, kind: RoundKind, bore: Bore) -> DepthRange:
-        return REACHES[kind.tool](kind, bore.diameter, self.profile.thickness(bore.face), self.shop)
+        return REACHES[kind.tool](
+            kind, bore.diameter, wall_thickness(self.profile, bore.face), self.shop
+        )
 
     def _stroke_end(self, bore: Bore, thickness: float) -> float:
         """Depth of the machine's own stroke, which may be fixed for all holes."""

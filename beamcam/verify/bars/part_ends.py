@@ -89,7 +89,7 @@ def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
         if web or flange:
             # x(y, z) runs through the outermost corner, which lies on x = 0 or x = length.
             t, s = tan(radians(web)), tan(radians(flange))
-            leans = [y * t + z * s for y, z in corners(part.profile)]
+            leans = [y * t + z * s for y, z in corners(part.profile, part.section)]
             x_0 += max(leans) if side < 0 else min(leans)
         ends.append(End(side, web, flange, x_0, t, s))
     return ends[0], ends[1]

@@ -21,7 +21,8 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.verify.bars import BarRun, compared, run, run_of_events, section_of
 from beamcam.verify.bars.machined_features import MachinedFeatures
-from beamcam.verify.rules import NO_OPERATION, TOOL_CHANGE
+from beamcam.verify.bars.stop_comments import comment_faults, stop_comments
+from beamcam.verify.rules import NO_OPERATION, STOP_COMMENT, TOOL_CHANGE, WORK_ORDER
 
 #: M words that begin another operation, or end the program.
 _BEGINS = ("choose", "saw", "change", "end")
@@ -57,18 +58,22 @@ def verify_remainder(
     if not 2 <= first <= len(lines):
         return (NO_OPERATION.at(Source(whole_name), found=first, expected=len(lines)),)
     alone = run(rest, machine, profile, name, grades)
-    # Which tools are in their stations it cannot know by itself.
-    said = [one for one in alone.diagnostics if one.code != TOOL_CHANGE.code]
-    done = _done(begun, lines[first - 2])
+    # Which tools are in their stations, and what was drilled, it cannot know by itself.
+    behind = TOOL_CHANGE.code, WORK_ORDER.code, STOP_COMMENT.code
+    said = [one for one in alone.diagnostics if one.code not in behind]
+    done = tuple(_done(begun, lines[first - 2]))
     after = whole.count("\n") + 1
     moved = [replace(e, line=e.line + after) for e in cell_events(rest, machine, name)[0]]
     both = run_of_events([*done, *moved], machine, profile, name, grades)
+    told_stops = [c for c in stop_comments(whole) if c.line <= done[-1].line]
+    told_stops += (replace(c, line=c.line + after) for c in stop_comments(rest))
     found = (
-        *both.diagnostics, *compared(both, parts, machine, profile, skips, name, order, turn, bar),
+        *both.diagnostics, *comment_faults(told_stops, both.tools, machine, name),
+        *compared(both, parts, machine, profile, skips, name, order, turn, bar),
     )  # fmt: skip
-    told = {(one.code, one.source.line, one.message) for one in said}
+    told = {(one.code, one.source.line, one.values) for one in said}
     placed = (_placed(one, after, name, whole_name) for one in found)
-    said += [one for one in placed if (one.code, one.source.line, one.message) not in told]
+    said += [one for one in placed if (one.code, one.source.line, one.values) not in told]
     return tuple(said)
 
 

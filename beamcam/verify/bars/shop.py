@@ -39,7 +39,8 @@ class Shop:
         """Minimum and maximum drill for a hole; None if the machine has no row for that size."""
         for row in self.drill.fits:
             if diameter <= row.up_to:
-                return diameter - row.minus - 1e-6, diameter + row.plus + 1e-6
+                under = min(row.minus, self.drill.twin) if self.drill.never_under else row.minus
+                return diameter - under - 1e-6, diameter + row.plus + 1e-6
         return None
 
     def _fits(self, kind: str, diameter: float, face: Face) -> tuple[float, ...]:

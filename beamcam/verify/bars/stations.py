@@ -20,6 +20,7 @@ from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
 from beamcam.model.part import Profile
+from beamcam.verify.bars.walls import recess, wall_thickness
 
 SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
 WEBBED = ("I", "U", "C", "L", "T")  #: sections whose web lies behind their flanges
@@ -96,7 +97,7 @@ def stroke_values(machine: Machine, profile: Profile | None, face: str) -> dict[
             "height": profile.height, "width": profile.width,
             "flange_thickness": profile.flange_thickness,
             "web_thickness": profile.web_thickness or 0.0,
-            "thickness": profile.thickness(face), "face_depth": profile.face_depth(face),
+            "thickness": wall_thickness(profile, face), "face_depth": recess(profile, face),
         }  # fmt: skip
     return values
 

@@ -7,6 +7,7 @@ mark of a punch    a punch mark
 slot               a pocket; holes at its ends may be in it
 line to mark       a scribed line
 outer contour      nothing, where the ends of the stock give it
+end plane          nothing, where it is the start or the end
 
 What nothing of the machine makes is a `Lack`.
 """
@@ -19,6 +20,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Point
+from beamcam.machine.absent import saw_of
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.description import description
 from beamcam.model.marks import policy_on
@@ -34,12 +36,14 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.model.section import OTHER_SIDE
+from beamcam.model.section import OTHER_SIDE, corners
 from beamcam.verify.bars.part_ends import ANGLE_TOLERANCE_DEG, End, off_outline
 from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.walls import wall_thickness
 from beamcam.verify.by_hand import is_by_hand
 
 PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
+PLANE_TOLERANCE = 0.1  #: mm between an end plane and the end that it states, at any corner
 THREADS = ("thread", "left-thread")
 
 
@@ -185,7 +189,7 @@ def _targets(
             off = off_outline(feature, part, ends)
             if off is not None:
                 yield Lack(f, "the outline", "cope", feature, off)
-            elif _unsawn_bevel(feature, ends):
+            elif _unsawn_bevel(feature, ends, saw_of(shop.machine).min_mitre):
                 yield Lack(f, "the bevel", "bevel", feature)
         case Contour(process="cut"):
             yield Lack(f, "the cut-out", "cutout", feature)
@@ -199,17 +203,31 @@ def _targets(
         case Bend():
             yield Lack(f, "the bend", "other", feature)
         case EndPlane():
-            yield Lack(f, "the end plane", "other", feature)
+            if not _is_end(feature, part, ends):
+                yield Lack(f, "the end plane", "other", feature)
         case Camber():
             yield Lack(f, "the camber", "other", feature)
 
 
-def _unsawn_bevel(contour: Contour, ends: tuple[End, End]) -> bool:
-    """Whether a contour has a weld preparation that no skew end of the part makes."""
+def _is_end(plane: EndPlane, part: Part, ends: tuple[End, End]) -> bool:
+    """Whether a plane states an end once more that the part's angles and length give."""
+    end = ends[plane.normal[0] > 0]
+    return all(
+        abs(plane.x(y, z) - end.x(y, z)) <= PLANE_TOLERANCE
+        for y, z in corners(part.profile, part.section)
+    )
+
+
+def _unsawn_bevel(contour: Contour, ends: tuple[End, End], least_deg: float) -> bool:
+    """Whether a contour has a weld preparation that no skew end of the part makes.
+
+    Below the least angle that a saw is turned by it is a rounding error of the file.
+    """
     angles = [e.flange if contour.face in ("v", "h") else e.web for e in ends]
     return any(
         all(not a or abs(abs(bevel.angle) - abs(a)) > ANGLE_TOLERANCE_DEG for a in angles)
         for bevel in contour.bevels
+        if abs(bevel.angle) >= least_deg
     )
 
 
@@ -268,7 +286,7 @@ def _thread(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
 
 def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: Shop) -> bool:
     """Whether the drill before a blind thread would come out on the other side."""
-    thickness = part.profile.thickness(hole.face)
+    thickness = wall_thickness(part.profile, hole.face)
     if hole.depth is None or not thickness:
         return False
     reach = hole.depth + shop.drill.runout_pitches * pitch + shop.tip("drill", drill, hole.face)

@@ -17,6 +17,7 @@ from beamcam.geometry.plane import mapped
 from beamcam.model.part import (
     Contour,
     EndCuts,
+    EndPlane,
     Face,
     Feature,
     Hole,
@@ -79,8 +80,7 @@ def _lies_alike(profile: Profile, rotation: Rotation) -> bool:
 
 
 def rotated(part: Part, rotation: Rotation) -> Part:
-    """The part after a rotation; bends, planes and cambers, which no bar's program makes, as they
-    are."""
+    """The part after a rotation; bends and cambers, which no bar's program makes, as they are."""
     return replace(
         part,
         profile=_profile(part.profile, rotation),
@@ -117,6 +117,9 @@ def _cuts(cuts: EndCuts, rotation: Rotation) -> EndCuts:
 
 
 def _feature(feature: Feature, part: Part, rotation: Rotation) -> Feature:
+    if isinstance(feature, EndPlane):
+        normal = _apply(rotation, feature.normal)
+        return replace(feature, point=_point(feature.point, part, rotation), normal=normal)
     if not isinstance(feature, Hole | Slot | Contour | TextMark) or feature.face not in NORMALS:
         return feature
     face, matrix = _map(feature.face, part, rotation)
@@ -136,21 +139,26 @@ def _feature(feature: Feature, part: Part, rotation: Rotation) -> Feature:
 def _map(face: Face, part: Part, rotation: Rotation) -> tuple[Face, Matrix]:
     """The face after the rotation, and the map of the coordinates to that face."""
     after = _FACES[_apply(rotation, NORMALS[face])]
-    profile = part.profile
-    middle = (part.length / 2, profile.height / 2, profile.width / 2)
-    moved = [abs(c) for c in _apply(rotation, middle)]
 
     def place(x: float, y: float) -> Point:
         at = (x, y, 0.0) if face in ("v", "h") else (x, 0.0, y)
-        px, py, pz = _apply(rotation, (at[0] - middle[0], at[1] - middle[1], at[2] - middle[2]))
-        across = py + moved[1] if after in ("v", "h") else pz + moved[2]
-        return px + moved[0], across
+        px, py, pz = _point(at, part, rotation)
+        return px, py if after in ("v", "h") else pz
 
     (x0, y0), (x1, y1), (x2, y2) = place(0.0, 0.0), place(1.0, 0.0), place(0.0, 1.0)
     return after, (
         (round(x1 - x0), round(x2 - x0), x0),
         (round(y1 - y0), round(y2 - y0), y0),
     )
+
+
+def _point(at: Vector, part: Part, rotation: Rotation) -> Vector:
+    """Where a place of the part is after the rotation about the middle of its box."""
+    profile = part.profile
+    middle = (part.length / 2, profile.height / 2, profile.width / 2)
+    (mx, my, mz), (dx, dy, dz) = middle, (abs(c) for c in _apply(rotation, middle))
+    x, y, z = _apply(rotation, (at[0] - mx, at[1] - my, at[2] - mz))
+    return x + dx, y + dy, z + dz
 
 
 def _apply(rotation: Rotation, v: Vector) -> Vector:

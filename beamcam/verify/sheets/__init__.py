@@ -8,6 +8,8 @@ motion or the emitters.
 
 from collections.abc import Collection, Sequence
 
+from msgspec.structs import replace
+
 from beamcam.controllers import table_events, table_run
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine.machine import Machine
@@ -44,8 +46,10 @@ def verify_sheet(
     part, machine, faults = as_one(parts, machine, skips)
     torch, said = machine.torch or torch, [*said, *faults]
     rows = rows_of(part, torch)
+    # In laser mode a word by itself switches nothing; here it is looked at what it says.
+    telling = replace(machine, torch=replace(torch, laser_mode=False))
     strokes, more = strokes_of(
-        done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
+        done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
     )
     said += more
     if is_far(strokes.moves, torch):

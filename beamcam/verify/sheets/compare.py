@@ -3,6 +3,7 @@
 paths      every path runs along a contour, and every stroke closes
 contours   every stretch of a contour has a path, and one only
 band       the beam takes nothing of the part, with its leads neither
+direction  every closed cut goes round as it is drawn, or with the material at the right side
 order      no contour is cut after one around it, none marked after a cut
 """
 
@@ -15,6 +16,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.sheets.contours import cover
+from beamcam.verify.sheets.direction import direction_faults
 from beamcam.verify.sheets.look_settings import OrderPlace, settings_faults, turn_faults
 from beamcam.verify.sheets.need import Need, shift_of
 from beamcam.verify.sheets.order import order_faults
@@ -103,6 +105,7 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
     traced, said = follow(work)
     said += cover(work, traced)
     said += overcut_faults(work, traced)
+    said += direction_faults(work, traced)
     if work.bridged:
         from beamcam.verify.sheets.tabs import tab_faults
 

@@ -84,7 +84,9 @@ class _OffsetPath:
         """One more programmed move."""
         if leg.end == self._programmed and leg.curve is None:
             return
-        centre = leg.curve.centre if isinstance(leg.curve, Arc) else None
+        if leg.curve is not None and not isinstance(leg.curve, Arc):
+            raise CompensationError(leg.line, "compensation along a curve that is no arc")
+        centre = leg.curve.centre if leg.curve is not None else None
         turn = 0 if not isinstance(leg.curve, Arc) else 1 if leg.curve.sweep_deg > 0.0 else -1
         if self._waiting is None:
             self._enter(leg)

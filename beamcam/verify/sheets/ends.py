@@ -52,6 +52,63 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return said[:SHOWN]
 
 
+def restart_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Cuts that end where another goes on along the same contour, the tool off and on between.
+
+    Where contours meet, or what lies on another is cut with it, a cut may end on a third one. With
+    bridges the last of several cuts ends where the first began; see `tab_faults`.
+    """
+    opened = [t for t in traced if not t.closed and not t.joined]
+    if work.process != "cut" or work.bridged or len(opened) < 2:
+        return []
+    path, count = work.path, len(opened)
+    reach = 2 * work.tolerance
+    ways = np.array([way for t in opened for way in (t.first, t.last - 1)])
+    places = np.where((np.arange(2 * count) % 2)[:, None], path.ends[ways], path.starts[ways])
+    low, high = (path.begins[[t.first for t in opened]], path.begins[[t.last - 1 for t in opened]])
+    high = high + path.lengths[[t.last - 1 for t in opened]]
+    number = {int(work.of_way[t.first]): k for k, t in enumerate(opened)}
+    pairs = path.near(places, reach)
+    at, stroke = path.at(pairs.element, pairs.along), work.of_way[path.owner[pairs.element]]
+    touching: list[set[tuple[int, int]]] = [set() for _ in places]
+    for place, other, along in zip(pairs.point.tolist(), stroke.tolist(), at.tolist(), strict=True):
+        k = number.get(other, -1)
+        side = -1
+        if k >= 0 and min(along - low[k], high[k] - along) <= 2 * reach:
+            side = int(along - low[k] > high[k] - along)
+        touching[place].add((other, side))
+    asked = [
+        k
+        for k, found in enumerate(touching)
+        if len(found) == len(dict(found)) == 2 and all(side >= 0 for _, side in found)
+    ]
+    said = []
+    for k in asked:
+        t = opened[k // 2]
+        other = max(s for s, _ in touching[k])
+        if other == work.of_way[t.first] and _goes_on(work, places[k], t.half_kerf):
+            x, y = places[k].tolist()
+            said.append(
+                rules.RESTART.at(
+                    Source(work.name, t.stroke.line), contour=work.contour_at(places[k]),
+                    x=f"{x:.3f}", y=f"{y:.3f}",
+                )
+            )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _goes_on(work: Work, place: Floats, half_kerf: float) -> bool:
+    """Whether one contour goes on at a place of the path, with the same settings."""
+    reach = half_kerf + work.tolerance
+    pairs = work.need.near(place.reshape(1, 2), reach if half_kerf else work.tolerance)
+    looks = work.asked.looks[work.process]
+    if len({looks[way] for way in work.need.owner[pairs.element].tolist()}) > 1:
+        return False
+    if half_kerf:
+        return True
+    return _directions(work.need, place.reshape(1, 2), work.tolerance, work.torch.gap) == [2]
+
+
 def _on_another(work: Work, place: Floats, way: int, at: float) -> bool:
     """Whether an end `at` so far along the path lies on another stroke, or elsewhere on its own.
 

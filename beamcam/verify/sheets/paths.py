@@ -15,7 +15,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets.alignment import aligned, beside_bends
 from beamcam.verify.sheets.bridges import join_bridged
-from beamcam.verify.sheets.ends import end_faults
+from beamcam.verify.sheets.ends import end_faults, restart_faults
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.leads import Bounds, rings
 from beamcam.verify.sheets.toolpaths import Samples, joined_samples
@@ -47,7 +47,7 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
     _overs(work, bounds, traced, points, way)
     wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
     said = _strays(work, points[wrong], way[wrong], expected)
-    return traced, said + end_faults(work, traced)
+    return traced, said + end_faults(work, traced) + restart_faults(work, traced)
 
 
 def _on_or_beside(

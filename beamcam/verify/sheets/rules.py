@@ -24,6 +24,12 @@ TOOL = Rule(
     "found {found}; expected {expected}",
     "The tool would not run as the machine's file says.",
 )
+CORNER = Rule(
+    "verify-sheet-corner",
+    _E,
+    "found a controller that passes corners at {found}; expected {expected}",
+    "Corners would come out rounded, or the head would stop in each of them.",
+)
 RAPID = Rule(
     "verify-sheet-rapid",
     _E,
@@ -95,6 +101,13 @@ OPEN = Rule(
     "expected it to close",
     "What is between the two ends holds the part.",
 )
+RESTART = Rule(
+    "verify-sheet-restart",
+    _E,
+    "found the tool stopped and started again at X {x}, Y {y}, in the middle of the contour of "
+    "{contour}; expected the contour in one stroke",
+    "It would pierce on the edge of the part.",
+)
 TABS = Rule(
     "verify-sheet-tabs",
     _E,
@@ -113,6 +126,13 @@ TAB_PLACE = Rule(
     _E,
     "found a bridge in the contour of {contour} at X {x}, Y {y}, {found}; expected {expected}",
     "Bridges on one side let a part tilt, and one in a corner leaves a burr that no file reaches.",
+)
+DIRECTION = Rule(
+    "verify-sheet-direction",
+    _E,
+    "found the contour of {contour} cut {found}; expected {expected}, as torch.direction is "
+    "{how!r}",
+    "The edge that a swirling torch cuts at a slant would be on the part.",
 )
 OVERCUT = Rule(
     "verify-sheet-overcut",
@@ -179,8 +199,16 @@ OTHER_SHEET = Rule(
     "found a part of {found} on the sheet; expected {expected}, as the first one",
     "Parts that share a sheet share its thickness and its material.",
 )
+LAID = Rule(
+    "verify-sheet-laid",
+    _E,
+    "found a {found} in a part that is mirrored, turned or copied; expected contours, holes, slots "
+    "and, where nothing is mirrored, texts",
+    "Where such a feature would come to lie is not known.",
+)
 RULES = (
-    *SHEET_RULES, OTHER_SHEET, FEED, RAMP, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE,
-    SIDE, BAND, COMPENSATION, OPEN, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT,
+    *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING,
+    EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN, RESTART, TABS, TAB_WIDTH, TAB_PLACE,
+    OVERCUT,
     LEAD, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

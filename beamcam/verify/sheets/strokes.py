@@ -5,13 +5,12 @@ program that says anything else, or moves as it should not, is reported.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from itertools import takewhile
 
 import numpy as np
 from msgspec import Struct
 
 from beamcam.controllers.events import (
-    Acceleration,
-    Compensation,
     Other,
     Pause,
     Said,
@@ -29,9 +28,14 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part_data import PART_DATA
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.ability import expected_feeds, told_limits
+from beamcam.verify.sheets.ability import expected_feeds
+from beamcam.verify.sheets.controller_state import ControllerState, Setting
 
 ENDS = (2, 30)
+#: M words that neither move the head nor switch its tool: coolant, overrides.
+IDLE_SWITCHES = frozenset({7, 8, 9, 48, 49, 50, 51, 52, 53})
+#: M words that stop the program until the operator goes on.
+STOPS = frozenset({0, 1, 6, 60})
 FEED_SLACK = 1e-3
 LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are rounded
 FEED_ROUNDING = 0.0006  #: of a feed as it is written, whatever its unit
@@ -70,6 +74,7 @@ class _Words(Struct, frozen=True):
     on: tuple[Said, ...]
     off: tuple[Said, ...]
     pierce_s: float
+    stop_s: float  #: that it stays on for, the head at rest, before it is stopped
 
 
 class _Started(Struct):
@@ -92,7 +97,7 @@ def strokes_of(
 
     `parse` gives the events of a few blocks.
     """
-    head = _Head([_words_of(row, machine, parse) for row in rows], machine, name)
+    head = _Head([_words_of(row, machine, parse) for row in rows], machine, torch, name)
     for before, event in run.others:
         head.take(before, event)
     head.finish(run)
@@ -124,23 +129,19 @@ def _beyond(arc: Sequence[float], low: Sequence[float], high: Sequence[float]) -
 class _Head:
     """The state of the head while a program runs; strokes count all moves of the program."""
 
-    def __init__(self, known: list[_Words], machine: Machine, name: str) -> None:
+    def __init__(self, known: list[_Words], machine: Machine, torch: Torch, name: str) -> None:
         self.said: list[Diagnostic] = []
+        self._state = ControllerState(machine, torch, name)
         self._known = known
         self._starting: dict[Said, list[_Words]] = {}
         for words in known:
             for said in words.on:
                 self._starting.setdefault(said, []).append(words)
         self._name = name
-        self._limits = told_limits(machine)
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
         self._started: list[_Started] = []
         self._on = False
-        self._side: Side = "on"
-        self._radius = 0.0
-        self._ramps: set[bool] = set()
-        self._ramped: int | None = None  #: moves before both ramps were given
 
     def _wrong(self, rule: Rule, line: int, **values: str) -> None:
         self.said.append(rule.at(Source(self._name, line), **values))
@@ -152,36 +153,38 @@ class _Head:
         elif isinstance(event, Pause):
             if self._on:
                 self._started[-1].pauses.append((before, event.seconds))
-        elif isinstance(event, Acceleration):
-            self._ramp(before, event)
-        elif isinstance(event, Compensation):
-            if self._on:
-                self._wrong(
-                    rules.TOOL, event.line, found="compensation with the tool on",
-                    expected="it before",
-                )  # fmt: skip
-            self._side, self._radius = event.side, event.radius
+        elif isinstance(event, Setting):
+            ended = self._started[-1].stroke.last if self._started else 0
+            self.said += self._state.take(event, before, self._on, ended)
 
     def _switch(self, before: int, event: Switch) -> None:
         if event.number in ENDS:
             if self._on:
                 self._wrong(SHEET_END, event.line, found="the end with the tool on")
                 self._stop(before)
+            self.said += self._state.ends(event.line)
             return
         said = event.said
         starts = self._starting.get(said)
-        ended = [w for w in self._started[-1].rows if said in w.off] if self._on else []
+        all_off = event.number == 5 and event.words.get("$") == -1  # every spindle there is
+        ended = self._started[-1].rows if self._on else []
+        ended = [w for w in ended if all_off or said in w.off]
         if ended:  # of the rows that are started by one word those that this one stops
             self._started[-1].rows = ended
             self._stop(before)
         elif starts is not None and not self._on:
             self._on = True
-            stroke = HeadStroke(event.line, starts[0].row, self._side, self._radius, before, before)
+            state = self._state
+            self.said += state.starts(event.line, before)
+            row = starts[0].row
+            stroke = HeadStroke(event.line, row, state.side, state.radius, before, before)
             self._started.append(_Started(stroke, starts, []))
         elif any(said in w.off for w in self._known):
             if self._on:
                 expected = "the word that stops the tool that is on"
                 self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
+        elif event.number in IDLE_SWITCHES or ((all_off or event.number in STOPS) and not self._on):
+            return
         else:
             words = " or ".join(str(Switch(0, n, dict(w))) for n, w in self._starting)
             expected = f"{words} on this sheet, the other tool off"
@@ -190,18 +193,6 @@ class _Head:
     def _stop(self, before: int) -> None:
         self._started[-1].stroke.last = before
         self._on = False
-
-    def _ramp(self, before: int, event: Acceleration) -> None:
-        self._ramps.add(event.braking)
-        if self._ramped is None and len(self._ramps) == 2:
-            self._ramped = before
-        allowed = self._limits.along_mm_s2 if self._limits is not None else 0.0
-        if abs(event.mm_s2 - allowed) > FEED_SLACK * allowed:
-            expected = f"{allowed:g} mm/s2" if allowed else "none, the machine has no limit"
-            what = "to brake" if event.braking else "to run up"
-            self._wrong(
-                rules.RAMP, event.line, found=f"{event.mm_s2:g} mm/s2 {what}", expected=expected
-            )
 
     def finish(self, run: TableRun) -> None:
         """The end of the program."""
@@ -254,7 +245,8 @@ class _Head:
                 self._settle(one, moves, rows[first:last])
                 stroke.first, stroke.last = first, last
                 each.append(stroke)
-        self._check_ramps(moves, rows)
+        if len(rows):
+            self.said += self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))
         kept = moves if len(rows) == len(moves) else moves.take(rows)
         self._check_feeds(kept, owner[rows])
         return Strokes(each, kept)
@@ -271,30 +263,27 @@ class _Head:
         feed, row = words.row.feed_mm_min, int(own[0])
         one.stroke.row = words.row
         one.stroke.alike = tuple([w.row for w in others if w.row.feed_mm_min == feed])
-        pause = sum(seconds for before, seconds in one.pauses if before <= row)
-        if abs(pause - words.pierce_s) > PAUSE_SLACK_S:
-            self._wrong(
-                rules.TOOL, int(moves.line[row]), found=f"a pause of {pause:g} s",
-                expected=f"{words.pierce_s:g} s to pierce",
-            )  # fmt: skip
-
-    def _check_ramps(self, moves: Moves, rows: Counts) -> None:
-        """Check that both accelerations are set before the first move, where required."""
-        if self._limits is None or not len(rows):
-            return
-        if self._ramped is None or self._ramped > rows[0]:
-            self._wrong(
-                rules.RAMP, int(moves.line[rows[0]]), found="no E word before the first move",
-                expected=f"{self._limits.along_mm_s2:g} mm/s2 to run up and to brake",
-            )  # fmt: skip
+        last = int(own[-1])
+        before = sum(seconds for moved, seconds in one.pauses if moved <= row)
+        behind = sum(seconds for moved, seconds in one.pauses if moved > last)
+        amid = sum(seconds for moved, seconds in one.pauses if row < moved <= last)
+        for k, pause, asked, what in (
+            (row, before, words.pierce_s, " to pierce"), (last, amid, 0.0, " in mid contour"),
+            (last, behind, words.stop_s, " before the tool is off"),
+        ):  # fmt: skip
+            if abs(pause - asked) > PAUSE_SLACK_S:
+                self._wrong(
+                    rules.TOOL, int(moves.line[k]), found=f"a pause of {pause:g} s",
+                    expected=f"{asked:g} s{what}",
+                )  # fmt: skip
 
     def _check_feeds(self, moves: Moves, owner: Counts) -> None:
         """Whether each move has the feed of its row, or the one that the axes can follow."""
         rows = [one.stroke.row for one in self._started]
         asked = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
         feeds = asked
-        if self._limits is not None:
-            feeds = expected_feeds(moves, asked, self._limits)
+        if self._state.limits is not None:
+            feeds = expected_feeds(moves, asked, self._state.limits)
         slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
         for k in np.flatnonzero(np.abs(moves.feed_mm_min - feeds) > slack):
             self._wrong(
@@ -330,4 +319,6 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Table
         tuple(e.said for e in on if isinstance(e, Switch)),
         tuple(e.said for e in off if isinstance(e, Switch)),
         sum(e.seconds for e in on if isinstance(e, Pause)),
-    )
+        sum(e.seconds for e in takewhile(lambda e: not isinstance(e, Switch), off)
+            if isinstance(e, Pause)),
+    )  # fmt: skip

@@ -14,7 +14,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Stepper
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.outline import OutlineCheck
-from beamcam.verify.steps.speeds import Observed, Seen, StrokeTimes
+from beamcam.verify.steps.speeds import Observed, Seen
 from beamcam.verify.steps.step_rates import StepRates, Swerve
 
 
@@ -123,7 +123,7 @@ class Followed:
         switched = set(changes.tolist())
         for a, b in pairwise((0, *changes.tolist(), len(rows.laser))):
             if a in switched and not rows.laser[a]:
-                self._end_stroke()
+                self._end_stroke(int(rows.time_us[a]))
             if b > a and rows.laser[a]:
                 if a in switched or self.pace is None:
                     self.outline.begin(rows.first + a)
@@ -137,12 +137,11 @@ class Followed:
                 self.outline.draw(points)
         self.laser = int(rows.laser[-1])
 
-    def _end_stroke(self) -> None:
+    def _end_stroke(self, end_us: int) -> None:
         if self.pace is not None:
             fastest = Seen(self.pace.max_mm_s, self.line)
-            times = StrokeTimes(self.pace.waited_s, self.pace.lasted_s)
             path = self.path.digest() if self.outline.counts_passes else b""
-            self.outline.end(Observed(fastest, times=times, path=path))
+            self.outline.end(Observed(fastest, times=self.pace.times(end_us), path=path))
         self.pace = None
 
     def _area(self, rows: Rows, places: Counts) -> None:
@@ -163,7 +162,7 @@ class Followed:
         if not self.begun:
             self.say([row_rules.ROW.at(end, found="no rows", expected="a row at least")])
         if self.laser:
-            self._end_stroke()
+            self._end_stroke(self.clock_us)
             self.say([rules.LASER.at(end, found="the laser on at the end", expected="it off")])
         if self.here.any():
             self._say_place(self.here, "it in the corner at the end")

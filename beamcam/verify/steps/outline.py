@@ -1,6 +1,7 @@
 """The laser's path compared with the part: stroke by stroke, and then as a whole."""
 
 from collections.abc import Collection, Iterator
+from math import cbrt, sqrt
 
 import numpy as np
 import shapely
@@ -223,7 +224,7 @@ class OutlineCheck:
         One that repeats the stroke before it is another pass of that.
         """
         if seen.times is not None:
-            self.said += self._pierce(process, source, seen.times, points[0])
+            self.said += self._rests(process, source, seen.times, points)
         wrong = {
             feed: [*self._speeds(process, feed, seen, points[0]),
                    *self._pace(process, feed, source, seen, points)]
@@ -281,15 +282,37 @@ class OutlineCheck:
                 found = f"{one.mm_s:.2f}"
                 yield rules.SPEED.at(at, found=found, process=process, expected=expected)
 
-    def _pierce(
-        self, process: TorchProcess, source: Source, times: StrokeTimes, place: Floats
+    def _rests(
+        self, process: TorchProcess, source: Source, times: StrokeTimes, points: Floats
     ) -> Iterator[Diagnostic]:
-        """Whether the laser pierces before the head moves."""
+        """Whether the laser pierces before the head moves, and rests nowhere else.
+
+        The first step of a ramp, and the last one, take their time; in a corner both do.
+        """
         pierce_s = self.process_data[process].pierce_s
-        if times.waited_s < pierce_s - 1e-6:
-            found = f"a wait of {times.waited_s:.3f} s behind the start of the laser"
-            expected = f"{pierce_s:g} s{self._beside(place, process)}"
-            yield rules.LASER.at(source, found=found, expected=expected)
+        stepper = self.machine.needed(self.machine.stepper, "stepping motors")
+        way = sqrt(2.0) * stepper.step
+        slowest = min(self.process_data[process].feeds) / SECONDS_PER_MINUTE
+        ramp_s = cbrt(6 * way / stepper.jerk) + sqrt(2 * way / stepper.acceleration)
+        ramp_s += way / slowest
+        here, behind = points[0], points[-1]
+        found = [
+            (times.waited_s, pierce_s - 1e-6, pierce_s + ramp_s, f"{pierce_s:g} s",
+             "behind the start of the laser", here),
+            (times.stayed_s, 0.0, ramp_s, "it off at once", "behind the last step", behind),
+        ]  # fmt: skip
+        if times.longest is not None:
+            place = np.array(times.longest.place) * stepper.step
+            found.append((times.longest.seconds, 0.0, 2 * ramp_s, "none", "in a stroke", place))
+        if times.stood is not None:
+            place = np.array(times.stood.place) * stepper.step
+            found.append((times.stood.seconds, 0.0, 0.0, "none", "at a steady speed", place))
+        for seconds, least, most, expected, where, place in found:
+            if not least <= seconds <= most:
+                yield rules.LASER.at(
+                    source, found=f"a wait of {seconds:.3f} s {where} with the laser on",
+                    expected=f"{expected}{self._beside(place, process)}",
+                )  # fmt: skip
 
     def _pace(
         self, process: TorchProcess, feed_mm_min: float, source: Source, seen: Observed,

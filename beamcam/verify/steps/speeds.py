@@ -1,12 +1,12 @@
 """Speeds at which a table of steps works a sheet: of processes, and of colours and layers."""
 
-from fnmatch import fnmatchcase
 from typing import NamedTuple
 
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.machine.materials import is_row_for
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 from beamcam.verify.sheets.need import rows_of, rows_on, thickness_of
@@ -26,11 +26,21 @@ class Seen(NamedTuple):
     line: int
 
 
+class Rest(NamedTuple):
+    """A time without a step of either motor, and its place in steps."""
+
+    seconds: float
+    place: tuple[int, int]
+
+
 class StrokeTimes(NamedTuple):
-    """Permitted time of a stroke."""
+    """How long a stroke takes, and where it rests."""
 
     waited_s: float  #: before the head moves
     lasted_s: float  #: under way
+    stayed_s: float = 0.0  #: behind its last step
+    stood: "Rest | None" = None  #: the longest time without a step at a steady speed
+    longest: "Rest | None" = None  #: the longest time without a step
 
 
 class Observed(NamedTuple):
@@ -52,11 +62,11 @@ def with_speeds(part: Part, torch: Torch) -> Torch:
 
 
 def _between(row: TorchRow, part: Part, torch: Torch) -> TorchRow:
-    material = (part.grade or torch.material).upper()
+    material = part.grade or torch.material
     known = sorted(
         (other.up_to, other.feed_mm_min)
         for other in torch.rows
-        if other.process == row.process and fnmatchcase(material, other.material.upper())
+        if other.process == row.process and is_row_for(other.material, material)
     )
     up_to, feeds = zip(*known, strict=True)
     return replace(row, feed_mm_min=float(np.interp(thickness_of(part, torch), up_to, feeds)))

@@ -10,6 +10,7 @@ import numpy as np
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.tables import Stepper
+from beamcam.verify.steps.speeds import Rest, StrokeTimes
 
 
 class _Samples:
@@ -46,6 +47,58 @@ def _once(ascending: Counts) -> Counts:
     return found
 
 
+class _Rests:
+    """The longest times between two steps of a stroke: anywhere, and at a steady speed.
+
+    A head that brakes and turns takes its time for a step. Where it is as fast over `HALF` steps
+    as over those before them, on both sides, it takes no more than the way of a step to the next.
+    """
+
+    HALF = 48
+    STEADY = 0.2  #: share by which the speeds may differ
+    LONGER = 1.5  #: times the way of a step, at that speed
+
+    def __init__(self, step: float) -> None:
+        self.stood: Rest | None = None
+        self.longest: Rest | None = None
+        self._way = sqrt(2.0) * step
+        self._step = step
+        self._times: Counts = np.zeros(0, dtype=np.int64)
+        self._places: Counts = np.zeros((0, 2), dtype=np.int64)
+
+    def follow(self, time_us: Counts, places: Counts) -> None:
+        """Take the rows of some steps."""
+        times = np.concatenate((self._times, time_us))
+        places = np.concatenate((self._places, places))
+        gaps = np.diff(times)
+        known = max(len(self._times) - 1, 0)  # of these the gaps behind are known
+        if len(gaps) > known:
+            k = known + int(np.argmax(gaps[known:]))
+            self.longest = self._longer(self.longest, int(gaps[k]), places[k])
+        half = self.HALF
+        if len(gaps) > 4 * half:
+            chords = np.hypot(*(places[half:] - places[:-half]).T) * self._step
+            speeds = chords / np.maximum(times[half:] - times[:-half], 1) * 1e6
+            # Steps k - 2 half, k - half, k, and k + 1, k + 1 + half, k + 1 + 2 half.
+            at = np.arange(2 * half, len(gaps) - 2 * half)
+            around = np.stack([speeds[at + n] for n in (-2 * half, -half, 1, 1 + half)])
+            slow, fast = around.min(axis=0), around.max(axis=0)
+            long = gaps[at] * 1e-6 * slow > self.LONGER * self._way
+            rests = at[long & (slow >= (1.0 - self.STEADY) * fast)]
+            for k in rests[np.argsort(-gaps[rests], kind="stable")].tolist():
+                around = np.append(gaps[k - 2 * half : k], gaps[k + 1 : k + 1 + 2 * half])
+                if gaps[k] > self.LONGER * around.max():  # else it goes from corner to corner
+                    self.stood = self._longer(self.stood, int(gaps[k]), places[k])
+                    break
+        kept = 4 * half + 1
+        self._times, self._places = times[-kept:], places[-kept:]
+
+    @staticmethod
+    def _longer(one: Rest | None, gap_us: int, place: Counts) -> Rest:
+        found = Rest(gap_us / 1e6, (int(place[0]), int(place[1])))
+        return found if one is None else max(one, found)
+
+
 class StepRates:
     """The wait at the start of a stroke, how long it takes, and the greatest speed in it.
 
@@ -63,6 +116,7 @@ class StepRates:
         self._last_us = 0  #: and the last
         self._here: Counts = np.zeros(2, dtype=np.int64)
         self._samples: list[_Samples] = []
+        self._rests = _Rests(step)
 
     def follow(self, time_us: Counts, places: Counts) -> None:
         """Take some rows of the stroke."""
@@ -74,6 +128,7 @@ class StepRates:
             self._last_us = int(time_us[np.flatnonzero(moved)[-1]])
             if self._moved_us is None:
                 self._moved_us = int(time_us[np.argmax(moved)])
+            self._rests.follow(time_us[moved], places[moved])
         self._here = places[-1]
         for samples in self._samples:
             at = samples.take(time_us, places)
@@ -81,6 +136,12 @@ class StepRates:
                 chords = np.hypot(*np.diff(at, axis=0).T) * self.step
                 sure = float(chords.max()) - sqrt(2.0) * self.step
                 self.max_mm_s = max(self.max_mm_s, sure / (samples.window_us / 1e6))
+
+    def times(self, end_us: int) -> StrokeTimes:
+        """The times of a stroke whose tool is switched off then."""
+        stayed_s = max(0, end_us - self._last_us) / 1e6 if self._moved_us is not None else 0.0
+        rests = self._rests
+        return StrokeTimes(self.waited_s, self.lasted_s, stayed_s, rests.stood, rests.longest)
 
     @property
     def waited_s(self) -> float:

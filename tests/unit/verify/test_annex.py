@@ -7,10 +7,10 @@ import pytest
 from beamcam.machine import load
 from beamcam.verify.bars import interpret
 from beamcam.verify.bars.machined_features import Bore, Cut
-from tests.conftest import SHARED
+from tests.conftest import BEAM_CELL
 
-FILE = SHARED / "reference" / "beam-cell" / "annex-a.gcode"
-pytestmark = pytest.mark.skipif(not FILE.exists(), reason="no copy of the annex program is here")
+FILE = BEAM_CELL / "annex-a.gcode"
+pytestmark = pytest.mark.third_party
 
 CUTS = (
     (69.1, 15.0), (215.4, 5.03), (217.3, 0.0),  # the first part's, and the second's start

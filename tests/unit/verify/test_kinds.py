@@ -13,6 +13,9 @@ from beamcam.verify.bars import verify
 from tests.unit.verify.programs import IPE200
 
 PUSHER = load("beamline-pusher")
+assert PUSHER.drill is not None
+#: Slots are milled from the full steel: order stands in `test_sequence`.
+MILLS = replace(PUSHER, drill=replace(PUSHER.drill, slots="mill"))
 PLACE = Source("P2.nc1", 40)
 
 # The blade is 1.6 thick and counts 90 degrees as square; the part starts at bar x 15 and the
@@ -74,7 +77,8 @@ def led(choice: str, points: list[tuple[float, float]], z: float, feed: float, t
 def messages(work: str, *features: Feature) -> list[str]:
     piece = Part("P2", IPE200, 1000.0, Source("P2.nc1", 1), features=features)
     text = FRAME.format(work=work)
-    return [str(d) for d in verify(text, (piece,), PUSHER, (), "P2.gcode", bar=6000.0)]
+    machine = MILLS if Slot in map(type, features) else PUSHER
+    return [str(d) for d in verify(text, (piece,), machine, (), "P2.gcode", bar=6000.0)]
 
 
 def web(kind: str, diameter: float, depth: float | None = None, angle: float | None = None) -> Hole:
@@ -101,8 +105,10 @@ def test_a_thread_without_its_tap() -> None:
 
 def test_a_thread_without_its_drill() -> None:
     assert messages(TAP, THREAD) == [
+        "P2.gcode:11: error verify-order: found a tap 12 on face v at X 315, y 80 before the "
+        "drill; expected the drill first",
         "P2.nc1:40: error verify-hole-missing: found no hole before the thread M12 on face v of "
-        "P2 at x 300, y 80; expected one at X 315"
+        "P2 at x 300, y 80; expected one at X 315",
     ]
 
 
@@ -219,8 +225,10 @@ def test_a_slot_of_the_wrong_depth_and_tool() -> None:
     ]
     wide = slot(ring(0.5), choice="M49 K2 L17")
     assert messages(wide, SLOT) == [
+        "P2.gcode:5: error verify-no-tool: found a mill 17 chosen; expected a tool that the shop "
+        "has, the nearest is 16",
         "P2.gcode:10: error verify-tool: found a mill 17 for the slot 48 x 18 on face v of P2 at "
-        "x 300, y 80; expected one of 8, 12, 16, 20"
+        "x 300, y 80; expected one of 8, 12, 16, 20",
     ]
 
 

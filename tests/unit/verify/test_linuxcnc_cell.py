@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import astuple
 
-from beamcam.errors import VerifyError
+from beamcam.errors import Severity, VerifyError
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.pipeline import RefusedProgram, post, read_file
@@ -79,7 +79,7 @@ def test_units_and_plane_have_to_be_set() -> None:
 def test_words_that_the_family_does_not_have() -> None:
     """M40 with K and L is a word of CODESYS; LinuxCNC has none below M100 to give away."""
     text = re.sub(r"M140 P(\S+) Q", r"M40 K\1 L", TEXT)
-    with pytest.raises(VerifyError, match="found M40; expected an M word that LinuxCNC knows"):
+    with pytest.raises(VerifyError, match="found M40, which beamcam does not know; expected"):
         interpret(text, CELL)
 
 
@@ -88,3 +88,21 @@ def test_steps_back_are_counted_from_the_last_place() -> None:
     head = "G21 G17 G40 G94 G91.1 G91\nM144 P150 Q300\nM143 P1\nM140 P2 Q22\n"
     with pytest.raises(VerifyError, match="a relative move from nowhere"):
         interpret(head + "G0 X5\nM2\n", CELL)
+
+
+@pytest.mark.parametrize(
+    ("word", "refused"),
+    [("G64", True), ("G64 P5", True), ("G64 P0.02", False), ("G61", False), ("G61.1", False)],
+)
+def test_corners_may_be_passed_within_the_tolerance_of_paths(word: str, refused: bool) -> None:
+    """A stroke that is rounded off is one that does not come to its place."""
+    parts = read_file(SAMPLES / "dstv" / "beam.nc1").parts
+    text = TEXT.replace("G94", f"G94 {word}", 1)
+    assert word in text
+    said = verify(text, parts, CELL, bar=12000.0)
+    found = [str(d).partition("error ")[2] for d in said if d.severity is Severity.ERROR]
+    expected = [
+        f"verify-word: found corners passed {'5' if 'P5' in word else 'inf'} mm off; expected at "
+        "most 0.02 mm, or G61"
+    ]
+    assert found == (expected if refused else [])

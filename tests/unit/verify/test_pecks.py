@@ -8,8 +8,8 @@ import pytest
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import Move
 from beamcam.errors import MachineError
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.posts import Request
 from beamcam.readers import read
 from beamcam.simulate.program import simulate_program
 from tests.runs import part

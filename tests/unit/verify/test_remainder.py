@@ -5,8 +5,8 @@ import re
 import pytest
 
 from beamcam.machine import load
-from beamcam.pipeline import post
-from beamcam.posts import Request
+from beamcam.model.request import Request
+from beamcam.pipeline import post, whole_job
 from beamcam.readers import read
 from beamcam.remainder import faults_of, rest_of
 from beamcam.verify.bars import run
@@ -15,12 +15,12 @@ from tests.conftest import SAMPLES
 
 CHANNEL = SAMPLES / "dstv" / "channel.nc1"
 PARTS = read(CHANNEL.read_bytes(), "channel.nc1").parts
-REQUEST = Request(PARTS, load("beamline"), name="rest.gcode")
-POSTED = post(PARTS, REQUEST.machine)
+JOB = whole_job(Request(PARTS, load("beamline"), name="rest.gcode"))
+POSTED = post(PARTS, JOB.machine, "rest.gcode")
 
 
 def said(rest: str, first: int, whole: str = POSTED.text) -> list[str]:
-    return [str(one) for one in faults_of(rest, whole, first, REQUEST)]
+    return [str(one) for one in faults_of(rest, whole, first, JOB)]
 
 
 @pytest.mark.parametrize("machine", ["beamline", "beamline-annex", "beamline-pusher"])
@@ -32,7 +32,7 @@ def test_operations_are_counted_as_they_were_planned(machine: str) -> None:
 
 
 def test_an_operation_that_the_whole_program_has_not() -> None:
-    rest = rest_of(POSTED, REQUEST, 8).text
+    rest = rest_of(POSTED, 8).text
     assert said(rest, 99) == [
         "whole program: error verify-operation: found operation 99 to begin with; expected 2 to "
         "12, as `beamcam plan` counts"
@@ -49,7 +49,7 @@ def test_an_operation_that_the_whole_program_has_not() -> None:
     ],
 )
 def test_a_fault_of_the_remainder_stands_at_its_line(pattern: str, to: str, code: str) -> None:
-    rest = rest_of(POSTED, REQUEST, 8).text
+    rest = rest_of(POSTED, 8).text
     assert said(rest, 8) == []
     broken = re.sub(pattern, to, rest, count=1)
     assert broken != rest
@@ -58,7 +58,7 @@ def test_a_fault_of_the_remainder_stands_at_its_line(pattern: str, to: str, code
 
 
 def test_the_remainder_has_to_follow_what_was_done() -> None:
-    rest = rest_of(POSTED, REQUEST, 8).text
+    rest = rest_of(POSTED, 8).text
     assert any("verify-hole-extra" in one for one in said(rest, 9))
     assert any("verify-hole-missing" in one for one in said(rest, 7))
     other = POSTED.text.replace("L18", "L22")

@@ -218,6 +218,8 @@ BROKEN: list[tuple[str, list[Change], list[str]]] = [
         "at x 300, y 80; expected a drill 22",
     ]),
     ("a drill that nobody has", [("K2 L22", "K2 L22.2")], [
+        "P1.gcode:7: error verify-no-tool: found a drill 22.2 chosen; expected a tool that the "
+        "shop has, the nearest is 22",
         "P1.gcode:12: error verify-tool: found a drill 22.2 for the hole 22 on face v of P1 "
         "at x 300, y 80; expected a drill 22, the shop has none of that size",
     ]),
@@ -281,10 +283,12 @@ def test_a_tool_that_no_station_holds() -> None:
     without = "\n".join(line for line in text.split("\n") if " M06 " not in line)
     assert [str(said).split(": ", 1)[1] for said in verify(without, (made,), BEAM)] == [
         "error verify-tool-change: found a drill 20 chosen on spindle 2; expected a stop before "
-        "that puts it into one of the 5 stations"
+        "that puts it into one of the 5 stations",
+        "error verify-stop-comment: found 'web station 2: drill 20 for drill 12' and no stop "
+        "behind it; expected a stop of its own",
     ]
     stop = next(line for line in text.split("\n") if " M06 " in line)
-    (idle,) = verify(text.replace(stop, f"{stop}\n{stop}"), (made,), BEAM)
+    (idle, _) = verify(text.replace(stop, f"{stop}\n{stop}"), (made,), BEAM)
     assert idle.message == (
         "found a stop for a tool of 20 on spindle 2; expected a stroke behind it with such a tool "
         "that was not there before"

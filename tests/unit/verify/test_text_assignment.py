@@ -11,8 +11,8 @@ from msgspec.structs import replace
 from beamcam.errors import Source, errors_in
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Part, TextMark
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.posts import Request
 from beamcam.texts_told import other_places, stand_ins
 from beamcam.verify.by_hand import TEXT_MOVED
 from beamcam.verify.drawn_texts import covering

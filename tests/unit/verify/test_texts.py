@@ -11,8 +11,8 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Feature, Part, Profile, Slot, TextMark
+from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
-from beamcam.posts import Request
 from beamcam.verify.bars import run
 from tests.letters import Lines, read
 from tests.unit.planning.shop import CHANNEL, SOURCE, TUBE, hole, part

@@ -19,8 +19,8 @@ from beamcam.errors import Diagnostic, MachineError, VerifyError, errors_in
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import TextMark
+from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
-from beamcam.posts import Request
 from beamcam.verify.bars import run
 from tests.conftest import SAMPLES
 from tests.unit.planning.shop import SOURCE, hole, part

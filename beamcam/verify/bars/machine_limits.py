@@ -1,0 +1,207 @@
+"""What a machine's file rules out, whatever was planned: sections, mitres, and holes without steel.
+
+section      one that the machine takes, no larger than its stations
+cut          a turned blade reaches less far across
+hole         in the finished part, clear of its other walls and of other holes
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import dist, hypot
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Face, Hole, Part, Profile, Slot
+from beamcam.model.section import walls_beside
+from beamcam.verify import bar_rules as rules
+from beamcam.verify.bars.machined_features import Cut
+from beamcam.verify.bars.part_ends import End
+from beamcam.verify.bars.targets import (
+    PLAIN_KINDS,
+    THREADS,
+    Pocket,
+    Round,
+    Target,
+    slot_corners,
+)
+
+TANGENT = 0.011  #: mm; holes are given to 0.01, so that those which touch may be off by it
+
+
+class Shape(Struct, frozen=True, gc=False):
+    """The circles that a hole or slot of a part has at its corners."""
+
+    feature: int
+    face: Face
+    what: str
+    centres: tuple[tuple[float, float], ...]
+    radius: float
+    through: bool
+    hole: Hole | None  #: None of a slot
+
+
+def shape_of(target: Target) -> Shape | None:
+    """The circles of what was made; None of a line, and of a slot's end, which is in the slot."""
+    if isinstance(target, Pocket):
+        source = target.source
+        if isinstance(source, Slot):
+            centres, hole = tuple(slot_corners(source)), None
+        else:
+            centres, hole = ((target.x, target.y),), source
+        return Shape(
+            target.feature, target.face, target.what, centres, target.diameter / 2,
+            target.depth is None, hole,
+        )  # fmt: skip
+    if not isinstance(target, Round) or target.optional:
+        return None
+    hole = target.kind.hole
+    return Shape(
+        target.feature, target.face, target.kind.what, ((target.x, target.y),), hole.diameter / 2,
+        hole.depth is None and hole.kind in ("through", *THREADS), hole,
+    )  # fmt: skip
+
+
+def section_faults(profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """A section that the machine does not take, or that is larger than a station of it."""
+    layout = machine.layout
+    taken = layout.profiles if layout is not None else ()
+    if taken and not (profile.code in taken and profile.code in machine.sections):
+        expected = f"one of {', '.join(taken)}"
+        yield rules.STOCK.at(Source(name), found=profile.code, expected=expected)
+    for what, station in (("saw", machine.saw), ("drill", machine.drill)):
+        if station is None:
+            continue
+        most = station.max_height, station.max_width
+        if profile.height > most[0] or profile.width > most[1]:
+            yield rules.STOCK.at(
+                Source(name), found=f"{profile.height:g} x {profile.width:g} mm",
+                expected=f"at most {most[0]:g} x {most[1]:g} mm (height x width) at the {what}",
+            )  # fmt: skip
+
+
+def reach_faults(
+    cuts: Iterable[Cut], profile: Profile, machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """Cuts whose blade does not reach across the section at their angle."""
+    saw = machine.saw
+    if saw is None or not saw.max_sections:
+        return
+    for cut in cuts:
+        off = abs(cut.angle - saw.square)
+        rows = [row for row in saw.max_sections if off <= row.max_angle + 1e-6]
+        near = min(rows, key=lambda row: row.max_angle, default=None)
+        widest = near or max(saw.max_sections, key=lambda row: row.max_angle)
+        if profile.height > widest.max_height or profile.width > widest.max_width:
+            yield rules.SAW_REACH.at(
+                Source(name, cut.line), angle=f"{cut.angle:g}",
+                found=f"{profile.height:g} x {profile.width:g}",
+                expected=f"{widest.max_height:g} x {widest.max_width:g}",
+            )  # fmt: skip
+
+
+def steel_faults(
+    shapes: Sequence[Shape], part: Part, ends: tuple[End, End], machine: Machine
+) -> Iterator[Diagnostic]:
+    """Holes and slots of a part, made as it has them, that have no steel all round."""
+    step = machine.format.resolution + TANGENT
+    for shape in shapes:
+        found = (
+            _beyond_end(shape, part.profile, ends, step)
+            or _beyond_edge(shape, part.profile, step)
+            or _in_a_wall(shape, part.profile, step)
+        )
+        if found:
+            yield _said(shape, part, found, "steel all round it")
+    near = machine.drill.merge_tolerance if machine.drill else 0.0
+    for one, other in _side_by_side(shapes):
+        if one.hole is None or other.hole is None:
+            continue
+        apart = dist(one.centres[0], other.centres[0])
+        if apart < one.radius + other.radius - step and not (
+            apart <= near + 1e-9 and _is_one_work(one.hole, other.hole)
+        ):
+            found = f"{apart:.3g} mm from the {one.what}"
+            expected = f"at least {one.radius + other.radius:g} mm between their middles"
+            yield _said(other, part, found, expected)
+
+
+def _side_by_side(shapes: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:
+    """Two holes of a face that may touch, in their order: those as near along the part."""
+    holes = [k for k, shape in enumerate(shapes) if shape.hole is not None]
+    holes.sort(key=lambda k: (shapes[k].face, shapes[k].centres[0][0]))
+    widest = max((shapes[k].radius for k in holes), default=0.0)
+    found: list[tuple[int, int]] = []
+    for place, k in enumerate(holes):
+        one = shapes[k]
+        for at in range(place + 1, len(holes)):
+            i = holes[at]
+            other = shapes[i]
+            if other.face != one.face:
+                break
+            if other.centres[0][0] - one.centres[0][0] > one.radius + widest:
+                break
+            found.append((min(k, i), max(k, i)))
+    return ((shapes[k], shapes[i]) for k, i in sorted(found))
+
+
+def _beyond_end(shape: Shape, profile: Profile, ends: tuple[End, End], step: float) -> str:
+    """By how much the circles reach beyond an end of the part, on either side of their wall."""
+    height, width = profile.height, profile.width
+    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
+    on_web = shape.face in ("v", "h")
+    middle = (width - web) / 2 if profile.code == "I" else 0.0
+    if profile.code == "M" and shape.face == "v":
+        middle = width - web
+    if on_web:
+        surfaces: tuple[float, float] = (middle, middle + web)
+    else:
+        surfaces = (height - flange, height) if shape.face == "o" else (0.0, flange)
+    for end in ends:
+        slant = hypot(1.0, end.tan_web if on_web else end.tan_flange)
+        for surface in surfaces:
+            for x, y in shape.centres:
+                limit = end.x(y, surface) if on_web else end.x(surface, y)
+                left = -end.side * (x - limit) / slant - shape.radius
+                if left < -step:
+                    return f"{-left:.3g} mm beyond the {end.name} of the part"
+    return ""
+
+
+def _beyond_edge(shape: Shape, profile: Profile, step: float) -> str:
+    """By how much the circles reach beyond an edge of their face."""
+    width = profile.face_width(shape.face)
+    out = max(max(-(y - shape.radius), y + shape.radius - width) for _, y in shape.centres)
+    return f"{out:.3g} mm beyond the edge of the face" if out > step else ""
+
+
+def _in_a_wall(shape: Shape, profile: Profile, step: float) -> str:
+    """The wall that a tool would run into: behind the face, or before it beside a sunk one."""
+    if not shape.through and not profile.face_depth(shape.face):
+        return ""
+    low = min(y for _, y in shape.centres) - shape.radius
+    high = max(y for _, y in shape.centres) + shape.radius
+    for wall in walls_beside(profile, shape.face):
+        if high > wall.least + step and low < wall.greatest - step:
+            return f"in the wall from y {wall.least:g} to {wall.greatest:g}"
+    return ""
+
+
+def _is_one_work(one: Hole, other: Hole) -> bool:
+    """Whether two holes about one middle are a sink, a thread or a stepped hole."""
+    narrow, wide = sorted((one, other), key=lambda hole: hole.diameter)
+    if "countersink" in (one.kind, other.kind) or "mark" in (one.kind, other.kind):
+        return True
+    if wide.kind in THREADS:
+        return narrow.kind in PLAIN_KINDS
+    deeper = wide.depth is not None and (narrow.depth is None or narrow.depth > wide.depth)
+    return deeper and narrow.diameter < wide.diameter
+
+
+def _said(shape: Shape, part: Part, found: str, expected: str) -> Diagnostic:
+    x, y = shape.centres[0]
+    source = part.features[shape.feature].source
+    return rules.HOLE_STEEL.at(
+        source, what=shape.what, face=shape.face, mark=part.mark, x=f"{x:g}", y=f"{y:g}",
+        found=found, expected=expected,
+    )  # fmt: skip

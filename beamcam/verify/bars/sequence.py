@@ -1,0 +1,149 @@
+"""The order of work, place by place and part by part.
+
+    drill -> tap         a tap cuts its thread into a hole
+    drill -> countersink a countersink widens a hole, be it drilled or milled
+    entry -> mill        where slots are drilled first the mill goes down into a hole
+    work  -> cut         where the drills come first a part is lost to them once it is cut off
+
+An arrow is asked about wherever its right side stands in the program. That what stands on its left
+is there at all, in its size and place, is asked elsewhere.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import dist
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Profile, Slot
+from beamcam.verify import rules
+from beamcam.verify.bars.layout import LaidPart
+from beamcam.verify.bars.machined_features import (
+    Bore,
+    Cut,
+    MachinedFeatures,
+    MachinedPath,
+    Thing,
+    ToldText,
+)
+from beamcam.verify.bars.pieces import CutPlane
+from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.targets import Pocket
+
+NOUNS = {"drill": "hole", "tap": "thread", "punch": "punch mark", "mill": "slot", "scribe": "line"}
+
+
+class Done(Struct, frozen=True, gc=False):
+    """Work that was found to be of a part on the bar."""
+
+    part: int
+    work: Bore | MachinedPath | ToldText
+
+
+def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """Threads and sinks of a program that come before the hole that they need."""
+    if all(bore.kind not in ("tap", "countersink") for bore in made.bores):
+        return
+    near = machine.format.resolution + (machine.drill.merge_tolerance if machine.drill else 0.0)
+    for index, work in enumerate(made.order):
+        if not isinstance(work, Bore) or work.kind not in ("tap", "countersink"):
+            continue
+        if not any(_is_hole_of(work, other, near) for other in made.order[:index]):
+            hole = "the drill" if work.kind == "tap" else "its hole"
+            yield _too_early(work, f"before {hole}", f"{hole} first", name)
+
+
+def entry_faults(
+    made: MachinedFeatures, milled: Iterable[tuple[MachinedPath, Pocket]], shop: Shop, name: str
+) -> Iterator[Diagnostic]:
+    """Slots whose mill goes down into the full steel, where the machine drills their ends."""
+    slack = 2 * shop.machine.format.resolution + 1e-6
+    for path, target in milled:
+        if not _is_drilled_first(target, shop):
+            continue
+        before = made.order[: made.order.index(path)]
+        free = path.diameter / 2 - slack
+        if not any(
+            isinstance(bore, Bore) and bore.kind == "drill" and bore.face == path.face
+            and dist(path.points[0], (bore.x, bore.y)) + free <= bore.diameter / 2
+            for bore in before
+        ):  # fmt: skip
+            yield _too_early(path, "into the full steel", "the hole at its end first", name)
+
+
+def parting_faults(
+    made: MachinedFeatures, laid: Sequence[LaidPart], done: Iterable[Done],
+    cuts: Sequence[CutPlane], machine: Machine, profile: Profile, name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """Work on a part that is cut off already, where the bar comes to the drills before the saw."""
+    if machine.layout is None or machine.layout.order != "drill-saw":
+        return
+    place: dict[int, int] = {}  #: line of some work -> its place in the order of work
+    for index, work in enumerate(made.order):
+        place.setdefault(work.line, index)
+    freed = [None if one.piece is None else one.piece.end.cut.line for one in laid]
+    for one in sorted(done, key=lambda one: one.work.line):
+        cut = freed[one.part]
+        if cut and place[one.work.line] > place[cut]:
+            yield _cut_off(one.work, cut, name)
+    rise = (-1.0 if machine.saw is not None and machine.saw.pivot == "o" else 1.0) * profile.height
+    spans = {cut.cut.line: _span(cut, rise, profile.width) for cut in cuts}
+    reached: tuple[float, int] | None = None  #: how far the bar is cut off, and by which line
+    for line, (least, greatest) in sorted(spans.items(), key=lambda span: place[span[0]]):
+        if reached is not None and greatest < reached[0]:
+            cut_off = next(cut.cut for cut in cuts if cut.cut.line == line)
+            yield _cut_off(cut_off, reached[1], name)
+        elif reached is None or least > reached[0]:
+            reached = least, line
+
+
+def _span(cut: CutPlane, rise: float, width: float) -> tuple[float, float]:
+    """Between which bar x a cut lies."""
+    xs = [cut.along(y, z) for y in (0.0, rise) for z in (0.0, width)]
+    return min(xs), max(xs)
+
+
+def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
+    """Whether a tap or countersink goes into what was made before."""
+    if isinstance(other, Bore):
+        return (
+            other.kind in ("drill", "tap")
+            and other.kind != work.kind
+            and other.face == work.face
+            and abs(other.x - work.x) <= near
+            and abs(other.y - work.y) <= near
+        )
+    if work.kind == "tap" or not isinstance(other, MachinedPath) or other.face != work.face:
+        return False
+    xs, ys = [x for x, _ in other.points], [y for _, y in other.points]
+    return other.kind == "mill" and (
+        min(xs) - near <= work.x <= max(xs) + near and min(ys) - near <= work.y <= max(ys) + near
+    )
+
+
+def _is_drilled_first(target: Pocket, shop: Shop) -> bool:
+    """Whether the machine's file has the ends of a slot drilled before it is milled."""
+    slot = target.source
+    return (
+        isinstance(slot, Slot)
+        and not slot.height
+        and shop.drill.slots == "drill-mill"
+        and bool(shop.fits("drill", slot.diameter, target.face))
+    )
+
+
+def _too_early(work: Bore | MachinedPath, found: str, expected: str, name: str) -> Diagnostic:
+    x, y = work.points[0] if isinstance(work, MachinedPath) else (work.x, work.y)
+    return rules.WORK_ORDER.at(
+        Source(name, work.line), what=f"a {work.kind} {work.diameter:g}", face=work.face,
+        x=f"{x:g}", y=f"{y:g}", found=found, expected=expected,
+    )  # fmt: skip
+
+
+def _cut_off(work: Thing, cut: int, name: str) -> Diagnostic:
+    what = "a cut" if isinstance(work, Cut) else "a text"
+    if isinstance(work, Bore | MachinedPath):
+        what = f"a {NOUNS.get(work.kind, work.kind)}"
+    x = work.points[0][0] if isinstance(work, MachinedPath) else work.x
+    return rules.CUT_OFF.at(Source(name, work.line), what=what, found=f"{x:g}", cut=cut)

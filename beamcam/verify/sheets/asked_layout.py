@@ -1,0 +1,140 @@
+"""Parts as they have to lie on a sheet: mirrored, turned and copied as it was asked for.
+
+    copy (k, n) of a point p of the part     M (p - m) + m + (k (w + s), n (h + s))
+
+with m the middle of the part's box, M the mirror and then the turn, w and h the size of the box
+around what comes out, s the spacing. Nothing is taken from the planner's layout.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import atan2, cos, degrees, hypot, radians, sin
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Curve, Line
+from beamcam.machine.torch import Torch
+from beamcam.model.hatch import hatched
+from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
+from beamcam.verify.sheets import rules
+
+Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
+Box = tuple[float, float, float, float]
+
+
+def as_asked(
+    parts: Sequence[Part], torch: Torch | None
+) -> tuple[tuple[Part, ...], list[Diagnostic]]:
+    """The parts as they have to lie, hatched; and errors for features that cannot.
+
+    The lines of a hatch are what a program may follow; whether they fill their contours is looked
+    at in `hatch`.
+    """
+    if torch is None:
+        return tuple(parts), []
+    said: list[Diagnostic] = []
+    laid: list[Part] = []
+    for part in parts:
+        if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
+            whole = _outlined(part)
+            said += _faults(whole, torch)
+            part = whole if said else _copied(whole, torch)
+        laid.append(hatched(part, torch) if torch.settings else part)
+    return tuple(laid), said
+
+
+def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:
+    for feature in part.features:
+        bevelled = isinstance(feature, Contour) and feature.bevels
+        behind = isinstance(feature, TextMark) and torch.mirror != "none"
+        if bevelled or behind or not isinstance(feature, Contour | Hole | Slot | TextMark):
+            what = "bevelled contour" if bevelled else type(feature).__name__.lower()
+            source = getattr(feature, "source", part.source)
+            yield rules.LAID.at(source, found=what)
+
+
+def _outlined(part: Part) -> Part:
+    """The part with the rectangle of a plate that has no outer contour of its own."""
+    for feature in part.features:
+        if (
+            isinstance(feature, Contour) and feature.kind == "outer"
+            and feature.process == "cut" and feature.face in PLATE_FACES
+        ):  # fmt: skip
+            return part
+    if part.measures is not None:
+        return part
+    a, b = part.length, part.profile.height
+    sides = (
+        Line((0.0, 0.0), (a, 0.0)), Line((a, 0.0), (a, b)), Line((a, b), (0.0, b)),
+        Line((0.0, b), (0.0, 0.0)),
+    )  # fmt: skip
+    return replace(part, features=(*part.features, Contour("v", "outer", sides, part.source)))
+
+
+def _copied(part: Part, torch: Torch) -> Part:
+    x0, y0, x1, y1 = _box(part.features, part)
+    mx, my = (x0 + x1) / 2, (y0 + y1) / 2
+    c, s = cos(radians(torch.rotate)), sin(radians(torch.rotate))
+    if torch.rotate % 90 == 0:
+        c, s = float(round(c)), float(round(s))
+    sx, sy = -1.0 if torch.mirror == "x" else 1.0, -1.0 if torch.mirror == "y" else 1.0
+    turn: Affine = (
+        (c * sx, -s * sy, mx - c * sx * mx + s * sy * my),
+        (s * sx, c * sy, my - s * sx * mx - c * sy * my),
+    )
+    once = [_moved(feature, turn) for feature in part.features]
+    x0, y0, x1, y1 = _box(once, part)
+    columns, rows = torch.copies
+    step_x, step_y = x1 - x0 + torch.spacing, y1 - y0 + torch.spacing
+    every: list[Feature] = []
+    for row in range(rows):
+        for column in range(columns):
+            shift: Affine = ((1.0, 0.0, column * step_x), (0.0, 1.0, row * step_y))
+            every += [_moved(feature, shift) for feature in once]
+    size = replace(part.profile, height=rows * step_y - torch.spacing)
+    length = columns * step_x - torch.spacing
+    return replace(part, features=tuple(every), profile=size, length=length)
+
+
+def _moved(feature: Feature, by: Affine) -> Feature:
+    (a, b, e), (c, d, f) = by
+    if isinstance(feature, Contour):
+        curves: list[Curve] = [curve.transformed(by) for curve in feature.curves]
+        if a * d - b * c < 0.0:  # what was counter-clockwise would run the other way round
+            curves = [curve.reversed() for curve in curves[::-1]]
+        return replace(feature, curves=tuple(curves), notches=())
+    if isinstance(feature, Hole | Slot | TextMark):
+        x, y = a * feature.x + b * feature.y + e, c * feature.x + d * feature.y + f
+        if isinstance(feature, Hole):
+            return replace(feature, x=x, y=y)
+        u, v = cos(radians(feature.angle)), sin(radians(feature.angle))
+        return replace(feature, x=x, y=y, angle=degrees(atan2(c * u + d * v, a * u + b * v)))
+    return feature
+
+
+def _box(features: Sequence[Feature], part: Part) -> Box:
+    boxes = [box for feature in features for box in _boxes(feature)]
+    if not boxes:
+        return 0.0, 0.0, part.length, part.profile.height
+    lows, highs = [b[:2] for b in boxes], [b[2:] for b in boxes]
+    return (
+        min(x for x, _ in lows), min(y for _, y in lows),
+        max(x for x, _ in highs), max(y for _, y in highs),
+    )  # fmt: skip
+
+
+def _boxes(feature: Feature) -> Iterator[Box]:
+    if isinstance(feature, Contour):
+        for curve in feature.curves:
+            yield curve.bbox
+    elif isinstance(feature, Hole | Slot):
+        # A slot reaches as far as the diagonals between the centres of its corners, and the radius.
+        r, x, y = feature.diameter / 2, feature.x, feature.y
+        dx = dy = 0.0
+        if isinstance(feature, Slot):
+            half = hypot(feature.length, feature.height) / 2
+            own = degrees(atan2(feature.height, feature.length))
+            for angle in (feature.angle + own, feature.angle - own):
+                dx = max(dx, abs(half * cos(radians(angle))))
+                dy = max(dy, abs(half * sin(radians(angle))))
+        yield x - dx - r, y - dy - r, x + dx + r, y + dy + r

@@ -1,0 +1,146 @@
+"""What answers for each word of a sheet's program, and for each event that is made of it.
+
+`tests/test_sheet_words.py` puts every word into every state of programs: what none of the codes of
+its row refuses leaves the head on its way, for the reason that stands there.
+"""
+
+from beamcam.verify.owners import Language, Owner, Stock
+
+#: The path with the tool on, compared with the contours.
+_PATH = (
+    "verify-sheet-missing", "verify-sheet-extra", "verify-sheet-twice", "verify-sheet-side",
+    "verify-sheet-band", "verify-sheet-lead", "verify-sheet-open", "verify-sheet-restart",
+    "verify-sheet-overcut", "verify-sheet-direction", "verify-sheet-tab*",
+)  # fmt: skip
+_MOVED = (
+    *_PATH, "verify-sheet-rapid", "verify-sheet-idle", "verify-sheet-area", "verify-sheet-word",
+    "verify-sheet-end", "verify-sheet-setting", "verify-sheet-tool", "verify-sheet-compensation",
+    "verify-sheet-feed", "verify-sheet-ramp", "verify-sheet-arc",
+)  # fmt: skip
+_WORD = ("verify-sheet-word",)
+_TOOL = ("verify-sheet-tool", "verify-sheet-word", "verify-sheet-end")
+_AGAIN = "says again what holds already"
+_ELSEWHERE = "names no place, or the head goes there with its tool off"
+_WAITS = "waits with the tool off"
+_OFF = "no tool is on"
+_AIR = "coolant and air change no path"
+_STOPS = "the operator goes on, with no tool on"
+_OVERRIDE = "says whether the operator may change feeds"
+_HEIGHT = "changes heights only, or takes back what no program may have set"
+_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
+
+_OF_ALL = (
+    Owner(("M2", "M30"), (), ("verify-sheet-end",)),
+    Owner(("G40",), (), (*_PATH, "verify-sheet-tool", "verify-sheet-end"), "no compensation is on"),
+    Owner(("G90",), (), ("verify-sheet-end",), _AGAIN),
+    Owner(("G91",), (), _MOVED, "no move follows"),
+)  # fmt: skip
+
+_RS274 = (
+    *_OF_ALL,
+    Owner(("G0",), (), _MOVED, _ELSEWHERE),
+    Owner(("G0",), ("X", "Y"), _MOVED, _ELSEWHERE),
+    Owner(("G1",), (), _MOVED, "names no place"),
+    Owner(("G1",), ("X", "Y"), _MOVED, "names the place where the head is"),
+    Owner(("G2", "G3"), (), _MOVED, "names no place"),
+    Owner(("G2", "G3"), ("X", "Y", "I", "J"), _MOVED),
+    Owner(("F",), (), ("verify-sheet-feed", "verify-sheet-end"),
+        "each stroke says its own, and a traverse has none"),
+    Owner(("G4",), (), (*_WORD, "verify-sheet-end")),
+    Owner(("G4",), ("P",), ("verify-sheet-tool", "verify-sheet-end"), _WAITS),
+    Owner(("G17", "G21", "G94", "G91.1"), (), ("verify-sheet-end",), _AGAIN),
+    Owner(("M3", "M4"), (), _TOOL),
+    Owner(("M5",), (), (*_TOOL, *_PATH, "verify-sheet-idle"), _OFF),
+    Owner(("M7", "M8", "M9"), (), _TOOL, _AIR),
+    Owner(("M0", "M1"), (), _TOOL, _STOPS),
+    Owner(("S",), (), _TOOL, "no tool is on, or it is the speed that holds already"),
+    Owner(("T",), (), ("verify-sheet-end",), "the machine's words say which tool works"),
+    Owner(("G49", "G53", "G92.1"), (), (*_WORD, "verify-sheet-end"), _HEIGHT),
+    Owner(("G43.1",), (), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G43.1",), ("Z",), ("verify-sheet-end",), _HEIGHT),
+    Owner(_OFFSETS, (), (*_WORD, "verify-sheet-end"), "one offset holds for the whole program"),
+    Owner(("G80",), (), _MOVED, "no cycle holds"),
+)  # fmt: skip
+
+_LINUXCNC = (
+    *_RS274,
+    Owner(("G41.1", "G42.1"), (), _MOVED),
+    Owner(("G41.1", "G42.1"), ("D",), _MOVED),
+    Owner(("G61", "G61.1", "G64"), (), ("verify-sheet-corner", "verify-sheet-end")),
+    Owner(("G64",), ("P",), ("verify-sheet-corner", "verify-sheet-end"), _AGAIN),
+    Owner(("G64",), ("Q",), (*_WORD, "verify-sheet-corner", "verify-sheet-end")),
+    Owner(("G73", "G81", "G82", "G83"), (), _MOVED),
+    Owner(("G73", "G81", "G82", "G83"), ("X", "Y", "R"), _MOVED),
+    Owner(("G73", "G83"), ("Q",), _MOVED),
+    Owner(("G82",), ("P",), _MOVED),
+    Owner(("G98", "G99"), (), ("verify-sheet-end",), "no cycle holds"),
+    Owner(("M3", "M4", "M5"), ("$",), (*_TOOL, *_PATH, "verify-sheet-idle"), _OFF),
+    Owner(("M3", "M4"), ("S",), _TOOL),
+    Owner(("M6",), (), _TOOL, _STOPS),
+    Owner(("M6",), ("T",), _TOOL, _STOPS),
+    Owner(("M60",), (), _TOOL, _STOPS),
+    Owner(("M48", "M49", "M50", "M51", "M52", "M53"), (), _TOOL, _OVERRIDE),
+    Owner(("M50", "M51", "M52", "M53"), ("P",), _TOOL, _OVERRIDE),
+    Owner(("M51",), ("$",), _TOOL, _OVERRIDE),
+    Owner(("G43", "G92.2"), (), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G43",), ("H", "Z"), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G59.1", "G59.2", "G59.3"), (), (*_WORD, "verify-sheet-end"),
+        "one offset holds for the whole program"),
+    Owner(("M62", "M63", "M64", "M65"), (), _TOOL),
+    Owner(("M62", "M63", "M64", "M65"), ("P",), _TOOL),
+)  # fmt: skip
+
+_GRBL = (
+    *_RS274,
+    Owner(("G61",), (), ("verify-sheet-end",), "grbl knows no other mode"),
+    Owner(("M3", "M4"), ("S",), _TOOL),
+    Owner(("M4",), ("{power}", "{feed}"), (*_TOOL, "verify-sheet-feed", "verify-sheet-settings")),
+)  # fmt: skip
+
+_CODESYS = (
+    *_OF_ALL,
+    Owner(("G40", "G41", "G42"), ("D",), _MOVED, "no compensation is on"),
+    Owner(("G0",), (), _MOVED, _ELSEWHERE),
+    Owner(("G0",), ("X", "Y"), _MOVED, _ELSEWHERE),
+    Owner(("G1",), (), _MOVED, "names no place"),
+    Owner(("G1",), ("X", "Y"), _MOVED, "names the place where the head is"),
+    Owner(("G1",), ("F", "E", "E-"), _MOVED),
+    Owner(("G2", "G3", "G6", "G8", "G9"), (), _MOVED, "names no place"),
+    Owner(("G2", "G3", "G6", "G8", "G9"), ("X", "Y", "I", "J", "F", "E", "E-"),
+        _MOVED),
+    Owner(("G2", "G3", "G8", "G9"), ("R",), _MOVED),
+    Owner(("G8", "G9"), ("K",), _MOVED),
+    Owner(("G4",), (), (*_WORD, "verify-sheet-end")),
+    Owner(("G4",), ("T",), ("verify-sheet-tool", "verify-sheet-end"), _WAITS),
+    Owner(("G41", "G42"), (), _MOVED),
+    Owner(("G50", "G53"), (), ("verify-sheet-end",), "smoothing and offsets are off as it is"),
+    Owner(("G75",), (), ("verify-sheet-end",), "waits until what was read is done"),
+    Owner(("G98",), (), ("verify-sheet-arc", "verify-sheet-end", *_PATH), "no arc follows"),
+    Owner(("G99",), (), ("verify-sheet-end",), _AGAIN),
+    Owner(("M3",), (), _TOOL),
+    Owner(("M5",), (), (*_TOOL, *_PATH, "verify-sheet-idle"), _OFF),
+    Owner(("other",), (), _TOOL),
+)  # fmt: skip
+
+_EVENTS = (
+    Owner(("Move.rapid",), (), ("verify-sheet-rapid", "verify-sheet-idle")),
+    Owner(("Move.start", "Move.end", "Move.curve"), (), (*_PATH, "verify-sheet-area",
+        "verify-sheet-radius", "verify-sheet-order", "verify-sheet-turn")),
+    Owner(("Move.feed_mm_min",), (), ("verify-sheet-feed",)),
+    Owner(("Move.own_feed",), (), (), "only strokes of drills have a feed of their own"),
+    Owner(("Switch.number", "Switch.words"), (), ("verify-sheet-tool", "verify-sheet-end",
+        "verify-sheet-settings")),
+    Owner(("Pause.seconds",), (), ("verify-sheet-tool",), _WAITS),
+    Owner(("Compensation.side", "Compensation.radius"), (), ("verify-sheet-tool",
+        "verify-sheet-side", "verify-sheet-compensation", "verify-sheet-band",
+        "verify-sheet-extra")),
+    Owner(("Acceleration.braking", "Acceleration.mm_s2"), (), ("verify-sheet-ramp",)),
+    Owner(("Blending.distance",), (), ("verify-sheet-corner",)),
+    Owner(("Lettering.kind", "Lettering.text", "Lettering.values"), (), (),
+        "no table has a stamp or printer"),
+)  # fmt: skip
+
+OWNERS: dict[tuple[Stock, Language], tuple[Owner, ...]] = {
+    ("sheet", "codesys"): _CODESYS, ("sheet", "linuxcnc"): _LINUXCNC, ("sheet", "grbl"): _GRBL,
+    ("sheet", "events"): _EVENTS,
+}  # fmt: skip
