@@ -8,6 +8,7 @@ numbers of o and h. Curves are plain geometry in those numbers.
 """
 
 from collections.abc import Iterator
+from math import inf
 from typing import Literal
 
 from msgspec import Struct, field
@@ -174,6 +175,11 @@ class EndPlane(Struct, frozen=True):
     point: Vector
     normal: Vector  #: outward: away from the material that stays
     source: Source
+
+    def x(self, y: float, z: float) -> float:
+        """Where the plane is at a place of the section; infinite if it runs along the part."""
+        (px, py, pz), (a, b, c) = self.point, self.normal
+        return px - (b * (y - py) + c * (z - pz)) / a if a else inf
 
 
 class Camber(Struct, frozen=True):

@@ -8,11 +8,15 @@ ___|___        |________         |____       |________|          |
    u               u               u              u
 """
 
-from math import sqrt
+from collections.abc import Sequence
+from math import acos, ceil, cos, hypot, pi, radians, sin, sqrt
 
 from msgspec import Struct
 
-from beamcam.model.part import Face, Profile
+from beamcam.geometry.plane import unit_vector
+from beamcam.model.part import Face, Profile, SectionPoint
+
+ARC_STEP_RAD = radians(1.0)
 
 _WEB: dict[Face, Face] = {"v": "h", "h": "v"}
 #: The other side of the plate behind a face, by section: a through hole is the same from there.
@@ -69,14 +73,80 @@ def free_edges(profile: Profile, face: Face) -> tuple[bool, bool]:
     return all(w.least > 0.0 for w in walls), all(w.greatest < size for w in walls)
 
 
-def corners(profile: Profile) -> tuple[tuple[float, float], ...]:
-    """The outermost places (y, z) of a section that hold material."""
-    height, width = profile.height, profile.width
-    if profile.code == "L":
-        return (0.0, 0.0), (height, 0.0), (0.0, width)
-    if profile.code == "T":
-        return (0.0, 0.0), (height, 0.0), (height / 2, width)
+def corners(
+    profile: Profile, outline: Sequence[SectionPoint] = ()
+) -> tuple[tuple[float, float], ...]:
+    """The outermost places (y, z) of a section that hold material; of arcs one each degree.
+
+    Skew ends reach furthest at one of them. `outline` is that of a special section (PR), which
+    counts as its box without one.
+    """
+    height, width, wall = profile.height, profile.width, profile.web_thickness or 0.0
+    match profile.code:
+        case "L":
+            return (
+                (0.0, 0.0), (height, 0.0), (0.0, width),
+                (height, wall), (profile.flange_thickness, width),
+            )  # fmt: skip
+        case "T":
+            low, high = ((height + way * profile.flange_thickness) / 2 for way in (-1, 1))
+            return (
+                (0.0, 0.0),
+                (height, 0.0),
+                (low, width),
+                (high, width),
+                (0.0, wall),
+                (height, wall),
+            )
+        case "RO" | "RU":
+            return _rounded(height, height, height / 2)
+        case "B":
+            width = wall
+        case "M":
+            return _rounded(height, width, profile.radius)
+        case "C":  # its radius is that inside its bends
+            return _rounded(height, width, profile.radius + wall if profile.radius else 0.0)
+        case "SO" if outline:
+            return tuple(ring_of([p for p in outline if p.side == "+"]))
     return (0.0, 0.0), (height, 0.0), (0.0, width), (height, width)
+
+
+def _rounded(height: float, width: float, radius: float) -> tuple[tuple[float, float], ...]:
+    """Places on a rectangle whose corners are round."""
+    r = min(radius, height / 2, width / 2)
+    if r <= 0.0:
+        return (0.0, 0.0), (height, 0.0), (0.0, width), (height, width)
+    steps = ceil(pi / 2 / ARC_STEP_RAD)
+    turns = [unit_vector(90.0 * k / steps) for k in range(steps + 1)]
+    return tuple(
+        (y + up * (c - 1.0) * r, z + along * (s - 1.0) * r)
+        for y, up in ((0.0, -1.0), (height, 1.0))
+        for z, along in ((0.0, -1.0), (width, 1.0))
+        for c, s in turns
+    )
+
+
+def ring_of(points: Sequence[SectionPoint]) -> list[tuple[float, float]]:
+    """A ring of a special section, of its arcs a place each degree.
+
+    The radius belongs to the edge that its point begins; above 0 it lies on the right of the edge.
+    """
+    out: list[tuple[float, float]] = []
+    for a, b in zip(points, (*points[1:], points[0]), strict=True):
+        out.append((a.y, a.z))
+        chord, r = hypot(b.y - a.y, b.z - a.z), abs(a.radius)
+        if not r or chord <= 0.0 or chord > 2 * r:
+            continue
+        turn = acos(max(-1.0, 1 - chord * chord / (2 * r * r)))
+        sense = -1.0 if a.radius > 0 else 1.0
+        off = sqrt(r * r - chord * chord / 4) * sense
+        cy = (a.y + b.y) / 2 + off * (b.z - a.z) / chord
+        cz = (a.z + b.z) / 2 - off * (b.y - a.y) / chord
+        n = max(2, ceil(turn / ARC_STEP_RAD))
+        for k in range(1, n):
+            angle, u, v = sense * turn * k / n, a.y - cy, a.z - cz
+            out.append((cy + u * cos(angle) + v * sin(angle), cz - u * sin(angle) + v * cos(angle)))
+    return out
 
 
 def section_fault(profile: Profile) -> str | None:

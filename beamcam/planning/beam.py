@@ -9,6 +9,7 @@ from itertools import chain, repeat
 from operator import attrgetter
 from typing import Literal
 
+from beamcam.budget import check_features
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
@@ -44,13 +45,14 @@ def plan_bar(
     """The work that makes `parts`, as they lie, from one bar of length `bar`, or as they need.
 
     `skips` names what may be left out (`rules.SKIP_NAMES`), `order` whether the parts lie as they
-    are given or as they nest best. Raises PlanError with everything that the machine cannot make;
-    nothing is left out that is not in the plan's outcomes.
+    are given or as they nest best. Raises PlanError with everything that the machine cannot make,
+    and LimitError; nothing is left out that is not in the plan's outcomes.
     """
     line = line_of(machine)
     refusals = [*refuse_stock(parts, line)]
     if refusals:
         raise PlanError(refusals)
+    check_features((part.source, len(part.features)) for part in parts)
     works, told = works_on(parts, line, skips)
     laid = lay(works, line, order, bar)
     told += laid.remarks

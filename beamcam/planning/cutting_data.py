@@ -1,4 +1,4 @@
-"""Steels and tools for which the machine's cutting data are only an approximation."""
+"""Steels, tools and diameters that the machine's data meet only approximately."""
 
 from collections.abc import Collection, Iterator, Sequence
 
@@ -10,6 +10,7 @@ from beamcam.machine.cutting import cutting_row, is_unnamed, turns_of
 from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
 from beamcam.machine.tools import Tool
+from beamcam.model.part import Hole
 from beamcam.model.plan import Piece, WorkOp
 from beamcam.planning import rules
 
@@ -27,7 +28,8 @@ _known_of: PerObject[Machine, BoundedCache[object, Remarks]] = PerObject(
 def cutting_remarks(
     pieces: Sequence[Piece], operations: Sequence[WorkOp], machine: Machine
 ) -> Iterator[Diagnostic]:
-    """A note for a steel that no row names, a warning for each tool that turns too fast in it."""
+    """A note for a steel that no row names, a warning for each tool that turns too fast in it, a
+    note for each diameter that no drill has."""
     if machine.drill is None:
         return
     used: dict[str, dict[int, Tool]] = {}
@@ -44,6 +46,29 @@ def cutting_remarks(
             found = known.keep(key, tuple(_remarks(grade, tools.values(), machine, machine.drill)))
         for said in found:
             yield replace(said, source=sources[grade])
+    yield from _size_remarks(pieces, operations, machine.drill)
+
+
+def _size_remarks(
+    pieces: Sequence[Piece], operations: Sequence[WorkOp], drill: Drill
+) -> Iterator[Diagnostic]:
+    """A note for each diameter that is drilled over or under, at the first such hole."""
+    seen: set[tuple[float, int]] = set()
+    for op in operations:
+        if op.tool.kind != "drill":
+            continue
+        for p, f in op.features:
+            hole = pieces[p].part.features[f]
+            if not isinstance(hole, Hole) or hole.kind not in ("through", "blind"):
+                continue
+            key, off = (hole.diameter, id(op.tool)), op.tool.diameter - hole.diameter
+            if key in seen or abs(off) <= drill.twin + 1e-9:
+                continue
+            seen.add(key)
+            yield rules.DRILL_SIZE.at(
+                hole.source, found=f"{hole.diameter:g}", size=f"{op.tool.diameter:g}",
+                off=f"{abs(off):.3g}", way="over" if off > 0 else "under",
+            )  # fmt: skip
 
 
 def _says_speeds(machine: Machine) -> bool:

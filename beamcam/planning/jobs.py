@@ -1,28 +1,75 @@
-"""The programs that make some parts: a job for each bar, or for each sheet."""
+"""The programs that a request comes to: a share of its pieces for each bar, or for each sheet."""
 
-from collections.abc import Collection, Sequence
+from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.machine.machine import Machine
+from beamcam.budget import check_pieces
+from beamcam.errors import PlanError
 from beamcam.model.part import Part
-from beamcam.planning.bar_jobs import BarJob, Quantity, bar_jobs
+from beamcam.model.request import Quantity, Request
 
 
-def jobs_of(
-    parts: Sequence[Part],
-    machine: Machine,
-    quantity: Quantity,
-    lengths: tuple[float, ...],
-    skips: Collection[str],
-) -> tuple[BarJob, ...]:
-    """The jobs that make `parts`, each as often as `quantity` says, in the order given.
+class Share(Struct, frozen=True):
+    """The pieces of one program, and the bars that it may be cut from."""
 
-    `lengths` are those of the bars in stock, in mm. Raises PlanError for a part that fits on no
-    bar.
+    pieces: tuple[int, ...]  #: of each the place of its part in the request
+    lengths: tuple[float, ...] = ()  #: mm, rising; none: as long as the pieces need
+
+
+def number_of(part: Part, quantity: Quantity) -> int:
+    """How often a part is made: as its file says, unless a number is given."""
+    return quantity if isinstance(quantity, int) else part.quantity
+
+
+def pieces_of(request: Request) -> tuple[int, ...]:
+    """All pieces in the order given, each by the place of its part; without a quantity one each.
+
+    A line without a saw is fed one cut piece at a time and runs its program so often. Raises
+    LimitError for more than `limits.pieces`.
     """
-    if machine.torch is None:
-        return bar_jobs(parts, machine, quantity, lengths)
-    if len(parts) == 1 and quantity is None:
-        return (BarJob(tuple(parts), ()),)
-    from beamcam.planning.sheet_rows import sheet_jobs
+    places, machine = range(len(request.parts)), request.machine
+    if request.quantity is None or (machine.torch is None and machine.saw is None):
+        return tuple(places)
+    counts = [number_of(part, request.quantity) for part in request.parts]
+    check_pieces((part.source, count) for part, count in zip(request.parts, counts, strict=True))
+    return tuple(place for place, count in zip(places, counts, strict=True) for _ in range(count))
 
-    return sheet_jobs(parts, machine, quantity, skips)
+
+def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
+    """The share of each program, in the order given; `together` is one for all.
+
+    Raises PlanError for a part that fits on no bar.
+    """
+    machine, pieces = request.machine, pieces_of(request)
+    is_sheet = machine.torch is not None
+    if together or (is_sheet and len(pieces) == 1) or (not is_sheet and request.quantity is None):
+        return (Share(pieces, () if is_sheet else request.stock),)
+    if is_sheet:
+        from beamcam.planning.sheet_rows import sheet_shares
+
+        return tuple(map(Share, sheet_shares(request, pieces)))
+    if machine.saw is None:
+        return tuple(Share((place,)) for place in pieces)
+    from beamcam.planning.stock_bars import first_fit
+
+    single = [replace(part, quantity=1) for part in request.parts]
+    nesting = first_fit([single[place] for place in pieces], machine, request.stock)
+    if nesting.refusals:
+        raise PlanError(dict.fromkeys(nesting.refusals))
+    return tuple(
+        Share(
+            tuple(pieces[i] for i in bar.pieces),
+            (bar.account.length,) if request.stock else (),
+        )
+        for bar in nesting.bars
+    )
+
+
+def numbered(name: str, count: int) -> tuple[str, ...]:
+    """The names of `count` programs: job.gcode, or job-1.gcode, job-2.gcode, ..."""
+    if count == 1:
+        return (name,)
+    stem, dot, suffix = name.rpartition(".")
+    if not stem:
+        stem, dot, suffix = name, "", ""
+    return tuple(f"{stem}-{number}{dot}{suffix}" for number in range(1, count + 1))

@@ -53,6 +53,17 @@ class BarLayout(Struct, frozen=True):
     bar: Bar
 
 
+class Row(Struct, frozen=True):
+    """Parts one behind the other from the front of a bar: what the next one has to know."""
+
+    start: float  #: x of the last part on the bar, mm
+    last: float  #: its length
+    end: End
+    parts: float  #: sum of the lengths of all
+    kerfs: float  #: sum of the kerfs between them
+    nested: float  #: by how much they overlap
+
+
 class LaidParts(Struct, frozen=True):
     """The pieces on one bar, and the work on each."""
 
@@ -99,21 +110,17 @@ def lay_on_bar(
     ]
     if refusals:
         raise PlanError(refusals)
-    shared = tuple(share_cut(here[1], there[0], saw) for here, there in pairwise(ends))
-    starts, kerfs, nested = _starts(parts, ends, shared, layout.front_trim)
-    kerfs += ends[-1][1].kerf
-    parts_length = 0.0
-    for part in parts:
-        parts_length += part.length
-    used = layout.front_trim + parts_length + kerfs - nested + layout.end_trim
-    source = parts[0].source
-    whole = _bar_length(used + layout.dead_zone, starts[-1], layout, length, source)
-    remnant = max(0.0, whole - used)
-    bar = Bar(whole, layout.front_trim, parts_length, kerfs, remnant, nested, layout.end_trim)
+    row = row_of(parts[0], ends[0], layout)
+    starts, shared = [row.start], []
+    for part, own in zip(parts[1:], ends[1:], strict=True):
+        shared.append(share_cut(row.end, own[0], saw))
+        row = row_with(row, part, own, saw)
+        starts.append(row.start)
+    bar = bar_of(row, layout, length, parts[0].source)
     remarks: tuple[Diagnostic, ...] = ()
-    if length is not None and remnant >= layout.min_remnant:
-        remarks = (rules.REMNANT.at(source, found=f"{remnant:.3f}"),)
-    return BarLayout(tuple(starts), shared, bar), remarks
+    if length is not None and bar.remnant >= layout.min_remnant:
+        remarks = (rules.REMNANT.at(parts[0].source, found=f"{bar.remnant:.3f}"),)
+    return BarLayout(tuple(starts), tuple(shared), bar), remarks
 
 
 def lay_cut_part(parts: Sequence[Part], line: BarLine) -> tuple[BarLayout, tuple[Diagnostic, ...]]:
@@ -151,22 +158,31 @@ def share_cut(end: End, start: End, saw: Saw) -> bool:
     )
 
 
-def _starts(
-    parts: Sequence[Part], ends: Sequence[Ends], shared: Sequence[bool], front_trim: float
-) -> tuple[list[float], float, float]:
-    """Starts of the parts, the sum of the kerfs between them, and by how much they overlap."""
-    starts, kerfs, nested = [front_trim], 0.0, 0.0
-    for index, part in enumerate(parts[:-1]):
-        here, there = ends[index][1], ends[index + 1][0]
-        kerf = max(here.kerf, there.kerf)
-        start = starts[-1] + part.length + kerf
-        if shared[index]:
-            nested_start = starts[-1] + here.x0 + kerf - there.x0
-            nested += start - nested_start
-            start = nested_start
-        kerfs += kerf
-        starts.append(start)
-    return starts, kerfs, nested
+def row_of(part: Part, ends: Ends, layout: Layout) -> Row:
+    """A part by itself at the front of a bar."""
+    return Row(layout.front_trim, part.length, ends[1], part.length, 0.0, 0.0)
+
+
+def row_with(row: Row, part: Part, ends: Ends, saw: Saw) -> Row:
+    """The row with a part behind its last."""
+    here, there = row.end, ends[0]
+    kerf = max(here.kerf, there.kerf)
+    start = row.start + row.last + kerf
+    nested = row.nested
+    if share_cut(here, there, saw):
+        nested_start = row.start + here.x0 + kerf - there.x0
+        nested += start - nested_start
+        start = nested_start
+    return Row(start, part.length, ends[1], row.parts + part.length, row.kerfs + kerf, nested)
+
+
+def bar_of(row: Row, layout: Layout, length: float | None, source: Source) -> Bar:
+    """The account of a bar that holds a row. Raises PlanError as `lay_on_bar` does."""
+    kerfs = row.kerfs + row.end.kerf
+    used = layout.front_trim + row.parts + kerfs - row.nested + layout.end_trim
+    whole = _bar_length(used + layout.dead_zone, row.start, layout, length, source)
+    remnant = max(0.0, whole - used)
+    return Bar(whole, layout.front_trim, row.parts, kerfs, remnant, row.nested, layout.end_trim)
 
 
 def _bar_length(

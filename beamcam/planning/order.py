@@ -70,9 +70,7 @@ def sort_along_x(
     TypeError if the machine has no layout.
     """
     layout, resolution = machine.needed(machine.layout, "layout"), machine.format.resolution
-    sawn_at: dict[int, list[SawOp]] = {}
-    for cut in cuts:
-        sawn_at.setdefault(round(cut.x / resolution), []).append(cut)
+    sawn_at = _sawn_at(cuts, resolution, layout.order == "drill-saw")
     placed: list[_Placed] = [
         (round(op.x / resolution), setup_of(op), op.x, op.y, op.features, op) for op in strokes
     ]
@@ -87,6 +85,24 @@ def sort_along_x(
         worked = [op for _ in station for op in station[next(setups)]]
         result += (*sawn, *worked) if layout.order == "saw-drill" else (*worked, *sawn)
     return tuple(result)
+
+
+def _sawn_at(cuts: Iterable[SawOp], resolution: float, goes_back: bool) -> dict[int, list[SawOp]]:
+    """The cuts by the X in steps at which they come; given part by part.
+
+    Where a tube's corner is round the X of a compound mitre counts on an edge beyond the steel, and
+    may exceed that of the cut that parts the piece off by a millimetre. A line with a gripper saws
+    the end first all the same, and goes back.
+    """
+    found: dict[int, list[SawOp]] = {}
+    before: tuple[int, SawOp] | None = None
+    for cut in cuts:
+        place = round(cut.x / resolution)
+        if goes_back and before is not None and before[1].at == "end":
+            place = max(place, before[0])
+        found.setdefault(place, []).append(cut)
+        before = place, cut
+    return found
 
 
 _order = itemgetter(0, 1, 2, 3, 4)

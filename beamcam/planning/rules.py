@@ -212,6 +212,21 @@ BEVEL = Rule(
     "found a bevel of {found} degrees on face {face}; expected none but those of the saw cuts",
     "A weld preparation needs a torch. `--allow-skips bevel` leaves it to another machine.",
 )
+BEVEL_NOISE = Rule(
+    "plan-bevel-noise",
+    _N,
+    "found {count} bevel(s) of at most {found} degrees; below {expected} degrees an edge is cut "
+    "square",
+    "Some exporters write rounding errors as angles. `torch.min_bevel` and `saw.min_mitre` of the "
+    "machine file say from which angle on a bevel is meant.",
+)
+DRILL_SIZE = Rule(
+    "plan-drill-size",
+    _N,
+    "holes of diameter {found} are drilled with {size}, {off} mm {way}",
+    "The shop has no drill of that diameter; `drill.fits` of the machine file says how far over "
+    "and under a drill may be, `drill.never_under` that none may be smaller.",
+)
 OTHER = Rule(
     "plan-other",
     _E,
@@ -221,7 +236,7 @@ OTHER = Rule(
 
 RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SECTION_SHAPE, CUT_DENIED,
-    CUT_FROM_CONTOUR, CUT_NOISE,
+    BEVEL_NOISE, DRILL_SIZE, CUT_FROM_CONTOUR, CUT_NOISE,
     BAR_SHORT, BAR_LONG, NO_SAW, NO_WORK, COMES_CUT, BAR_FULL, BAR_LEFT,
     PART_SHORT, REMNANT, QUANTITY,
     TURNED, TURN_HELPS, ORDER, RELOAD, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD, NO_TOOL,

@@ -16,7 +16,7 @@ from beamcam.machine.torch import Torch
 from beamcam.model.drawing import Measures
 from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
-from beamcam.planning.bar_jobs import BarJob, Quantity, repeated
+from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
 from beamcam.planning.contours.place import box_of
@@ -94,23 +94,23 @@ def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) ->
     return LaidSheet(whole, places, tuple(origins))
 
 
-def sheet_jobs(
-    parts: Sequence[Part], machine: Machine, quantity: Quantity, skips: Collection[str]
-) -> tuple[BarJob, ...]:
-    """The sheets that hold the parts, each as often as it is wanted, in the order given."""
-    pieces = parts if quantity is None else repeated(parts, quantity)
-    jobs: list[BarJob] = []
+def sheet_shares(request: Request, pieces: Sequence[int]) -> tuple[tuple[int, ...], ...]:
+    """The pieces that lie on each sheet, in the order given; each by the place of its part."""
+    machine, parts = request.machine, request.parts
     torch = _torch(machine)
-    while pieces:
-        sheet = _sheet_of(pieces[0], torch)
-        same = next((k for k, p in enumerate(pieces) if _sheet_of(p, torch) != sheet), len(pieces))
+    shares: list[tuple[int, ...]] = []
+    sheets = [_sheet_of(parts[place], torch) for place in pieces]
+    at = 0
+    while at < len(pieces):
+        same = next((k for k in range(at, len(pieces)) if sheets[k] != sheets[at]), len(pieces))
+        alike = [parts[place] for place in pieces[at:same]]
         count = 1
-        if same > 1 and all(piece.profile.code == "B" for piece in pieces[:same]):
+        if len(alike) > 1 and all(part.profile.code == "B" for part in alike):
             # A part that fits beside no other is planned by itself, and refused as it is.
-            count = max(len(places_of(pieces[:same], machine, skips)), 1)
-        jobs.append(BarJob(tuple(pieces[:count]), ()))
-        pieces = pieces[count:]
-    return tuple(jobs)
+            count = max(len(places_of(alike, machine, request.skips)), 1)
+        shares.append(tuple(pieces[at : at + count]))
+        at += count
+    return tuple(shares)
 
 
 def _outline(part: Part, machine: Machine, skips: Collection[str]) -> list[tuple[int, Feature]]:

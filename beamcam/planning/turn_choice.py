@@ -20,6 +20,7 @@ from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
 BAR_BEHIND = 10_000.0  #: mm of bar behind a part that is tried
+MOST_TRIED = 500  #: features of a part of which other ways are looked for unasked
 MIN_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
 SKIP_WEIGHT_S = 1e6  #: for each feature left out: it is better made in another orientation
 
@@ -31,6 +32,7 @@ class Trial(Struct, frozen=True):
     part: Part
     seconds: float | None  #: of its work alone; None if it is out
     because: str  #: why it is out, or ""
+    code: str = ""  #: of the message that refuses it
 
 
 class Orientation(Struct, frozen=True):
@@ -55,8 +57,13 @@ def plan_turned(
 def turns_that_help(
     parts: Sequence[Part], machine: Machine, skips: Collection[str]
 ) -> Iterator[Diagnostic]:
-    """For each part that cannot be made as given, the turn that would help, if one does."""
+    """For each part that cannot be made as given, the turn that would help, if one does.
+
+    Parts of more than `MOST_TRIED` features are not tried: nobody asked for their turns.
+    """
     for part in {id(p): p for p in parts}.values():
+        if len(part.features) > MOST_TRIED:
+            continue
         trials = try_turns(part, machine, skips)
         if next(trials).seconds is None:
             helping = next((t for t in trials if t.seconds is not None), None)
@@ -88,7 +95,7 @@ def _tried(
         plan = plan_bar([lying], machine, _trial_bar(lying, machine), skips)
     except PlanError as error:
         first = errors_in(error.diagnostics)[0]
-        return Trial(turn, lying, None, f"{first.code}: {first.message}")
+        return Trial(turn, lying, None, f"{first.code}: {first.message}", first.code)
     skipped = sum(outcome.how == "skipped" for outcome in plan.outcomes)
     return Trial(turn, lying, work_time(plan, machine).total_s + SKIP_WEIGHT_S * skipped, "")
 
@@ -129,7 +136,7 @@ def _choose(part: Part, trials: Sequence[Trial]) -> Orientation | None:
     if given.turn is not TURNS[0]:
         reason = "as the other parts on the bar have to lie"
     elif given.seconds is None:
-        reason = f"as given it cannot be made ({given.because.partition(':')[0]})"
+        reason = f"as given it cannot be made ({given.code or given.because})"
     else:
         gain = given.seconds - (best.seconds or 0.0)
         if best is given or gain < MIN_GAIN_S:

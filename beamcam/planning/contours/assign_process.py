@@ -25,7 +25,6 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.model.sheet_layout import outline_of
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import (
     BEVEL,
@@ -38,6 +37,7 @@ from beamcam.planning.by_hand import (
 )
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.ability import is_drilled, refusal
+from beamcam.planning.contours.layout import outline_of
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
 
@@ -158,7 +158,7 @@ def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:
     told = [b for c in part.contours for b in c.bevels if abs(b.angle) < torch.min_bevel]
     if told:
         most = max(abs(bevel.angle) for bevel in told)
-        yield rules.NOISE.at(
+        yield bar_rules.BEVEL_NOISE.at(
             part.source, count=len(told), found=f"{most:g}", expected=f"{torch.min_bevel:g}"
         )
 

@@ -14,6 +14,7 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Bezier, Curve, Line
+from beamcam.geometry.near import near_pairs
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rounds, rules
 from beamcam.planning.contours.assign_process import AssignedCurve
@@ -23,6 +24,9 @@ from beamcam.planning.contours.shape import Shape, entity
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9
+
+#: A gap as wide as the machine closes is within it, whatever the last digits of its ends.
+SLACK = 1 + 1e-6
 
 #: So many of the curves that meet at a junction are named.
 SHOWN_CURVES = 6
@@ -72,6 +76,7 @@ def join(
             found.small.setdefault(once[k].feature, once[k].source)
         if process == "cut":
             _tell(found, chains, once, torch, kerf)
+            _tell_closed(found, once, ends, torch)
     found.refusals += (
         _not_closed(shape)
         for shape in found.shapes
@@ -191,6 +196,26 @@ def _features(wanted: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple
     gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > SAME_POINT
     is_open = np.logical_or.reduceat(gaps, begins)
     yield from zip(begins.tolist(), ends.tolist(), (~is_open).tolist(), strict=True)
+
+
+def _tell_closed(found: Joined, once: Sequence[AssignedCurve], ends: Floats, torch: Torch) -> None:
+    """Tell of gaps that were closed, where that moves an end by more than the path may be off."""
+    points = ends.reshape(-1, 2)
+    first, second = near_pairs(points, torch.gap * SLACK)
+    width = np.hypot(*(points[first] - points[second]).T)
+    # An end that meets another has no gap beside it, and the ends of one curve are not joined.
+    met = np.unique(np.concatenate((first, second))[np.tile(width <= torch.tolerance, 2)])
+    apart = (width > torch.tolerance) & (first // 2 != second // 2)
+    apart &= ~np.isin(first, met) & ~np.isin(second, met)
+    if apart.any():
+        k = int(np.argmax(np.where(apart, width, 0.0)))
+        x, y = points[first[k]].tolist()
+        found.remarks.append(
+            rules.GAPS.at(
+                once[int(first[k]) // 2].source, count=int(apart.sum()), found=f"{width[k]:.3f}",
+                x=f"{x:.3f}", y=f"{y:.3f}",
+            )
+        )  # fmt: skip
 
 
 def _tell(

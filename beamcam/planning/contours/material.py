@@ -1,28 +1,20 @@
 """The sheet's material and thickness, and how the machine works it."""
 
-import re
 from collections.abc import Iterator
-from fnmatch import fnmatchcase
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.load import load, shipped
+from beamcam.machine.materials import is_row_for, material_of
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 from beamcam.planning.contours import rules
 
-#: Names of structural steel as options say them, and as grades do: EN 10025, DIN 17100, ASTM, GB.
-_STEEL = ("steel", "mild steel", "structural steel", "carbon steel")
-_STEEL_GRADE = re.compile(r"(S ?\d{3}|ST ?\d\d|FE ?\d{3}|A ?(36|572|992)|Q ?\d{3}|RST ?\d\d)", re.I)
-
 
 def is_same(material: str, grade: str) -> bool:
     """Whether a requested material may be the one that a part's grade names."""
-    asked, own = material.strip().casefold(), grade.strip().casefold()
-    if asked in _STEEL:
-        return own in _STEEL or _STEEL_GRADE.match(own) is not None
-    return asked == own
+    return material_of(material) == material_of(grade)
 
 
 def speed_between(torch: Torch, process: TorchProcess, material: str, thickness: float) -> float:
@@ -36,7 +28,7 @@ def speed_between(torch: Torch, process: TorchProcess, material: str, thickness:
     rows = sorted(
         (row.up_to, row.feed_mm_min)
         for row in torch.rows
-        if row.process == process and fnmatchcase(material.upper(), row.material.upper())
+        if row.process == process and is_row_for(row.material, material)
     )
     if not rows or not 0.0 < thickness <= rows[-1][0]:
         raise ValueError(f"no speed to {process} {thickness:g} mm of {material}")
@@ -95,7 +87,7 @@ class Material:
         return [row for row in self._torch.rows if row.process == process]
 
     def _fits(self, row: TorchRow) -> bool:
-        is_material = fnmatchcase(self.material.upper(), row.material.upper())
+        is_material = is_row_for(row.material, self.material)
         return is_material and 0.0 < self.thickness <= row.up_to
 
     def kerf(self, process: TorchProcess) -> float:

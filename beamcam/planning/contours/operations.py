@@ -4,7 +4,7 @@ shapes -> half a kerf off the part -> in order -> turned and begun -> led into -
 """
 
 from collections.abc import Iterator, Sequence
-from math import hypot
+from math import ceil, hypot
 from typing import Literal
 
 from msgspec.structs import replace
@@ -42,9 +42,9 @@ def operations_of(
     """
     kerfs = [material.kerf(s.process) if s.is_ring else 0.0 for s in shapes]
     ready, said = compensated(shapes, kerfs, torch)
+    said += _open_cuts(shapes, 0.0 if torch.allow_open else material.kerf("cut"))
     if errors_in(said):
         return (), said
-    said += _open_cuts(shapes)
     fence = moved(shapes, shift) if any(kerfs) else None
     ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch, share)
     said += common
@@ -143,13 +143,19 @@ def _operation(
     )  # fmt: skip
 
 
-def _open_cuts(shapes: Sequence[Shape]) -> Iterator[Diagnostic]:
+def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:
+    """Open contours to cut: errors where a kerf is compensated and they are not asked for."""
     opened = [s for s in shapes if s.process == "cut" and not s.closed]
     for shape in opened[:SHOWN_OPEN]:
         (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
-        yield rules.OPEN_CUT.at(
-            shape.source, x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}", y1=f"{y1:.3f}",
-            apart=f"{hypot(x1 - x0, y1 - y0):.3f}",
-        )  # fmt: skip
+        apart = hypot(x1 - x0, y1 - y0)
+        places = {"x0": f"{x0:.3f}", "y0": f"{y0:.3f}", "x1": f"{x1:.3f}", "y1": f"{y1:.3f}"}
+        if kerf:
+            gap = f"{ceil(apart * 100) / 100:g}"
+            yield rules.OPEN_KERF.at(
+                shape.source, apart=f"{apart:.3f}", kerf=f"{kerf:g}", gap=gap, **places
+            )
+        else:
+            yield rules.OPEN_CUT.at(shape.source, apart=f"{apart:.3f}", **places)
     if len(opened) > SHOWN_OPEN:
         yield rules.MORE_OPEN.at(opened[SHOWN_OPEN].source, found=len(opened) - SHOWN_OPEN)

@@ -231,6 +231,21 @@ OPEN_CUT = Rule(
     "An open line has no side that the part lies on. Ends at most `torch.gap` of the machine file "
     "apart are joined.",
 )
+OPEN_KERF = Rule(
+    "plan-open-kerf",
+    _E,
+    "found an open contour to cut from x {x0}, y {y0} to x {x1}, y {y1}, {apart} mm apart; "
+    "expected it closed, as a kerf of {kerf} mm is compensated; --gap {gap} joins its ends, "
+    "--allow-open cuts it on its line",
+    "An open line has no side that the part lies on, and what it seems to enclose would be cut on "
+    "the wrong one.",
+)
+GAPS = Rule(
+    "plan-gaps-closed",
+    _N,
+    "closed {count} gaps between ends of curves, the widest {found} mm at x {x}, y {y}",
+    "Ends at most `torch.gap` or --gap apart are joined by moving them, or by a line.",
+)
 MORE_OPEN = Rule(
     "plan-open-cuts",
     _W,
@@ -324,14 +339,6 @@ SQUARE = Rule(
     "found bevels on a contour, which is cut square; they are left to another machine",
     "`--allow-skips bevel` was given; a torch that does not tilt cuts every edge square.",
 )
-NOISE = Rule(
-    "plan-bevel-noise",
-    _N,
-    "found {count} bevel(s) of at most {found} degrees; below {expected} degrees an edge is cut "
-    "square",
-    "Some exporters write rounding errors as angles. `torch.min_bevel` of the machine file says "
-    "from which angle on a bevel is meant.",
-)
 NEEDS_LEAD = Rule(
     "plan-kerf-lead",
     _E,
@@ -380,8 +387,9 @@ RULES = (
     CHAIN, SHEETS, MIXED, SHEET_FULL, UNROLLED, QUANTITY, NOTHING, UNMAPPED, MAP, OPTION,
     LOOK_SETTING, LOOK_OVERCUT, LOOK_ORDER, LAYOUT, HATCH, NO_PROCESS, NO_THICKNESS, THICKNESS,
     OTHER_THICKNESS, OTHER_MATERIAL, ASSUMED, SHEET_SIZE, SHEET_PLACE, JUNCTION, BRANCHED,
-    NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, OPEN_CUT,
-    MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, COPIES, CROSSING, MORE_CROSSINGS,
-    CROSSED, MORE_CROSSED, NO_LEAD, SQUARE, NOISE, NEEDS_LEAD, UNCOMPENSATED, MACHINE_TABS,
+    NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, GAPS, OPEN_CUT,
+    OPEN_KERF, MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, COPIES, CROSSING,
+    MORE_CROSSINGS, CROSSED, MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED,
+    MACHINE_TABS,
     NO_TABS, OVERCUT,
 )  # fmt: skip

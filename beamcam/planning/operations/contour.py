@@ -8,7 +8,7 @@ from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import Ends, leaves_stock
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.working_step import Found, Settled
-from beamcam.planning.rules import BEVEL
+from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
 _E = Severity.ERROR
 
@@ -47,8 +47,14 @@ def _refusals(contour: Contour, bench: Bench) -> Iterator[Diagnostic]:
     if corner is not None:
         x, y = corner
         yield COPE.at(contour.source, face=contour.face, x=f"{x:g}", y=f"{y:g}")
+    least = bench.line.saw.min_mitre
+    noise = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) < least]
+    if noise:
+        yield BEVEL_NOISE.at(
+            contour.source, count=len(noise), found=f"{max(noise):g}", expected=f"{least:g}"
+        )
     for bevel in contour.bevels:
-        if not _is_sawn(bevel.angle, contour.face, bench.ends):
+        if abs(bevel.angle) >= least and not _is_sawn(bevel.angle, contour.face, bench.ends):
             yield BEVEL.at(contour.source, found=f"{bevel.angle:g}", face=contour.face)
 
 

@@ -68,7 +68,7 @@ def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
     web = _agreed(part, "web", header[0], drawn[0], saw.min_mitre, remarks)
     flange = _agreed(part, "flange", header[1], drawn[1], saw.min_mitre, remarks)
     slopes = [(tan(radians(w)), tan(radians(f))) for w, f in zip(web, flange, strict=True)]
-    leans = [[y * t + z * s for y, z in corners(part.profile)] for t, s in slopes]
+    leans = [[y * t + z * s for y, z in corners(part.profile, part.section)] for t, s in slopes]
     kerfs = [saw.kerf * (hypot(1.0, *s) if saw.kerf_along == "normal" else 1.0) for s in slopes]
     start = End("start", web[0], max(leans[0]), flange[0], kerfs[0])
     end = End("end", web[1], part.length + min(leans[1]), flange[1], kerfs[1])

@@ -4,6 +4,7 @@ holes on their faces -> each once -> pairs of the two flanges -> toolings -> ste
 since each stands on the hole that it sinks.
 """
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 
 from beamcam.caches import PerObject
@@ -17,10 +18,11 @@ from beamcam.model.plan import DrillOp, FeatureRef, Plan, WorkOp
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.hole_pairs import judge_pairs, refuse_too_near
+from beamcam.planning.operations.hole_pairs import judge_pairs, refuse_crowd, refuse_too_near
 from beamcam.planning.operations.hole_tools import HoleWork, toolings_of
 from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.merging import (
+    ROUNDING,
     Group,
     Placed,
     drop_duplicates,
@@ -91,6 +93,8 @@ def _steps(holes: Sequence[tuple[int, Hole]], bench: Bench) -> list[Found]:
     drill = bench.library.drill
     placed = tuple(sorted((hole.x, f, hole) for f, hole in holes))
     kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
+    if crowd := list(refuse_crowd(kept, drill)):
+        return [*crowd]
     found: list[Found] = [*_repeats(repeats, bench)]
     sinks: list[Group] = []
     for group in merge_pairs(kept, partner_faces(bench.machine), drill):
@@ -193,12 +197,17 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
     """For each countersink the hole that it sinks: of its face and place, the widest below it."""
     pilots = {}
     limit = drill.merge_tolerance
-    for _, f, sink in holes:
+    along = [x for x, _, _ in holes]
+    for x, f, sink in holes:
         if sink.kind != "countersink":
             continue
+        begin, end = (
+            bisect_left(along, x - limit - ROUNDING),
+            bisect_right(along, x + limit + ROUNDING),
+        )
         below = [
             (hole.diameter, other_f, placed)
-            for placed in holes
+            for placed in holes[begin:end]
             for _, other_f, hole in (placed,)
             if hole.kind in SUNK
             and hole.face == sink.face

@@ -3,6 +3,8 @@
 The holes are walked in order of x, so that each looks only at those that may still touch it.
 """
 
+from bisect import bisect_right
+from collections import defaultdict
 from collections.abc import Iterator
 from math import dist, hypot
 from operator import itemgetter
@@ -10,7 +12,7 @@ from operator import itemgetter
 from beamcam.errors import Rule, Severity
 from beamcam.machine.drill import Drill
 from beamcam.model.description import named
-from beamcam.model.part import Hole
+from beamcam.model.part import Face, Hole
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
 from beamcam.planning.operations.merging import ROUNDING, Group, Placed, runs
 from beamcam.planning.operations.working_step import Said
@@ -31,8 +33,39 @@ TOO_NEAR = Rule(
     "Holes closer than the program's decimals can distinguish are one hole that was drawn twice, "
     "not quite at the same place.",
 )
-RULES = (OVERLAP, TOO_NEAR)
+CROWD = Rule(
+    "plan-hole-crowd",
+    Severity.ERROR,
+    "found {found} pairs of holes that stand within {reach} mm of each other along the part, most "
+    "of them about this one; expected at most {expected}",
+    "So many holes do not stand beside each other on a wall: they are a drawing that was written "
+    "again and again. Nothing else is said of them.",
+)
+RULES = (OVERLAP, TOO_NEAR, CROWD)
+MOST_PAIRS = (
+    2_000_000  #: that are compared; 20,000 holes of 18 mm all over a bar of 12 m have 1 of 2
+)
 THREADS = ("thread", "left-thread")
+
+
+def refuse_crowd(holes: Group, drill: Drill) -> Iterator[Said]:
+    """The hole with most others behind it, where comparing each two of them would take minutes.
+
+    The pairs are counted and not looked at.
+    """
+    of_face: dict[Face, list[Placed]] = defaultdict(list)
+    for placed in holes:
+        of_face[placed[2].face].append(placed)
+    for group in of_face.values():
+        reach = max(hole.diameter for _, _, hole in group) + drill.min_edge_distance
+        along = [x for x, _, _ in group]
+        counts = [bisect_right(along, x + reach) - i - 1 for i, x in enumerate(along)]
+        if sum(counts) > MOST_PAIRS:
+            _, f, hole = group[counts.index(max(counts))]
+            yield (
+                f,
+                CROWD.at(hole.source, found=sum(counts), reach=f"{reach:g}", expected=MOST_PAIRS),
+            )
 
 
 def judge_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
@@ -40,6 +73,7 @@ def judge_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
     if len(holes) < 2:
         return
     steel = drill.min_edge_distance
+    overlapping: set[int] = set()  # the first error about a hole is the one that refuses it
     furthest = max(hole.diameter for _, _, hole in holes) / 2 + steel
     for i, (x, f, hole) in enumerate(holes):
         face, y, radius = hole.face, hole.y, hole.diameter / 2
@@ -54,9 +88,12 @@ def judge_pairs(holes: Group, drill: Drill) -> Iterator[Said]:
             dy = other.y - y
             if -room - steel < dy < room + steel:
                 apart = hypot(other_x - x, dy)
-                if apart < room + steel - TOLERANCE:
+                if apart < room + steel - TOLERANCE and max(f, other_f) not in overlapping:
                     pair = (holes[i], holes[j]) if f < other_f else (holes[j], holes[i])
-                    yield from _judge_pair(*pair, apart, room, drill)
+                    for said in _judge_pair(*pair, apart, room, drill):
+                        yield said
+                        if said[1].severity is Severity.ERROR:
+                            overlapping.add(said[0])
 
 
 def _judge_pair(

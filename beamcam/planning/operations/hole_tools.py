@@ -182,7 +182,7 @@ def _nearest_tools(library: ToolLibrary, hole: HoleWork) -> str:
     if not near:
         return "none, the machine has no drill"
     shown = " or ".join(f"{d:g}" for _, d in near[:2])
-    fit = fit_of(diameter, library.drill.fits)
+    fit = fit_of(diameter, library.drill)
     if fit is None:
         return f"a hole near a drill of {shown}"
     limits = f"{diameter - fit.minus:g} to {diameter + fit.plus:g}"

@@ -8,8 +8,9 @@ are the same place, since that is what two exports of one model leave (`merge_to
 The holes are walked in order of x, so that each looks only at those a tolerance further on.
 """
 
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
-from itertools import combinations
+from math import floor
 from operator import itemgetter
 
 from beamcam.machine.drill import Drill
@@ -18,6 +19,7 @@ from beamcam.model.part import Face, Hole
 Placed = tuple[float, int, Hole]  #: x, index of the feature, and the hole: they sort along the part
 Group = tuple[Placed, ...]
 ROUNDING = 1e-9
+_NEAR = (-1, 0, 1)
 
 
 def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Placed]]:
@@ -27,14 +29,20 @@ def drop_duplicates(holes: Group, tolerance: float) -> tuple[Group, dict[int, Pl
     """
     repeats: dict[int, Placed] = {}
     limit = tolerance + ROUNDING
+    width = 2 * limit  # of a cell: holes that are the same lie in neighbours
+    kept: defaultdict[tuple[int, int], list[Placed]] = defaultdict(list)
     for run in runs(holes, limit):
         if len(run) == 1:
             continue
-        for first, other in combinations(sorted(run, key=itemgetter(1)), 2):
-            if _is_same(first[2], other[2], limit) and repeats.keys().isdisjoint(
-                (first[1], other[1])
-            ):
-                repeats[other[1]] = first
+        for placed in sorted(run, key=itemgetter(1)):
+            x, f, hole = placed
+            column, row = floor(x / width), floor(hole.y / width)
+            near = [cell for i in _NEAR for j in _NEAR if (cell := kept.get((column + i, row + j)))]
+            like = [p for cell in near for p in cell if _is_same(p[2], hole, limit)]
+            if like:
+                repeats[f] = min(like, key=itemgetter(1))
+            else:
+                kept[column, row].append(placed)
     if not repeats:
         return holes, repeats
     return tuple([p for p in holes if p[1] not in repeats]), dict(sorted(repeats.items()))

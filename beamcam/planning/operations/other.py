@@ -1,16 +1,39 @@
-"""Features that no line makes: bends, planes in space, cambers."""
+"""Features that no line makes: bends, planes in space, cambers.
+
+The saw makes the end plane that the angles and the length of the part give: it is one of its cuts.
+"""
+
+from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic
 from beamcam.model.part import Bend, Camber, EndPlane
+from beamcam.model.section import corners
 from beamcam.planning import rules
 from beamcam.planning.operations.bench import Bench
-from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.kind import Kind, Numbered
+from beamcam.planning.operations.working_step import Found, Settled
 
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
+SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at any corner
 
 
-def _needs(feature: Bend | EndPlane | Camber, _: Bench) -> Diagnostic:
+def _needs(feature: Bend | EndPlane | Camber, bench: Bench) -> Diagnostic | None:
+    if isinstance(feature, EndPlane) and _is_sawn(feature, bench):
+        return None
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-OTHER = Kind("other", lambda feature: type(feature) in NAMES, _needs)
+def _is_sawn(plane: EndPlane, bench: Bench) -> bool:
+    """Whether a plane is that of the start or the end of the part."""
+    start, end = bench.ends
+    places = corners(bench.part.profile, bench.part.section)
+    one = end if plane.normal[0] > 0 else start
+    return all(abs(plane.x(y, z) - one.x(y, z)) <= SAME_PLANE for y, z in places)
+
+
+def _steps(planes: Sequence[Numbered], _: Bench) -> Iterator[Found]:
+    """None: the cuts at the ends make them."""
+    return (Settled(f, "made", "saw") for f, _ in planes)
+
+
+OTHER = Kind("other", lambda feature: type(feature) in NAMES, _needs, steps=_steps)

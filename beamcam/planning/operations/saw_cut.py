@@ -125,7 +125,9 @@ def _refusals(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
     start, end = ends
     at_end = part.cut_source("web" if end.web_deg else "flange", "end")
     if not (start.is_square and end.is_square):
-        left, y, z = min((end.x(y, z) - start.x(y, z), y, z) for y, z in corners(part.profile))
+        left, y, z = min(
+            (end.x(y, z) - start.x(y, z), y, z) for y, z in corners(part.profile, part.section)
+        )
         if left < -TOUCH:
             yield CUTS_CROSS.at(at_end, found=f"{-left:.3f}", y=f"{y:g}", z=f"{z:g}")
         elif left <= TOUCH:

@@ -5,13 +5,13 @@ Keyholes are meant, so that what meets is a warning and not refused.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import islice
 from math import hypot
 
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.plane import Point, unit_vector
 from beamcam.model.description import named
-from beamcam.model.part import Hole, Slot
+from beamcam.model.part import Face, Hole, Slot
 from beamcam.planning import rules
 from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
@@ -25,6 +25,17 @@ REASONS = {
     "slot-end": "the ends of a slot are drilled before it is milled",
     "slot-mill": "the widest mill that is no wider than the slot",
 }
+
+CROWD = Rule(
+    "plan-slot-crowd",
+    Severity.ERROR,
+    "found the pair of holes and slots side by side that is one too many; expected at most "
+    "{expected} on a part",
+    "So many slots do not stand beside each other on a wall: they are a drawing that was written "
+    "again and again. Nothing else is said of them.",
+)
+RULES = (CROWD,)
+MOST_PAIRS = 100_000  #: that are compared, 3 s
 
 Shape = tuple[int, Hole | Slot]  #: index of the feature, on the face that it is made from
 
@@ -83,10 +94,18 @@ def _steps_of(f: int, slot: Slot, bench: Bench) -> Iterator[WorkingStep]:
 
 
 def _judge_neighbours(shapes: Sequence[Shape], steel: float) -> Iterator[Said]:
-    """For each slot or hole that is too near an earlier one its index, and a warning."""
-    for (_, one), (f, other) in combinations(sorted(shapes, key=lambda shape: shape[0]), 2):
-        if one.face != other.face or not (isinstance(one, Slot) or isinstance(other, Slot)):
-            continue
+    """For each slot or hole that is too near an earlier one its index, and a warning.
+
+    Where comparing them would take minutes there is one error instead.
+    """
+    ranked = sorted(shapes, key=lambda shape: shape[0])
+    pairs = list(islice(_near([shape for _, shape in ranked], steel), MOST_PAIRS + 1))
+    if len(pairs) > MOST_PAIRS:
+        f, slot = ranked[max(pairs[-1])]
+        yield f, CROWD.at(slot.source, expected=MOST_PAIRS)
+        return
+    for i, k in sorted(pairs):
+        one, (f, other) = ranked[i][1], ranked[k]
         left = core_distance(one, other) - (one.diameter + other.diameter) / 2
         if left < steel - TOLERANCE:
             yield f, NEAR_EDGE.at(
@@ -94,6 +113,28 @@ def _judge_neighbours(shapes: Sequence[Shape], steel: float) -> Iterator[Said]:
                 face=other.face, apart=f"{max(left, 0.0):.3g}",
                 where=f"{named(one)} of {one.source}", expected=f"{steel:g}",
             )  # fmt: skip
+
+
+def _near(shapes: Sequence[Hole | Slot], steel: float) -> Iterator[tuple[int, int]]:
+    """Pairs of a slot and another shape on its face whose circles come as near as `steel`."""
+    reaches = [
+        (hypot(s.length, s.height) if isinstance(s, Slot) else 0.0) / 2 + s.diameter / 2 + steel
+        for s in shapes
+    ]
+    along = sorted(range(len(shapes)), key=lambda i: shapes[i].x - reaches[i])
+    open_: dict[Face, list[int]] = {}
+    for i in along:
+        one = shapes[i]
+        begin = one.x - reaches[i]
+        still = [k for k in open_.get(one.face, ()) if shapes[k].x + reaches[k] >= begin]
+        for k in still:
+            other = shapes[k]
+            apart = hypot(one.x - other.x, one.y - other.y)
+            if apart <= reaches[i] + reaches[k] and (
+                isinstance(one, Slot) or isinstance(other, Slot)
+            ):
+                yield min(i, k), max(i, k)
+        open_[one.face] = [*still, i]
 
 
 def slot_ends(slot: Slot) -> tuple[Point, ...]:

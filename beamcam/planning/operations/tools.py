@@ -12,6 +12,7 @@ is settled over the whole bar (`planning.bar_operations`):
 from collections.abc import Iterable
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.machine.absent import drill_of
@@ -71,7 +72,7 @@ class ToolLibrary:
 
     def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
         """All drills within the tolerance of every one of `diameters`."""
-        fits = [fit_of(diameter, self.drill.fits) for diameter in diameters]
+        fits = [fit_of(diameter, self.drill) for diameter in diameters]
         if None in fits:
             return ()
         return tuple(
@@ -91,7 +92,7 @@ class ToolLibrary:
         A cone that ends at its outer diameter may be made with any larger tool, one that stands
         below the surface or a flat counterbore only with a tool that fits the diameter.
         """
-        fit = fit_of(diameter, self.drill.fits)
+        fit = fit_of(diameter, self.drill)
         cones = [
             t
             for t in self.of_kind("countersink", faces)
@@ -159,9 +160,12 @@ def _tools(tools: ToolSet) -> Iterable[Tool]:
         )  # fmt: skip
 
 
-def fit_of(diameter: float, fits: tuple[Fit, ...]) -> Fit | None:
+def fit_of(diameter: float, drill: Drill) -> Fit | None:
     """The tolerance for holes of a diameter; None beyond the last row."""
-    return next((f for f in fits if diameter <= f.up_to), None)
+    fit = next((f for f in drill.fits if diameter <= f.up_to), None)
+    if fit is None or not drill.never_under:
+        return fit
+    return replace(fit, minus=min(fit.minus, drill.twin))
 
 
 def is_within(difference: float, fit: Fit) -> bool:

@@ -1,6 +1,6 @@
 """Cuts of a bar in figures, and ends that header and contours describe."""
 
-from math import cos, radians, tan
+from math import cos, radians, sin, tan
 
 import pytest
 from msgspec.structs import replace
@@ -9,13 +9,14 @@ from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.absent import saw_of
-from beamcam.model.part import Bevel, Contour, EndCuts, Part
+from beamcam.model.part import Bevel, Contour, EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.ends import End, ends_of, leaves_stock, web_borders
 from beamcam.planning.operations.saw_cut import saw_angles
 from beamcam.planning.stock import from_store
+from beamcam.solid.section import outline as outline_of_section
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
 
 SAW = saw_of(load("beamline-pusher"))
@@ -91,18 +92,28 @@ def test_dead_zone_and_trims_stand_in_the_account() -> None:
     assert plan_bar([part()], machine, 4000.0).bar.remnant == pytest.approx(4000 - 3026.6)
 
 
-@pytest.mark.parametrize(
-    ("profile", "count"), [(BEAM, 4), (ANGLE, 3), (TUBE, 4), (replace(BEAM, code="T"), 3)]
-)
-def test_corners_hold_material(profile: object, count: int) -> None:
-    assert len(corners(profile)) == count  # type: ignore[arg-type]
+SECTIONS = (
+    BEAM, ANGLE, TUBE, replace(TUBE, radius=20.0), replace(BEAM, code="T"),
+    Profile("C", "C200", 200.0, 70.0, 4.0, 4.0, 6.0), Profile("RU", "RD60", 60.0, 60.0, 0.0, 60.0),
+    Profile("RO", "CHS168", 168.3, 168.3, 8.0, 8.0), Profile("B", "FL", 150.0, 0.0, 0.0, 20.0),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("profile", SECTIONS, ids=lambda profile: profile.code)
+def test_corners_are_the_furthest_places_of_the_solid_section(profile: Profile) -> None:
+    drawn = outline_of_section(part(profile=profile)).exterior.coords
+    within = 4.2 if profile.code == "C" else 0.05  # whose solid has sharp bends
+    for turn in range(0, 360, 7):
+        u, v = cos(radians(turn)), sin(radians(turn))
+        reach = max(y * u + z * v for y, z in corners(profile))
+        assert reach == pytest.approx(max(y * u + z * v for y, z in drawn), abs=within)
 
 
 def test_a_mitred_angle_touches_its_length_with_steel() -> None:
     """Leaned both ways, an angle ends at a leg's edge and not at the box's corner."""
     angle = part(profile=ANGLE, cuts=EndCuts(web_start=20.0, flange_start=10.0))
     start, _ = ends_of(angle, SAW)[0]
-    assert start.x0 == pytest.approx(150 * tan(radians(20)))
+    assert start.x0 == pytest.approx(150 * tan(radians(20)) + 12 * tan(radians(10)))
     assert min(start.x(y, z) for y, z in corners(ANGLE)) == pytest.approx(0.0)
 
 

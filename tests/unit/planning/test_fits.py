@@ -3,15 +3,17 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
-from beamcam.errors import PlanError
+from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.geometry.curves import Line
 from beamcam.machine import load
-from beamcam.model.part import EndCuts
+from beamcam.model.part import Bevel, Contour, EndCuts
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.planning import rules
 from beamcam.planning.operations.saw_cut import SAW_ANGLE
-from beamcam.posts import Request
-from tests.unit.planning.shop import hole, part
+from tests.unit.planning.shop import SOURCE, hole, part
 
 IMPERIAL = (11.11, 14.29, 14.68, 17.46, 20.64)
 
@@ -36,6 +38,66 @@ def test_a_refusal_gives_the_limits_of_the_fit() -> None:
         PlanError, match=r"expected a drill of 4\.7 to 5\.4 \(drill\.fits\); the near"
     ):
         post([part(hole(500, diameter=5.0))], load("beamline"))
+
+
+def sizes(text: str, remarks: tuple[Diagnostic, ...]) -> list[str]:
+    assert text
+    return [d.message for d in remarks if d.code == rules.DRILL_SIZE.code]
+
+
+@pytest.mark.parametrize("name", ["beamline", "beamline-annex", "beamline-pusher"])
+def test_each_diameter_that_is_not_drilled_exactly_is_told_once_with_both_sizes(name: str) -> None:
+    machine = load(name)
+    wanted = (18.3, 18.3, 17.8, 18.0, 20.64)
+    made = post([part(*(hole(500 + 100 * k, diameter=d) for k, d in enumerate(wanted)))], machine)
+    assert isinstance(made.text, str)
+    assert sizes(made.text, made.remarks) == [
+        "holes of diameter 18.3 are drilled with 18, 0.3 mm under",
+        "holes of diameter 17.8 are drilled with 18, 0.2 mm over",
+    ]
+
+
+def test_a_shop_may_never_drill_under() -> None:
+    machine = load("beamline")
+    assert machine.drill is not None
+    strict = replace(machine, drill=replace(machine.drill, never_under=True))
+    twins = part(hole(500, diameter=20.65), hole(600, diameter=17.8))
+    made = post([twins], strict)
+    assert isinstance(made.text, str)
+    assert sizes(made.text, made.remarks) == [
+        "holes of diameter 17.8 are drilled with 18, 0.2 mm over"
+    ]
+    under = part(hole(500, diameter=18.3))
+    with pytest.raises(PlanError, match=r"expected a drill of 18\.28 to 18\.7 \(drill\.fits\)"):
+        post([under], strict)
+    loose = post([under], machine).text
+    assert read_back(loose, Request((under,), machine)) == ()
+    assert {d.code for d in read_back(loose, Request((under,), strict))} == {
+        "verify-not-made", "verify-hole-extra",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("angle", [0.06, -0.11])
+@pytest.mark.parametrize("name", ["beamline", "beamline-annex", "beamline-pusher"])
+def test_a_bevel_that_is_noise_is_left_square_and_told(name: str, angle: float) -> None:
+    """As two HEA240 of a real file had them, which were refused for a weld preparation."""
+    machine = load(name)
+    corners = [(0.0, 0.0), (3000.0, 0.0), (3000.0, 150.0), (0.0, 150.0)]
+    sides = tuple(map(Line, corners, [*corners[1:], corners[0]]))
+
+    def flange(*bevels: Bevel) -> Contour:
+        return Contour("u", "outer", sides, SOURCE, bevels=bevels)
+
+    noisy = part(hole(500), flange(Bevel(1, angle, 0.0)))
+    made = post([noisy], machine)
+    assert [d.message for d in made.remarks if d.code == rules.BEVEL_NOISE.code] == [
+        f"found 1 bevel(s) of at most {abs(angle):g} degrees; below 0.2 degrees an edge is cut "
+        "square"
+    ]
+    assert made.text == post([part(hole(500), flange())], machine).text
+    assert errors_in(read_back(made.text, Request((noisy,), machine))) == ()
+    with pytest.raises(PlanError, match="plan-bevel"):
+        post([part(hole(500), flange(Bevel(1, 0.3, 0.0)))], machine)
 
 
 NOISE = st.floats(-0.199, 0.199).filter(lambda a: abs(a) > 1e-6)

@@ -15,6 +15,7 @@ from beamcam.machine.marking import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning import lettering, lettering_room
 from beamcam.planning.beam import plan_bar
+from beamcam.planning.operations import hole_pairs, slot
 from beamcam.planning.orientation import plan_oriented
 from beamcam.planning.rules import SKIP_NAMES
 from tests.conftest import SAMPLES
@@ -142,6 +143,13 @@ CASES: tuple[Case, ...] = (
     ("plan-reach", "beamline-pusher", (part(replace(LINE, curves=(Line((100, 50), (200, 5)),))),),
      {}, "found 109.659 mm of line to mark at y 5 on face v; expected y from 10.7 to 289.3, "
      "the flange is in the tool's way"),
+    ("plan-hole-crowd", "crowded", (part(*(hole(500 + 5 * k) for k in range(3))),), {},
+     "found 3 pairs of holes that stand within 21 mm of each other along the part, most of them "
+     "about this one; expected at most 2"),
+    ("plan-slot-crowd", "crowded",
+     (part(*(Slot("v", 500 + k, 150, 18, 20, 0, 0, SOURCE) for k in range(3))),), {},
+     "found the pair of holes and slots side by side that is one too many; expected at most 2 on "
+     "a part"),
     ("plan-too-near", "beamline-annex", (part(hole(500), hole(500.12, 150.05)),), {},
      "found a hole of diameter 18 on face v at x 500.12, y 150.05, 0.13 mm from that of p.nc1:7; "
      "expected the same place, or one more than 0.2 mm away"),
@@ -191,6 +199,11 @@ CASES: tuple[Case, ...] = (
      'where the part has it, fewer texts, or text = "list" in [marks]'),
     ("plan-bevel", "beamline", (part(outline(SQUARE, bevels=(Bevel(1, 40.0, 0.0),))),), {},
      "found a bevel of 40 degrees on face v; expected none but those of the saw cuts"),
+    ("plan-bevel-noise", "beamline",
+     (part(outline(SQUARE, bevels=(Bevel(1, 0.06, 0.0), Bevel(2, -0.11, 0.0)))),), {},
+     "found 2 bevel(s) of at most 0.11 degrees; below 0.2 degrees an edge is cut square"),
+    ("plan-drill-size", "beamline", (part(hole(500, 100, 18.3), hole(600, 100, 18.3)),), {},
+     "holes of diameter 18.3 are drilled with 18, 0.3 mm under"),
     ("plan-other", "beamline", (part(Bend((0, 1), (9, 1), 90, 5, SOURCE)),), {},
      "found a bend; expected none, the machine does not bend, camber or cut in space"),
     ("plan-quantity", "beamline", (part(quantity=3),), {},
@@ -292,7 +305,7 @@ def said(case: Case) -> list[tuple[str, str]]:
     """Code and text of everything that planning a case says."""
     _, name, parts, options, _ = case
     machine = load(
-        {"simple": "beamline-pusher", "hasty": "beamline-pusher"}.get(
+        {"simple": "beamline-pusher", "hasty": "beamline-pusher", "crowded": "beamline-pusher"}.get(
             name, "beamline" if name in MARKS else name
         )
         if name != "behind"
@@ -315,6 +328,8 @@ def said(case: Case) -> list[tuple[str, str]]:
         with (
             patch.object(lettering_room, "MOST_SQUARES", squares),
             patch.object(lettering, "MOST_SQUARES", squares),
+            patch.object(hole_pairs, "MOST_PAIRS", 2 if name == "crowded" else 10**6),
+            patch.object(slot, "MOST_PAIRS", 2 if name == "crowded" else 10**6),
         ):
             found = plan_oriented(parts, machine, **options).remarks  # type: ignore[arg-type]
     except PlanError as error:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from msgspec.structs import replace
 
-from beamcam.errors import Source
+from beamcam.errors import PlanError, Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import (
@@ -18,12 +18,47 @@ from beamcam.geometry.plane import (
 )
 from beamcam.machine.torch import Torch
 from beamcam.model.drawing import extent
+from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Notch, Part, Slot, TextMark
+from beamcam.planning.contours import rules
 
 
 def is_laid_otherwise(torch: Torch) -> bool:
     """Whether a part is moved from its drawn position, or repeated."""
     return bool(torch.mirror != "none" or torch.rotate or torch.copies != (1, 1))
+
+
+def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
+    """Parts of a sheet as the job wants them: mirrored, turned, copied, and hatched.
+
+    Raises PlanError for a feature that cannot be, a sheet that is too small, or a hatch that fills
+    nothing.
+    """
+    if torch is None or not (torch.settings or is_laid_otherwise(torch)):
+        return parts
+    if is_laid_otherwise(torch):
+        said = [
+            rules.LAYOUT.at(source, found=what)
+            for part in parts
+            for source, what in cannot_lie(part, torch)
+        ]
+        for part in () if said else parts:
+            length, width = size_of(part, torch)
+            if length > torch.length + torch.gap or width > torch.width + torch.gap:
+                found = f"{length:.1f} x {width:.1f}"
+                expected = f"{torch.length:g} x {torch.width:g}"
+                said.append(rules.SHEET_SIZE.at(part.source, found=found, expected=expected))
+        if said:
+            raise PlanError(said)
+        parts = tuple([laid_out(part, torch) for part in parts])
+    said = [
+        rules.HATCH.at(part.source, key=key, found=what)
+        for part in parts
+        for key, what in not_filled(part, torch)
+    ]
+    if said:
+        raise PlanError(said)
+    return tuple([hatched(part, torch) for part in parts])
 
 
 def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:

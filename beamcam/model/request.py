@@ -1,0 +1,56 @@
+"""What is asked for: parts, how many of each, from which stock, on which machine.
+
+Commands, folders and the Python interface all build a `Request`. The planner works from it, and
+the read-back counts and lays out from the same record by itself. How a sheet lies (copies, mirror,
+turn, origin) and what is done with a colour or layer are settings of the machine's torch for the
+request.
+"""
+
+from typing import Literal
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.plan import Order
+
+Quantity = Literal["file"] | int | None  #: as in the part's file, a number, or once as listed
+
+
+class Request(Struct, frozen=True):
+    """The requirements of a job; nothing in it comes from a plan."""
+
+    parts: tuple[Part, ...]  #: as they were read, in the order given
+    machine: Machine
+    skips: tuple[str, ...] = ()  #: kinds of features that may be missing, as `--allow-skips` names
+    name: str = "program"  #: of the job, in its program and in messages
+    order: Order = "given"  #: of the parts on the bar; "best" is any
+    turn: bool = False  #: whether parts may lie turned
+    stock: tuple[float, ...] = ()  #: lengths of the bars in store, mm, rising; none: as needed
+    style: str | None = None  #: "chain" or "table" of triggers; the suffix of a step table
+    quantity: Quantity = None
+    strict: bool = False  #: whether warnings refuse
+    verified: bool = True  #: whether programs are read back
+    date: str = ""  #: for words of the machine; only where it is asked for
+
+
+class Job(Struct, frozen=True):
+    """One program of a request: the pieces that lie on one bar or sheet."""
+
+    request: Request
+    pieces: tuple[int, ...]  #: of each piece the place of its part in `request.parts`
+    bar: float | None = None  #: length, mm; None: as long as the pieces need
+
+    @property
+    def machine(self) -> Machine:
+        return self.request.machine
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The part of each piece; where a quantity is asked for each is a piece by itself."""
+        parts = self.request.parts
+        if self.request.quantity is None:
+            return tuple([parts[place] for place in self.pieces])
+        single = {place: replace(parts[place], quantity=1) for place in dict.fromkeys(self.pieces)}
+        return tuple([single[place] for place in self.pieces])
