@@ -5,7 +5,6 @@ from msgspec.structs import replace
 from beamcam.config import rules
 from beamcam.config.load import ConfigError
 from beamcam.config.values import COMMAND_LINE, Config
-from beamcam.errors import Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import slack_faults
 
@@ -32,7 +31,7 @@ def with_tolerances(machine: Machine, config: Config) -> Machine:
         if config.machine is None or config.sources.get("machine") == COMMAND_LINE:
             return machine
         key = f"tolerances.{next(iter(config.tolerances))}"
-        source = config.sources.get(key, Source(config.file or "configuration"))
+        source = config.place(key)
         raise ConfigError(rules.NO_DRILL.at(source, key=key, machine=machine.name))
     changed = {TOLERANCES[name]: value for name, value in config.tolerances.items()}
     # The names are those of TOLERANCES, so that they are fields of a drill.
@@ -42,7 +41,7 @@ def with_tolerances(machine: Machine, config: Config) -> Machine:
         if TOLERANCES[name] in wrong:
             found, expected = wrong[TOLERANCES[name]]
             key = f"tolerances.{name}"
-            source = config.sources.get(key, Source(config.file or "configuration"))
+            source = config.place(key)
             said = rules.WRONG_VALUE.at(source, key=key, found=f"{found:g}", expected=expected)
             raise ConfigError(said)
     return replace(machine, drill=drill)

@@ -4,12 +4,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, get_args
 
+from beamcam.budget import Limits
 from beamcam.config import rules
 from beamcam.config.values import Config, ConfigFile, Dask, Meaning, Sheet
 from beamcam.conversion import Fault, converted
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.machine.toml import Place, TomlError, TomlFile, toml_text
+from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, toml_text
 from beamcam.model.colour import parse_colour
+from beamcam.system import beginning_of, portable_path
 
 
 class ConfigError(BeamcamError):
@@ -20,7 +22,7 @@ def load(path: str | Path) -> Config:
     """The configuration in a file. Raises ConfigError."""
     file = Path(path)
     try:
-        text = toml_text(file.read_bytes())
+        text = toml_text(beginning_of(file, MAX_TOML_BYTES + 1))
         table = TomlFile(file, str(path), text).table
     except OSError as error:
         said = rules.UNREADABLE.at(Source(str(path)), found=error.strerror or error)
@@ -44,8 +46,9 @@ def load(path: str | Path) -> Config:
             else tuple(_from(folder, name) for name in named)
             for stock, named in read.machines.items()
         }
+    values["trust"] = tuple(str(folder / portable_path(place)) for place in read.trust)
     values["stock_lengths"] = tuple(sorted(set(read.stock_lengths)))
-    return Config(**values, file=str(path), sources=_sources(table, place))
+    return Config(**values, files=(str(path),), own=(str(path),), sources=_sources(table, place))
 
 
 def _from(folder: Path, machine: str) -> str:
@@ -75,7 +78,7 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
     at = place.child(*fault.path)
     if fault.kind == "unknown":
-        tables = {"sheet": Sheet, "dask": Dask}
+        tables = {"sheet": Sheet, "dask": Dask, "limits": Limits}
         of = next((t for t, kind in tables.items() if at.key in kind.__struct_fields__), None)
         expected = fault.expected if of is None else f"it below [{of}], as {of}.{at.key}"
         return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=expected)

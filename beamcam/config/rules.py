@@ -47,4 +47,26 @@ UNUSED = Rule(
     "All files of a run are made alike. Run that folder by itself, or name the file by --config.",
 )
 
-RULES = (UNREADABLE, NOT_TOML, UNKNOWN_KEY, WRONG_VALUE, NO_DRILL, TWO, UNUSED)
+NOT_FOLLOWED = Rule(
+    "config-trust",
+    Severity.WARNING,
+    "found {found} in a configuration beside the inputs, not followed; expected {known} only. "
+    "If the folder is yours, accept all of it by --trust {folder}",
+    "What lies beside the inputs came with them. Machines, skips, clusters and the like come from "
+    "the command line, --config, the folder that the command is called in and those above, or the "
+    "user's own file. `beamcam config --trust FOLDER --remember` accepts a folder for good.",
+)
+NOT_REPEATED = Rule(
+    "config-trust-record",
+    Severity.ERROR,
+    "found {found!r} in the record of a batch, which lies in another folder than yours; expected "
+    "one in the folder of the command, above it, or among the user's own. If it is yours, accept "
+    "it by --trust {folder}",
+    "A record is a file of the folder that is checked. Whoever made that folder would choose the "
+    "machine that its programs are compared by.",
+)
+
+RULES = (
+    UNREADABLE, NOT_TOML, UNKNOWN_KEY, WRONG_VALUE, NO_DRILL, TWO, UNUSED, NOT_FOLLOWED,
+    NOT_REPEATED,
+)  # fmt: skip

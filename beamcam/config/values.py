@@ -1,24 +1,21 @@
-"""The values of a configuration, and where its file is looked for.
+"""The values of a configuration, and how one is laid over another.
 
 Every command comes by here, so that this module needs next to nothing; `config.load` reads the
 file if there is one.
 """
 
-import os.path
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct, field
 from msgspec.structs import asdict, replace
 
+from beamcam.budget import Limits
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount, Text
-from beamcam.errors import Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.machine.torch import Degrees, LookSettings
-from beamcam.system import is_open_to_all, user_folder
 
-CONFIG_NAME = "beamcam.toml"
 COMMAND_LINE = Source("command line")
-_MAGIC = frozenset("*?[")
 
 Stock = Literal["beam", "sheet"]
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
@@ -50,6 +47,8 @@ class Sheet(Keys, frozen=True):
     tab_width: Positive | None = None
     inner_tabs: bool | None = None
     overcut: NotNegative | None = None
+    gap: Positive | None = None
+    allow_open: bool | None = None
     place: Literal["corner", "drawn"] | None = None
     origin: Origin | None = None
     mirror: Literal["none", "x", "y"] | None = None
@@ -108,15 +107,25 @@ class ConfigFile(Keys, frozen=True):
     tolerances: Mapping[Tolerance, NotNegative] = field(default_factory=dict)
     sheet: Sheet = Sheet()  #: how sheets are cut, over the machine's own
     dask: Dask = Dask()  #: cluster of a batch
+    limits: Limits = Limits()  #: how much a run may take
     #: what is done with a layer or a colour of a drawing
     map: Mapping[str, Meaning | MapRow] = field(default_factory=dict)
+    #: folders whose configurations are followed in full, and all below them
+    trust: tuple[Text, ...] = ()
 
 
 class Config(ConfigFile, frozen=True):
-    """A configuration as it was read."""
+    """A configuration as it was read, or several of which the nearer went over the farther."""
 
-    file: str | None = None  #: None where there is no file
+    files: tuple[str, ...] = ()  #: the nearest first
+    own: tuple[str, ...] = ()  #: those of them that are followed in full
     sources: Mapping[str, Source] = field(default_factory=dict)  #: by dotted key
+    remarks: tuple[Diagnostic, ...] = ()  #: on what is not followed
+
+    def place(self, *keys: str) -> Source:
+        """Where the first of the keys that is set stands; else the nearest file."""
+        places = (self.sources[key] for key in keys if key in self.sources)
+        return next(places, Source(next(iter(self.files), "configuration")))
 
     def machine_names(self, stock: Stock) -> tuple[str, ...]:
         """The machines that are named for a kind of stock, in the order in which they are tried."""
@@ -135,16 +144,15 @@ class Config(ConfigFile, frozen=True):
 
     def rows(self, table: str) -> Mapping[str, Any]:
         """The rows of a key that is a table, by their names."""
-        value: Mapping[str, Any] | Sheet | Dask = getattr(self, table)
-        return value.given() if isinstance(value, Sheet | Dask) else value
+        value: Mapping[str, Any] | Sheet | Dask | Limits = getattr(self, table)
+        return value.given() if isinstance(value, Sheet | Dask | Limits) else value
 
     def settings(self) -> tuple[Setting, ...]:
         """Every value, the defaults included, each with where it was set."""
         rows: list[Setting] = []
-        for key in self.__struct_fields__[:-2]:
+        for key in ConfigFile.__struct_fields__:
             value = getattr(self, key)
-            tabular = isinstance(value, Mapping | Sheet | Dask)
-            for name, row in self.rows(key).items() if tabular else (("", value),):
+            for name, row in self.rows(key).items() if is_table(value) else (("", value),):
                 dotted = f"{key}.{name}" if name else key
                 value = row.said() if isinstance(row, MapRow) else row
                 rows.append(Setting(dotted, value, self.sources.get(dotted)))
@@ -154,69 +162,61 @@ class Config(ConfigFile, frozen=True):
 def over(config: Config, asked: Mapping[str, Any]) -> Config:
     """The configuration with what the command line asks for in place of its own.
 
-    `asked` goes by the names of `Config`; what is None is not asked for. Tables are laid over each
-    other row by row, those of the command line before the others. A machine that is asked for is
-    that of every kind of stock.
+    `asked` goes by the names of `Config`; what is None is not asked for. A machine that is asked
+    for is that of every kind of stock.
     """
-    changed: dict[str, Any] = {}
-    sources = dict(config.sources)
-    for key, value in asked.items():
+    given = {key: value for key, value in asked.items() if value is not None}
+    sources = dict.fromkeys(given, COMMAND_LINE)
+    for key, value in given.items():
         if isinstance(value, Mapping):
-            own = config.rows(key)
-            changed[key] = {**value, **{name: own[name] for name in own if name not in value}}
             sources |= {f"{key}.{name}": COMMAND_LINE for name in value}
-        elif value is not None:
-            changed[key] = value
-            sources[key] = COMMAND_LINE
-    if "sheet" in changed:
-        changed["sheet"] = Sheet(**changed["sheet"])
-    if "dask" in changed:
-        changed["dask"] = Dask(**changed["dask"])
-    if "machine" in changed:
+            del sources[key]
+    return _laid_over(config, given, sources)
+
+
+def merged(far: Config, near: Config) -> Config:
+    """Two configurations as one: what the nearer sets goes over the same of the farther.
+
+    A machine of the nearer one is that of every kind of stock for which it names no other.
+    """
+    keys = [key for key in ConfigFile.__struct_fields__ if key in near.sources]
+    given = {
+        key: {row: v for row, v in near.rows(key).items() if f"{key}.{row}" in near.sources}
+        if is_table(getattr(near, key))
+        else getattr(near, key)
+        for key in keys
+    }
+    both = _laid_over(far, given, near.sources)
+    return replace(
+        both,
+        files=(*near.files, *far.files),
+        own=(*near.own, *far.own),
+        trust=(*near.trust, *far.trust),
+        remarks=(*near.remarks, *far.remarks),
+    )
+
+
+def is_table(value: object) -> bool:
+    """Whether a value has rows of its own, which are laid over those of another one by one."""
+    return isinstance(value, Mapping | Sheet | Dask | Limits)
+
+
+def _laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, Source]) -> Config:
+    """The configuration with what is given in place of its own; tables row by row."""
+    if not given:
+        return config
+    changed: dict[str, Any] = {}
+    kept = dict(config.sources)
+    if "machine" in given:
         changed["machines"] = {}
-    return replace(config, **changed, sources=sources) if changed else config
-
-
-def beside(inputs: Iterable[str]) -> tuple[str, ...]:
-    """Every configuration that holds for one of `inputs`, each once: two are one too many.
-
-    It is the nearest in the folder of an input, or in the input if that is a folder, and those
-    above; where none is, the nearest in the folder that the command is called in and those above,
-    or else the user's own. Standard input lies in that folder too. It costs a look at each folder.
-    """
-    found: dict[str, str] = {}
-    for folder in dict.fromkeys(map(_folder, inputs)):
-        if path := _nearest(folder):
-            found.setdefault(os.path.realpath(path), path)
-    if found:
-        return tuple(found.values())
-    own = os.path.join(user_folder(), CONFIG_NAME)
-    path = _nearest("") or (own if os.path.isfile(own) else None)
-    return () if path is None else (path,)
-
-
-def _nearest(folder: str) -> str | None:
-    """The configuration in a folder, or in the nearest above it that has one.
-
-    A folder above in which anybody may put a file is passed over.
-    """
-    path = os.path.join(folder, CONFIG_NAME)
-    if os.path.isfile(path):
-        return path
-    below, here = os.path.abspath(folder), os.path.abspath("")
-    while (above := os.path.dirname(below)) != below:
-        path = os.path.join(above, CONFIG_NAME)
-        if os.path.isfile(path) and not is_open_to_all(above):
-            return CONFIG_NAME if above == here else path
-        below = above
-    return None
-
-
-def _folder(name: str) -> str:
-    """The folder of an input: itself if it is one; of a pattern as far as it has no magic."""
-    if os.path.isdir(name):
-        return name
-    folder = os.path.dirname(name)
-    while not _MAGIC.isdisjoint(folder) and not os.path.isdir(folder):
-        folder = os.path.dirname(folder)
-    return folder
+        kept = {k: v for k, v in kept.items() if k.partition(".")[0] != "machines"}
+    for key, value in given.items():
+        if isinstance(value, Mapping):
+            own = changed.get(key, config.rows(key))
+            changed[key] = {**value, **{name: own[name] for name in own if name not in value}}
+        else:
+            changed[key] = value
+    for key, record in (("sheet", Sheet), ("dask", Dask), ("limits", Limits)):
+        if key in changed:
+            changed[key] = record(**changed[key])
+    return replace(config, **changed, sources={**kept, **sources})

@@ -1,0 +1,111 @@
+"""Where the configurations of a job are looked for, and whose they are.
+
+    shop/beamcam.toml         here, where the command is called, or above: one's own
+    shop/jobs/beamcam.toml    beside the inputs, further down or elsewhere: came with the parts
+    ~/.config/beamcam/        the user's own, the farthest of all
+
+What came with the parts is a stranger's as the parts are; `trust` says what is taken of it. Every
+command comes by here, so that this module needs next to nothing.
+"""
+
+import os.path
+from collections.abc import Iterable, Iterator
+
+from msgspec import Struct
+
+from beamcam.system import is_ones_own, is_open_to_all, user_folder
+
+CONFIG_NAME = "beamcam.toml"
+MACHINES = "machines"  #: folder of machine files that are known by name
+_MAGIC = frozenset("*?[")
+
+
+class ConfigFiles(Struct, frozen=True):
+    """The configurations of a job, each list with the nearest first."""
+
+    beside: tuple[str, ...] = ()  #: of the folders of the inputs and those above
+    own: tuple[str, ...] = ()  #: of the folder of the command, those above, and the user
+    #: the nearest of two inputs of the job, where these are different ones
+    two: tuple[str, str] | None = None
+
+
+def config_files(inputs: Iterable[str]) -> ConfigFiles:
+    """The configurations that hold for a job on `inputs`. It costs a look at each folder.
+
+    Each stands once, and what is one's own is not beside. Standard input lies in the folder that
+    the command is called in.
+    """
+    own = own_files()
+    known = {os.path.realpath(path): path for path in own}
+    near: dict[str, tuple[str, ...]] = {}
+    for folder in dict.fromkeys(map(_folder, inputs)):
+        if chain := tuple(_upwards(folder)):
+            near.setdefault(os.path.realpath(chain[0]), chain)
+    first, *others = near.values() or [()]
+    beside = {real: path for path in first if (real := os.path.realpath(path)) not in known}
+    return ConfigFiles(tuple(beside.values()), own, (first[0], others[0][0]) if others else None)
+
+
+def own_files() -> tuple[str, ...]:
+    """The configurations here, in the folders above, and the user's own, the nearest first.
+
+    In a folder that anybody may write to one has to belong to the user, or to the system's owner.
+    """
+    found = [path for path in _upwards("") if path != CONFIG_NAME or _is_safe_here()]
+    users = os.path.join(user_folder(), CONFIG_NAME)
+    if os.path.isfile(users):
+        found.append(users)
+    return tuple({os.path.realpath(path): path for path in reversed(found)}.values())[::-1]
+
+
+def is_ones_own_place(path: str) -> bool:
+    """Whether a file lies where one's own configurations do, or their machines.
+
+    That is in the folder of the command, in one above it, in the user's, or in `machines` of one.
+    """
+    folder = os.path.dirname(os.path.realpath(path))
+    above, name = os.path.split(folder)
+    places = (folder, above) if name == MACHINES else (folder,)
+    here = os.path.join(os.path.abspath(""), CONFIG_NAME)
+    users = _key(user_folder())
+    return any(_key(place) == users or is_in(here, [place]) for place in places)
+
+
+def is_in(path: str, folders: Iterable[str]) -> bool:
+    """Whether a file lies in one of the folders, or anywhere below it; links are followed."""
+    real = _key(path)
+    return any(real.startswith(os.path.join(_key(folder), "")) for folder in folders)
+
+
+def _key(path: str) -> str:
+    return os.path.normcase(os.path.realpath(path))
+
+
+def _is_safe_here() -> bool:
+    return not is_open_to_all(os.curdir) or is_ones_own(CONFIG_NAME)
+
+
+def _upwards(folder: str) -> Iterator[str]:
+    """The configurations in a folder and in those above it.
+
+    A folder above in which anybody may put a file is passed over.
+    """
+    path = os.path.join(folder, CONFIG_NAME)
+    if os.path.isfile(path):
+        yield path
+    below, here = os.path.abspath(folder), os.path.abspath("")
+    while (above := os.path.dirname(below)) != below:
+        path = os.path.join(above, CONFIG_NAME)
+        if os.path.isfile(path) and not is_open_to_all(above):
+            yield CONFIG_NAME if above == here else path
+        below = above
+
+
+def _folder(name: str) -> str:
+    """The folder of an input: itself if it is one; of a pattern as far as it has no magic."""
+    if os.path.isdir(name):
+        return name
+    folder = os.path.dirname(name)
+    while not _MAGIC.isdisjoint(folder) and not os.path.isdir(folder):
+        folder = os.path.dirname(folder)
+    return folder
