@@ -13,7 +13,7 @@ from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
 from beamcam.machine.machine import Machine
 from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
-from beamcam.plain_text import terminal_text
+from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES
 
 _error, _, _ = rule_makers("ask")
@@ -30,9 +30,9 @@ ASK_BAR = _error(
 )
 ASK_JOB = _error(
     "job",
-    "found the job name {found!r}; expected one line of printable characters",
+    "found the job name {found}; expected {expected}",
     "The name is written in the program's first line; a line end in it would turn the rest into "
-    "blocks.",
+    "blocks, and what a controller's line does not hold would be cut off.",
 )
 ASK_SKIP = _error(
     "skip",
@@ -68,11 +68,20 @@ def check_asked(job: object = "JOB", bar: object = None, skips: object = ()) -> 
         raise AskError(said)
 
 
+def expected_job(job: str) -> str:
+    """The expected form of a job's name that cannot be meant; "" of one that can."""
+    if terminal_text(job) != job:
+        return "one line of printable characters"
+    return "" if len(job) <= MAX_COMMENT else f"{MAX_COMMENT} characters at most"
+
+
 def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
     if not isinstance(job, str):
         yield ask_type("job", job, "a text")
-    elif terminal_text(job) != job:
-        yield ASK_JOB.at(_HERE, found=job)
+    elif expected := expected_job(job):
+        from beamcam.conversion.diagnosis import shown
+
+        yield ASK_JOB.at(_HERE, found=shown(job), expected=expected)
     if bar is not None:
         if isinstance(bar, bool | str | bytes) or not hasattr(bar, "__float__"):
             yield ask_type("bar", bar, "a number, or None")

@@ -13,8 +13,9 @@ from typing import Any
 import click
 
 from beamcam.collector import collector_seldom
+from beamcam.interrupts import end_here
 from beamcam.plain_text import terminal_lines
-from beamcam.system import INTERRUPTED, is_unicode
+from beamcam.system import is_unicode
 from beamcam.version import __version__
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line
@@ -66,21 +67,12 @@ class Commands(click.Group):
 
             stop_without_output(error)
 
-    def make_context(self, *args: Any, **values: Any) -> click.Context:
-        """The options of a call; Ctrl-C ends it with the status that shells have for it."""
-        try:
-            return super().make_context(*args, **values)
-        except KeyboardInterrupt:
-            raise SystemExit(INTERRUPTED) from None
-
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; messages about wrong usage name files, and must not steer a terminal."""
         if self.loading is not None and signal.getsignal(signal.SIGINT) is self.loading:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.signal(signal.SIGINT, end_here)
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:
-            raise SystemExit(INTERRUPTED) from None
         except click.ClickException as error:
             vars(error)["message"] = terminal_lines(error.message)  # click calls it final
             raise

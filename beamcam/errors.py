@@ -1,8 +1,9 @@
 """Sources, rules and diagnostics.
 
 A `Rule` is one thing that can be wrong: its stable code, its severity and the text of its
-message. `rule.at(source, found=..., expected=...)` gives a `Diagnostic`, which is a value;
-what cannot be posted raises a `BeamcamError` that carries its diagnostics.
+message. `rule.at(source, found=..., expected=...)` gives a `Diagnostic`, which is a value and keeps
+those that its message shows: nothing is decided by the message. What cannot be posted raises a
+`BeamcamError` that carries its diagnostics.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -38,13 +39,21 @@ class Source(Struct, frozen=True, gc=False):
         return ":".join(place)
 
 
+Value = str | int | float  #: what a message shows
+
+
 class Diagnostic(Struct, frozen=True):
-    """A message about a place in an input."""
+    """A message about a place in an input; `said["found"]` is the value that it shows as found."""
 
     source: Source
     severity: Severity
     code: str
-    message: str
+    message: str  #: for people; what is decided, is decided by the values
+    values: tuple[tuple[str, Value], ...] = ()  #: by the names of the rule's template
+
+    def __getitem__(self, name: str) -> Value:
+        """A value that the message shows. Raises KeyError if it shows none of that name."""
+        return dict(self.values)[name]
 
     def __str__(self) -> str:
         return terminal_text(f"{self.source}: {self.severity.value} {self.code}: {self.message}")
@@ -71,7 +80,8 @@ class Rule(Struct, frozen=True):
     def at(self, source: Source, **values: object) -> Diagnostic:
         """The diagnostic for this rule at `source`. Raises KeyError if a value is missing."""
         shown = {name: _shortened(value) for name, value in values.items()}
-        return Diagnostic(source, self.severity, self.code, self.message.format_map(shown))
+        kept = tuple((name, _plain(value)) for name, value in shown.items())
+        return Diagnostic(source, self.severity, self.code, self.message.format_map(shown), kept)
 
 
 def _shortened(value: object) -> object:
@@ -79,6 +89,11 @@ def _shortened(value: object) -> object:
     if isinstance(value, str) and len(value) > MAX_SHOWN:
         return f"{value[:MAX_SHOWN]}... ({len(value) - MAX_SHOWN} more characters)"
     return value
+
+
+def _plain(value: object) -> Value:
+    """A value that is kept: numbers and texts are what they are, anything else is its text."""
+    return value if isinstance(value, str | int | float) else str(value)
 
 
 def first_of_each_kind(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:

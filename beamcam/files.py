@@ -4,7 +4,9 @@ import os
 import stat
 from collections.abc import Iterable
 from contextlib import suppress
+from functools import partial
 
+from beamcam.interrupts import taken_back
 from beamcam.system import BINARY, replace_file
 
 REFUSED_SUFFIX = ".refused"  #: behind the name of an output whose program was refused
@@ -41,7 +43,15 @@ def _replace(target: str, mode: int | None, data: bytes | Iterable[bytes], durab
     folder, name = os.path.split(target)
     # The process's number keeps two writers apart; a name left by a dead one is used again.
     part = os.path.join(folder, f".{name[:40]}.{os.getpid()}.part")
-    file, named = _open(folder or os.curdir, part)
+    with taken_back(partial(os.unlink, part)):
+        _write_part(target, part, mode, data, durable)
+
+
+def _write_part(
+    target: str, part: str, mode: int | None, data: bytes | Iterable[bytes], durable: bool
+) -> None:
+    """Write a new file, which has the name `part` if it has any, until it is the target."""
+    file, named = _open(os.path.dirname(target) or os.curdir, part)
     try:
         try:
             _write_all(file, data)

@@ -4,8 +4,11 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import TypeVar, overload
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, PlanError, Rule, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
+from beamcam.model.request import Request
 
 Made = TypeVar("Made")
 
@@ -51,24 +54,31 @@ class InTurn(Sequence[Machine]):
 
 
 def first_that_makes(
-    machines: Sequence[Machine], attempt: Callable[[Machine], Made], source: Source,
-    whole: Callable[[Machine], object] | None = None,
-) -> tuple[Machine, Made, tuple[Diagnostic, ...]]:  # fmt: skip
-    """The first machine that `attempt` is not refused on, what it gave, and a note of the choice.
+    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Made]
+) -> tuple[Made, tuple[Diagnostic, ...]]:
+    """What `attempt` gives for the first machine that it is not refused on; a note of the choice.
 
-    `whole` is the attempt with nothing left out, where the other one may leave out what is allowed:
-    a machine that makes all of it goes before one that does not. Only what a machine cannot make
-    (PlanError) has the next one tried. Where none makes it the PlanError has what the one said that
-    lacks least, and for each machine why.
+    A machine that makes all of the parts goes before one that leaves out what is allowed. Only what
+    a machine cannot make (PlanError) has the next one tried. Where none makes it the PlanError has
+    what the one said that lacks least, and for each machine why.
     """
-    if whole is not None and len(machines) > 1:
+    source = request.parts[0].source if request.parts else Source("beamcam")
+    if request.skips and len(machines) > 1:
         with suppress(PlanError):
-            machine, _, said = first_that_makes(machines, whole, source)
-            return machine, attempt(machine), said
+            machine, _, said = _first(replace(request, skips=()), machines, attempt, source)
+            return attempt(replace(request, machine=machine)), said
+    _, made, said = _first(request, machines, attempt, source)
+    return made, said
+
+
+def _first(
+    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Made],
+    source: Source,
+) -> tuple[Machine, Made, tuple[Diagnostic, ...]]:  # fmt: skip
     refused: list[tuple[Machine, tuple[Diagnostic, ...]]] = []
     for machine in machines:
         try:
-            made = attempt(machine)
+            made = attempt(replace(request, machine=machine))
         except PlanError as error:
             refused.append((machine, tuple(error.diagnostics)))
             continue

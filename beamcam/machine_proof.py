@@ -10,18 +10,20 @@ import re
 from collections.abc import Iterator
 
 from beamcam.caches import PerObject
-from beamcam.controllers.machine_words import load_machine
+from beamcam.controllers.machine_words import WordFault, fault_in, load_machine
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import rules
 from beamcam.machine.load import shipped, source_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
+from beamcam.model.request import Job, Request
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_of
+from beamcam.posts import Written, carries_head, head_lines, post_of
 from beamcam.verify.head import head_of
 
 _AT = Source("the part that proves a machine")
+_NAME = "JOB"
 _LENGTH = 1000.0  #: mm of the bar's part, if the machine makes so short ones
 #: A section of each kind that bars have, by their DSTV codes.
 _SECTIONS = (
@@ -34,8 +36,6 @@ _SECTIONS = (
     Profile("B", "FL100x10", 100.0, 0.0, 0.0, 10.0),
 )
 
-Fault = tuple[str, str, str, str]  #: key, text of its line, what was found, what was expected
-
 
 def load_proved(name: str) -> Machine:
     """The machine called `name`, or the one in the file at that path, whose programs can be read.
@@ -46,27 +46,27 @@ def load_proved(name: str) -> Machine:
     if name in shipped():
         return machine
     said = tuple(
-        rules.WORD.at(source_in(name, key, text), key=key, found=found, expected=expected)
-        for key, text, found, expected in _faults(machine)
+        rules.WORD.at(source_in(name, key, text), key=key, said=said)
+        for key, text, said in _faults(machine)
     )
     if said:
         raise MachineError(said[:1])
     return machine
 
 
-def proof_faults(machine: Machine) -> tuple[Fault, ...]:
+def proof_faults(machine: Machine) -> tuple[WordFault, ...]:
     """What the read-back refuses of the program of a small part, by the words that wrote it."""
     for part in _parts(machine):
-        asked = Job((part,), machine, skips=SKIP_NAMES)
+        asked = Job(Request((part,), machine, SKIP_NAMES, _NAME), (0,))
         try:
             written = _written(asked)
         except PlanError:
             continue  # the next one asks for less
-        request = Request(asked.parts, machine, asked.skips, asked.name)
         if carries_head(asked) and head_of(_beginning(written)) is None:
             text = machine.words.comment
-            return (("words.comment", text, repr(text), "a comment with {text}, for the head"),)
-        said = errors_in(post_of(machine).verify(written, request))
+            expected = "a comment with {text}, for the head"
+            return (fault_in("words.comment", text, repr(text), expected),)
+        said = errors_in(post_of(machine).verify(written, asked))
         lines = written.splitlines() if isinstance(written, str) else []
         return tuple(_fault(one, lines, machine) for one in said)
     return ()
@@ -77,20 +77,19 @@ _faults = PerObject("machine.proof", proof_faults)
 
 def _written(asked: Job) -> Written:
     post = post_of(asked.machine)
-    program = post.motion(post.plan(asked), asked.machine, asked.name)
-    return post.emit(post.with_head(program, tuple(head_lines(asked, True, 0))), asked)
+    program = post.motion(post.plan(asked), asked.machine, _NAME)
+    return post.emit(post.with_head(program, tuple(head_lines(asked))), asked)
 
 
 def _beginning(written: Written) -> str:
     return written if isinstance(written, str) else next(iter(written())).decode("latin-1")
 
 
-def _fault(said: Diagnostic, lines: list[str], machine: Machine) -> Fault:
-    found, _, expected = said.message.removeprefix("found ").rpartition("; expected ")
+def _fault(said: Diagnostic, lines: list[str], machine: Machine) -> WordFault:
     line = said.source.line
-    block = lines[line - 1] if said.source.file == "JOB" and line and line <= len(lines) else ""
+    block = lines[line - 1] if said.source.file == _NAME and line and line <= len(lines) else ""
     key, text = _template_of(block, machine)
-    return key, text, found, expected
+    return key, text, said.message
 
 
 def _template_of(block: str, machine: Machine) -> tuple[str, str]:

@@ -6,7 +6,6 @@
 Which planner, motion step, emitter and read-back belong together stands in `posts`.
 """
 
-import re
 from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
@@ -16,6 +15,7 @@ from msgspec.structs import replace
 
 from beamcam import readers
 from beamcam.asked import AnyMachine, check_asked, machine_of
+from beamcam.budget import check_pieces
 from beamcam.errors import (
     Diagnostic,
     PlanError,
@@ -29,14 +29,18 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.program import Program
+from beamcam.model.request import Job, Request
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.by_hand import TEXT_MOVED
+from beamcam.planning.jobs import Share, shares_of
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_sources, told
 from beamcam.planning.rules import named_skips
-from beamcam.posts import Job, Request, Written, carries_head, head_lines, post_of
+from beamcam.planning.stock import from_store
+from beamcam.posts import Written, carries_head, head_lines, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 from beamcam.texts_told import other_places, stand_ins
+from beamcam.verify.asked import job_faults, pieces_asked
 from beamcam.verify.bar_rules import BAR_NEEDED, BAR_TOLD
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.by_hand import TEXT_MOVED as MOVED
@@ -56,8 +60,6 @@ def untold(stage: str) -> None:
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 
 
-_UNCUT = re.compile(r"found (\S+) mm of waste .* at x (\S+), y (\S+) ")
-_NEEDED = re.compile(r"; (\S+) mm are needed")
 TOLD_BAR = 0.001  #: mm that lengths of bars in messages are rounded to
 
 
@@ -68,6 +70,7 @@ class Posted(Struct, frozen=True):
     plan: Plan | SheetPlan
     remarks: tuple[Diagnostic, ...]
     program: object  #: as it was printed: commands, or a table
+    job: Job
 
     def time(self, machine: AnyMachine) -> WorkTime:
         """How long the machine takes for it: that of a name, of a file, or itself."""
@@ -88,7 +91,11 @@ class Posted(Struct, frozen=True):
 
     def pieces(self) -> Iterable[bytes]:
         """Content of the file."""
-        return pieces_of(self.written)
+        return bytes_of(self.written)
+
+
+class StrictError(PlanError):
+    """Warnings that the request does not allow; another machine or option is not looked for."""
 
 
 class RefusedProgram(VerifyError):
@@ -103,10 +110,10 @@ class RefusedProgram(VerifyError):
 
     def pieces(self) -> Iterable[bytes]:
         """The program as it would have stood in the file."""
-        return pieces_of(self.written)
+        return bytes_of(self.written)
 
 
-def pieces_of(written: Written) -> Iterable[bytes]:
+def bytes_of(written: Written) -> Iterable[bytes]:
     """The bytes of a program, piece by piece."""
     return (written.encode(),) if isinstance(written, str) else written()
 
@@ -182,13 +189,23 @@ def sound(reading: Reading) -> Reading:
     return replace(reading, parts=parts)
 
 
-def read_back(program: str | bytes, request: Request) -> tuple[Diagnostic, ...]:
+def read_back(
+    program: str | bytes, request: Request, bar: float | None = None
+) -> tuple[Diagnostic, ...]:
     """All faults of a program for bars, sheets or tables, as its machine reads it.
 
-    Raises PlanError where a sheet's own features cannot be listed.
+    It has to make all parts of the request, each as often as it was asked for, from one bar of
+    length `bar` (mm, where it is known) or one sheet.
     """
     written: Written = program if isinstance(program, str) else lambda: (program,)
-    return post_of(request.machine).verify(written, request)
+    return post_of(request.machine).verify(written, whole_job(request, bar))
+
+
+def whole_job(request: Request, bar: float | None = None) -> Job:
+    """All that a request asks for as one program. Raises LimitError for too many pieces."""
+    wanted = pieces_asked(request)
+    check_pieces((part.source, wanted[place]) for place, part in enumerate(request.parts))
+    return Job(request, tuple(wanted.elements()), bar)
 
 
 def post(
@@ -202,59 +219,99 @@ def post(
     turn: bool = False,
     strict: bool = False,
     style: str | None = None,
-    stage: Stage = untold,
     date: str = "",
 ) -> Posted:
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
     `style` is the form of program for a controller that knows several: "chain" or "table" of
     triggers; of step tables the suffix of the output. Unless `verified` a comment in the program
-    says so. `stage` is called with each step that is done. `date` is what `{date}` of the machine's
-    words says. Raises PlanError if the machine cannot
-    make the parts, or under `strict` if there is a warning; VerifyError if
-    the program would make anything else.
+    says so. `date` is what `{date}` of the machine's words says. Raises PlanError if the machine
+    cannot make the parts, or under `strict` if there is a warning; VerifyError if the program would
+    make anything else.
     """
     check_asked(job, bar, skips)  # before a text is taken for a list of letters
-    asked = Job(tuple(parts), machine, job, bar, named_skips(skips), order, turn, style, date)
-    stages = posting(asked, verified, strict)
+    request = Request(
+        tuple(parts), machine, named_skips(skips), job, order, turn,
+        () if bar is None else (bar,), style, None, strict, verified, date,
+    )  # fmt: skip
+    (begun,) = begin(request, together=True)
+    return finished(begun)
+
+
+class Begun(Struct, frozen=True):
+    """A program that was planned, and the stages of its post behind the plan."""
+
+    job: Job
+    stages: Generator[str, None, Posted]
+
+
+def begin(request: Request, together: bool = False, stage: Stage = untold) -> list[Begun]:
+    """The programs of a request, planned, each on the shortest bar in store that takes it.
+
+    `together` lays all of it on one bar or sheet. `stage` is called with each step that is done.
+    Raises PlanError where the machine cannot make it, of bars that are all too short for the
+    longest; and VerifyError if the programs together are not what was asked for.
+    """
+    check_asked(request.name, None, request.skips)
+    begun = [_begun(request, share, stage) for share in shares_of(request, together)]
+    faults = job_faults(request, [one.job for one in begun])
+    if faults:
+        raise VerifyError(faults)
+    return begun
+
+
+def _begun(request: Request, share: Share, stage: Stage) -> Begun:
+    def planned(bar: float | None) -> Begun:
+        job = Job(request, share.pieces, bar)
+        stages = posting(job)
+        stage(next(stages))  # the plan, which is all that a bar can be too short for
+        return Begun(job, stages)
+
+    parts = request.parts
+    longest = max((parts[place].length for place in share.pieces), default=0.0)
+    return from_store(planned, share.lengths, longest)
+
+
+def finished(begun: Begun, stage: Stage = untold) -> Posted:
+    """The program that was begun. Raises StrictError, and VerifyError as `post` does."""
     while True:
         try:
-            stage(next(stages))
+            stage(next(begun.stages))
         except StopIteration as end:
             posted: Posted = end.value
             return posted
 
 
-def posting(
-    asked: Job, verified: bool = True, strict: bool = False
-) -> Generator[str, None, Posted]:
-    """`post` stage by stage, planning first: yields each one when done, returns the result."""
-    check_asked(asked.name, asked.bar, asked.skips)
-    kind = post_of(asked.machine)
-    plan = kind.plan(asked)
+def posting(job: Job) -> Generator[str, None, Posted]:
+    """The program of a job stage by stage, planning first: yields each one when it is done."""
+    request = job.request
+    kind = post_of(job.machine)
+    plan = kind.plan(job)
     yield f"planned {len(plan.operations)} operation(s)"
-    remarks = remarks_on(plan, strict)
-    program = kind.motion(plan, asked.machine, asked.name)
+    remarks = remarks_on(plan, request.strict)
+    program = kind.motion(plan, job.machine, request.name)
     by_hand = sum(1 for _ in by_hand_sources(plan))
-    if asked.date and isinstance(program, Program):
-        program = replace(program, about={**program.about, "date": asked.date})
-    program = kind.with_head(program, tuple(head_lines(asked, verified, by_hand)))
+    if request.date and isinstance(program, Program):
+        program = replace(program, about={**program.about, "date": request.date})
+    program = kind.with_head(program, tuple(head_lines(job, by_hand)))
     yield "put in motion"
-    written = kind.emit(program, asked)
+    written = kind.emit(program, job)
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
-    if verified:
-        found = kind.verify(written, _request(asked))
+    if request.verified:
+        found = kind.verify(written, job)
         hand = sum(one.code == FOR_HAND.code for one in found)
-        said = (*_other_than_planned(plan, found, asked), *_head_faults(asked, written, hand))
+        said = (*_other_than_planned(plan, found, job), *_head_faults(job, written, hand))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
-    return Posted(written, plan, (*remarks, *said), program)
+        if request.strict:
+            refuse_warnings(said)
+    return Posted(written, plan, (*remarks, *said), program, job)
 
 
 def remarks_on(plan: Plan | SheetPlan, strict: bool) -> tuple[Diagnostic, ...]:
-    """All that is said of a plan. Raises PlanError under `strict` if there is a warning."""
+    """All that is said of a plan. Raises StrictError under `strict` if there is a warning."""
     remarks = (*plan.remarks, *told(plan))
     if strict:
         refuse_warnings(remarks)
@@ -262,14 +319,14 @@ def remarks_on(plan: Plan | SheetPlan, strict: bool) -> tuple[Diagnostic, ...]:
 
 
 def refuse_warnings(remarks: Iterable[Diagnostic]) -> None:
-    """Raises PlanError with all remarks if there is a warning among them."""
+    """Raises StrictError with all remarks if there is a warning among them."""
     refused = tuple(map(as_error, remarks))
     if errors_in(refused):
-        raise PlanError(refused)
+        raise StrictError(refused)
 
 
 def _other_than_planned(
-    plan: Plan | SheetPlan, found: Iterable[Diagnostic], asked: Job
+    plan: Plan | SheetPlan, found: Iterable[Diagnostic], job: Job
 ) -> Iterator[Diagnostic]:
     """What the read-back found; what is not made only where the plan says otherwise.
 
@@ -289,7 +346,7 @@ def _other_than_planned(
         elif said.code == UNCUT.code:
             yield from _untold(plan, said)
         elif said.code == BAR_NEEDED.code and isinstance(plan, Plan):
-            yield from _too_short(plan, said, asked.machine.format.resolution)
+            yield from _too_short(plan, said, job.machine.format.resolution)
         else:
             refused = refused or said.severity is Severity.ERROR
             yield said
@@ -301,7 +358,7 @@ def _other_than_planned(
     named += [(FOR_HAND.code, source) for source in hand]
     if not (told or moved or missing or named):  # as of nearly every plan
         return
-    alike = stand_ins(asked.parts)
+    alike = stand_ins(job.parts)
     yield from other_places(told, moved, alike, hand)
     lacking, planned = _of_the_first(missing, alike), _of_the_first(named, alike)
     for code, source in (lacking - planned) + (planned - lacking):
@@ -321,16 +378,16 @@ def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
     from beamcam.planning.contours.rules import LEFT
 
     told = [d for d in plan.remarks if d.code == LEFT.code]
-    depth, x, y = _UNCUT.findall(uncut.message)[0]
-    if not any(d.source == uncut.source or f"at x {x}, y {y}" in d.message for d in told):
-        yield UNCUT_TOLD.at(uncut.source, found=depth, x=x, y=y)
+    place = uncut["x"], uncut["y"]
+    if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in told):
+        yield UNCUT_TOLD.at(uncut.source, **dict(uncut.values))
 
 
 def _too_short(plan: Plan, needed: Diagnostic, step: float) -> Iterator[Diagnostic]:
     """An error if the plan's bar is shorter than its program needs, by more than `step`."""
-    (found,) = _NEEDED.findall(needed.message)
-    if float(found) > plan.bar.length + step + TOLD_BAR:
-        yield BAR_TOLD.at(needed.source, found=found, expected=f"{plan.bar.length:.3f}")
+    if float(needed["found"]) > plan.bar.length + step + TOLD_BAR:
+        expected = f"{plan.bar.length:.3f}"
+        yield BAR_TOLD.at(needed.source, found=needed["found"], expected=expected)
 
 
 def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:
@@ -338,11 +395,4 @@ def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnosti
     if not carries_head(job):
         return ()
     text = written if isinstance(written, str) else next(iter(written())).decode("latin-1")
-    return head_faults(head_of(text), job.machine, job.skips, job.name, by_hand)
-
-
-def _request(job: Job) -> Request:
-    """Requirements of a job's program."""
-    return Request(
-        job.parts, job.machine, job.skips, job.name, job.order, job.turn, job.bar, job.style
-    )
+    return head_faults(head_of(text), job.machine, job.request.skips, job.request.name, by_hand)

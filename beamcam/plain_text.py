@@ -80,6 +80,15 @@ def json_text(text: str) -> str:
     )
 
 
+def fault_text(error: Exception) -> str:
+    """What a parser of Python found, without words that are about Python."""
+    if isinstance(error, RecursionError):
+        return "values too deep inside one another"
+    if str(error).startswith("Exceeds the limit"):  # of digits of a whole number
+        return "a number of more digits than any has"
+    return str(error) or type(error).__name__
+
+
 def harmless_cell(cell: object) -> object:
     """A text as one line, with a quote before what a spreadsheet would take for a formula."""
     if not isinstance(cell, str):

@@ -14,10 +14,9 @@ from msgspec.structs import replace
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch
-from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan
+from beamcam.model.plan import Plan, SheetPlan
 from beamcam.model.program import Comment, Program
+from beamcam.model.request import Job
 from beamcam.model.work_time import WorkTime
 from beamcam.plain_text import one_word
 
@@ -29,40 +28,13 @@ KINDS_A_LINE = 4  #: of those that may be left out, so that no comment is too lo
 Written = str | Callable[[], Iterable[bytes]]
 
 
-class Job(Struct, frozen=True):
-    """A job: parts, machine and options."""
-
-    parts: tuple[Part, ...]
-    machine: Machine
-    name: str = "JOB"
-    bar: float | None = None
-    skips: tuple[str, ...] = ()  #: names of `--allow-skips`
-    order: Order = "given"
-    turn: bool = False
-    style: str | None = None  #: "chain" or "table" of triggers; the suffix of a step table
-    date: str = ""  #: for words of the machine; only where it is asked for
-
-
-class Request(Struct, frozen=True):
-    """The requirements of a program; nothing in it comes from a plan."""
-
-    parts: tuple[Part, ...]  #: as they were given, in the order given
-    machine: Machine
-    skips: tuple[str, ...] = ()  #: kinds of features that may be missing, as `--allow-skips` names
-    name: str = "program"  #: of the program, for messages
-    order: Order = "given"  #: of the parts on the bar; "best" is any
-    turn: bool = False  #: whether parts may lie turned
-    bar: float | None = None  #: length of the bar, where it is known
-    style: str | None = None
-
-
 class Post(Struct, frozen=True):
     """Functions that make and read back the programs of a kind of machine."""
 
     plan: Callable[[Job], Plan | SheetPlan]
     motion: Callable[[Any, Machine, str], Any]
     emit: Callable[[Any, Job], Written]
-    verify: Callable[[Written, Request], tuple[Diagnostic, ...]]
+    verify: Callable[[Written, Job], tuple[Diagnostic, ...]]
     with_head: Callable[[Any, Sequence[str]], Any]  #: the program with these remarks first
     time: Callable[[Any, Any, Machine], WorkTime]  #: of a plan and its program, where it is asked
 
@@ -85,11 +57,14 @@ def bar_post() -> Post:
     from beamcam.verify.bars import verify
 
     def plan(job: Job) -> Plan:
-        return plan_oriented(job.parts, job.machine, job.bar, job.skips, job.order, job.turn)
+        w = job.request
+        return plan_oriented(job.parts, w.machine, job.bar, w.skips, w.order, w.turn)
 
-    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
-        w = request
-        return verify(_text(program), w.parts, w.machine, w.skips, w.name, w.order, w.turn, w.bar)
+    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
+        w = job.request
+        return verify(
+            _text(program), job.parts, w.machine, w.skips, w.name, w.order, w.turn, job.bar
+        )
 
     def emit(program: Program, job: Job) -> str:
         return gcode.emit(program, job.machine)
@@ -108,9 +83,8 @@ def sheet_post() -> Post:
     from beamcam.motion.sheet import sheet_program
     from beamcam.verify.sheets import verify_sheet
 
-    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
-        w = request
-        return verify_sheet(_text(program), _laid(w.parts, w.machine), w.machine, w.skips, w.name)
+    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
+        return _of_asked(verify_sheet, job, _text(program))
 
     def emit(program: Program, job: Job) -> str:
         return cutting.emit(program, job.machine)
@@ -132,16 +106,13 @@ def trigger_post() -> Post:
 
     def emit(program: Any, job: Job) -> str:
         try:
-            return simotion.emit(program, job.machine, job.style)
+            return simotion.emit(program, job.machine, job.request.style)
         except simotion.ChainError as error:
             said = CHAIN.at(job.parts[0].source, found=error.found, expected=error.expected)
             raise PlanError(said) from error
 
-    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
-        w = request
-        return verify_triggers(
-            _text(program), _laid(w.parts, w.machine), w.machine, w.skips, w.name
-        )
+    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
+        return _of_asked(verify_triggers, job, _text(program))
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import trigger_time
@@ -159,14 +130,14 @@ def step_post() -> Post:
     from beamcam.verify.steps import verify_table
 
     def emit(program: Any, job: Job) -> Written:
-        form = FORMS[job.style or job.machine.suffix]
+        form = FORMS[job.request.style or job.machine.suffix]
         return partial(form, program)  # which can be pickled
 
-    def read_back(program: Written, request: Request) -> tuple[Diagnostic, ...]:
-        w = request
-        form = w.style if w.style in READ_BACK else w.machine.suffix
+    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
+        style = job.request.style
+        form = style if style in READ_BACK else job.machine.suffix
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return verify_table(form, pieces, _laid(w.parts, w.machine), w.machine, w.skips, w.name)
+        return _of_asked(partial(verify_table, form), job, pieces)
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import step_time
@@ -189,69 +160,44 @@ POSTS = {
 
 
 def _plan_sheet(job: Job) -> SheetPlan:
+    from beamcam.planning.contours.layout import laid
     from beamcam.planning.sheet import plan_sheet
 
-    return plan_sheet(_laid(job.parts, job.machine), job.machine, job.skips)
+    machine = job.machine
+    return plan_sheet(laid(job.parts, machine.torch), machine, job.request.skips)
 
 
-def _laid(parts: tuple[Part, ...], machine: Machine) -> tuple[Part, ...]:
-    """Parts of a sheet as the job wants them: laid out, and hatched. Raises PlanError."""
-    from beamcam.model.hatch import hatched, not_filled
-    from beamcam.model.sheet_layout import is_laid_otherwise
+def _of_asked(
+    verify: Callable[..., tuple[Diagnostic, ...]], job: Job, program: object
+) -> tuple[Diagnostic, ...]:
+    """What a check of sheets says of a program, by the parts as they were asked to lie."""
+    from beamcam.verify.sheets.asked_layout import as_asked
 
-    torch = machine.torch
-    if torch is None or not (torch.settings or is_laid_otherwise(torch)):
-        return parts
-    from beamcam.planning.contours.rules import HATCH
-
-    if is_laid_otherwise(torch):
-        parts = _laid_out(parts, torch)
-    said = [
-        HATCH.at(part.source, key=key, found=what)
-        for part in parts
-        for key, what in not_filled(part, torch)
-    ]
+    parts, said = as_asked(job.parts, job.machine.torch)
     if said:
-        raise PlanError(said)
-    return tuple([hatched(part, torch) for part in parts])
+        return tuple(said)
+    return verify(program, parts, job.machine, job.request.skips, job.request.name)
 
 
-def _laid_out(parts: tuple[Part, ...], torch: Torch) -> tuple[Part, ...]:
-    """Parts mirrored, turned and copied. Raises PlanError."""
-    from beamcam.model.sheet_layout import cannot_lie, laid_out, size_of
-    from beamcam.planning.contours.rules import LAYOUT, SHEET_SIZE
-
-    said = [
-        LAYOUT.at(source, found=what) for part in parts for source, what in cannot_lie(part, torch)
-    ]
-    for part in () if said else parts:
-        length, width = size_of(part, torch)
-        if length > torch.length + torch.gap or width > torch.width + torch.gap:
-            found, expected = f"{length:.1f} x {width:.1f}", f"{torch.length:g} x {torch.width:g}"
-            said.append(SHEET_SIZE.at(part.source, found=found, expected=expected))
-    if said:
-        raise PlanError(said)
-    return tuple([laid_out(part, torch) for part in parts])
-
-
-def head_lines(job: Job, verified: bool, by_hand: int = 0) -> Iterator[str]:
+def head_lines(job: Job, by_hand: int = 0) -> Iterator[str]:
     """Head of every program: how it was made, and what may be missing in it.
 
     `by_hand` marks are left for manual work.
     """
     yield f"BEAMCAM {FORM} MACHINE {one_word(job.machine.name)} {job.machine.checksum}".rstrip()
-    kinds = sorted(job.skips)
+    kinds = sorted(job.request.skips)
     for at in range(0, len(kinds), KINDS_A_LINE):
         yield f"ALLOWED TO BE LEFT OUT: {', '.join(kinds[at : at + KINDS_A_LINE])}"
     if by_hand:
         yield f"LEFT TO THE HAND: {by_hand}"
-    if not verified:
+    if not job.request.verified:
         yield NOT_READ_BACK
 
 
 def carries_head(job: Job) -> bool:
     """Whether the form of a program has a place for remarks; a binary table has none."""
-    return job.machine.controller != "stepper" or (job.style or job.machine.suffix) != ".bin"
+    form = job.request.style or job.machine.suffix
+    return job.machine.controller != "stepper" or form != ".bin"
 
 
 def _with_comments(program: Program, lines: Sequence[str]) -> Program:

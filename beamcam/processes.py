@@ -20,7 +20,8 @@ from typing import Any, Generic, TypeVar
 
 from msgspec import Struct
 
-from beamcam.system import interrupts_waiting, max_workers, start_method
+from beamcam.interrupts import LOOK_S, interrupts_waiting
+from beamcam.system import max_workers, start_method
 
 Given = TypeVar("Given")
 Made = TypeVar("Made")
@@ -49,42 +50,46 @@ class Pool(Generic[Given, Made]):
         self._executor: ProcessPoolExecutor | None = None
         self._given: dict[Future[Made], Given] = {}
         self._again: deque[Given] = deque()  #: lost with a worker
+        self._is_alone = False  #: a task that was lost is under way, and no other
 
     def has_room(self) -> bool:
         """Whether another task may be submitted now."""
-        return not self._again and len(self._given) < self.at_once * self.PER_WORKER
+        return (
+            not (self._is_alone or self._again)
+            and len(self._given) < self.at_once * self.PER_WORKER
+        )
 
     def submit(self, given: Given) -> None:
         """Hand over a task; there has to be room."""
-        # It starts processes: what hears of a fork swallows exceptions, and an executor that is
-        # half started cannot be ended.
-        with interrupts_waiting():
-            if self._executor is None:
-                self._executor = self._started(self.at_once)
-            try:
-                self._given[self._executor.submit(_call, given)] = given
-            except BrokenProcessPool:
-                self._again.append(given)  # what it was lost with is seen by `wait`
+        try:
+            self._hand_over(given, self.at_once)
+        except BrokenProcessPool:
+            self._again.append(given)  # what it was lost with is seen by `wait`
 
     def wait(self) -> Iterator[tuple[Given, Made | Died]]:
-        """Wait until something is done, and give it; there has to be something under way.
+        """What is done, or nothing after a moment; there has to be something under way.
 
-        Nothing comes where a worker died. Raises what `work` raised.
+        Nothing comes either where a worker died. Raises what `work` raised.
         """
         if not self._given:
-            given = self._again.popleft()
-            yield given, self._alone(given)
-            return
-        done = wait(self._given, return_when=FIRST_COMPLETED).done
+            self.close()
+            self._hand_over(self._again.popleft(), 1)
+            self._is_alone = True
+        done = wait(self._given, LOOK_S, FIRST_COMPLETED).done
         if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
             done = wait(self._given).done
             self.close()
         for future in [f for f in self._given if f in done]:
             given = self._given.pop(future)
-            if isinstance(future.exception(), BrokenProcessPool):
-                self._again.append(given)
-            else:
+            if not isinstance(future.exception(), BrokenProcessPool):
                 yield given, future.result()
+            elif self._is_alone:
+                yield given, Died()
+            else:
+                self._again.append(given)
+        if self._is_alone and not self._given:
+            self._is_alone = False
+            self.close()
 
     def done(self) -> bool:
         """Whether `wait` would give something at once."""
@@ -106,20 +111,15 @@ class Pool(Generic[Given, Made]):
             process.kill()
         executor.shutdown(cancel_futures=True)
 
-    def _alone(self, given: Given) -> Made | Died:
-        self.close()
-        try:
-            with interrupts_waiting():
-                self._executor = self._started(1)
-                future: Future[Made] = self._executor.submit(_call, given)
-            return future.result()
-        except BrokenProcessPool:
-            return Died()
-        finally:
-            self.close()
-
-    def _started(self, workers: int) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(workers, get_context(start_method()), _begin, self._begun_with)
+    def _hand_over(self, given: Given, workers: int) -> None:
+        """Submit a task, to so many workers if none is there. Raises BrokenProcessPool."""
+        # It starts processes: what hears of a fork swallows exceptions, and an executor that is
+        # half started cannot be ended. Who calls this from Python has a handler that throws.
+        with interrupts_waiting():
+            if self._executor is None:
+                method = get_context(start_method())
+                self._executor = ProcessPoolExecutor(workers, method, _begin, self._begun_with)
+            self._given[self._executor.submit(_call, given)] = given
 
 
 def _begin(work: Callable[[Any], Any], begin: Callable[[], object] | None) -> None:

@@ -25,9 +25,9 @@ from beamcam.model.program import (
     StartBar,
     TellText,
 )
+from beamcam.model.request import Job
 from beamcam.pipeline import Posted, RefusedProgram
 from beamcam.planning.magazine import tool_loads
-from beamcam.posts import Request
 from beamcam.verify.bars.remainder import verify_remainder
 
 OPERATION = Rule(
@@ -40,23 +40,24 @@ RULES = (OPERATION,)
 _WORK = (SawStroke, DrillCycle, PathCycle, TellText)
 
 
-def rest_of(posted: Posted, request: Request, first: int) -> Posted:
+def rest_of(posted: Posted, first: int) -> Posted:
     """The program from operation `first` on, of one that was posted for a bar.
 
     Raises PlanError if there is no such operation, RefusedProgram if what was done and the rest do
     not make the parts.
     """
-    plan, whole, machine = posted.plan, posted.program, request.machine
+    plan, whole, job = posted.plan, posted.program, posted.job
+    machine = job.machine
     if not isinstance(plan, Plan) or not isinstance(whole, Program):
         raise TypeError(f"{machine.name} works on no bars")
-    source = request.parts[0].source
+    source = job.parts[0].source
     count = len(plan.operations)
     if not 2 <= first <= count:
         raise PlanError(OPERATION.at(source, found=first, expected=count))
     head, rest = _parted(whole.commands, first)
     notes = map(Comment, what_has_to_be_true(plan, first, machine))
     text = gcode.emit(replace(whole, commands=(*head, *notes, *rest)), machine)
-    wrong = faults_of(text, posted.text, first, request)
+    wrong = faults_of(text, posted.text, first, replace(job, bar=plan.bar.length))
     if errors_in(wrong):
         raise RefusedProgram(wrong, text)
     return replace(posted, written=text)
@@ -75,13 +76,14 @@ def _parted(
 
 
 def faults_of(
-    rest: str, whole: str, first: int, request: Request, whole_name: str = "whole program"
+    rest: str, whole: str, first: int, job: Job, whole_name: str = "whole program"
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with the remainder of a whole program from operation `first` on."""
-    w = request
+    w = job.request
     return verify_remainder(
-        whole, rest, first, w.parts, w.machine, w.skips, w.name, whole_name, w.order, w.turn, w.bar
-    )
+        whole, rest, first, job.parts, w.machine, w.skips, w.name, whole_name, w.order, w.turn,
+        job.bar,
+    )  # fmt: skip
 
 
 def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[str]:

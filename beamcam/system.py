@@ -4,13 +4,14 @@ import errno
 import os
 import stat
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from time import sleep
 from typing import Literal
 
-INTERRUPTED = 130  #: exit status after Ctrl-C, as shells have it
 BINARY = getattr(os, "O_BINARY", 0)  #: without it Windows writes "\r\n" for "\n"
+
+#: How a file is opened to be read: a pipe that nobody writes to is not waited for.
+_TO_READ = os.O_RDONLY | BINARY | getattr(os, "O_NONBLOCK", 0)
 
 #: Waiting for more than 63 things at once is an error of Windows; the pipe of a worker is one.
 MAX_WORKERS_WINDOWS = 60
@@ -49,6 +50,36 @@ def is_open_to_all(folder: str) -> bool:
     return not is_windows() and bool(os.stat(folder).st_mode & stat.S_IWOTH)
 
 
+def is_ones_own(file: str) -> bool:
+    """Whether a file belongs to the user, or to the owner of the system."""
+    return is_windows() or os.stat(file).st_uid in (os.getuid(), 0)
+
+
+class NotAFile(OSError):
+    """A pipe or a device: it may have no end, or none that comes."""
+
+
+def open_file(path: str | os.PathLike[str]) -> int:
+    """A plain file, open to be read. Raises OSError, NotAFile for a pipe or a device."""
+    try:
+        file = os.open(path, _TO_READ)
+    except BlockingIOError:  # a file server has a lease on it, as is only had on plain files
+        file = os.open(path, os.O_RDONLY | BINARY)
+    mode = os.fstat(file).st_mode
+    if stat.S_ISREG(mode):
+        return file
+    os.close(file)
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+    raise NotAFile(errno.EINVAL, "a pipe or a device", os.fspath(path))
+
+
+def beginning_of(path: str | os.PathLike[str], most: int) -> bytes:
+    """The first `most` bytes of a plain file. Raises OSError as `open_file` does."""
+    with os.fdopen(open_file(path), "rb") as file:
+        return file.read(most)
+
+
 def start_method() -> Literal["fork", "spawn"]:
     """Start method of worker processes: fork where that is safe, else spawn."""
     return "fork" if sys.platform == "linux" else "spawn"
@@ -63,29 +94,6 @@ def cores() -> int:
 def max_workers(wanted: int) -> int:
     """As many of the workers as one process can wait for."""
     return min(wanted, MAX_WORKERS_WINDOWS) if is_windows() else wanted
-
-
-@contextmanager
-def interrupts_waiting() -> Iterator[None]:
-    """An interrupt meanwhile does what it does at the end; only the main thread hears of any."""
-    import signal
-    import threading
-
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, *stop_signals())}
-    own = {number: handler for number, handler in before.items() if callable(handler)}
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    heard: list[int] = []
-    try:
-        for number in own:
-            signal.signal(number, lambda number, _: heard.append(number))
-        yield
-    finally:
-        for number, handler in own.items():
-            signal.signal(number, handler)
-        for number in heard:
-            signal.raise_signal(number)
 
 
 def stop_signals() -> tuple[int, ...]:

@@ -4,7 +4,6 @@ Texts that are alike may stand in for each other: a program does not say which o
 that plan and read-back may each share out their places by its own lights.
 """
 
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from msgspec import Struct
@@ -13,10 +12,6 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part
 from beamcam.verify.left_out import TEXT_TOLD
 
-#: Where a text is, then where the part has it; the text itself may say anything before.
-_VALUE = r"(-?[\d.]+(?:e[-+]\d+)?)"
-_PLACE = re.compile(f"at x {_VALUE}, y {_VALUE}, {_VALUE} mm high")
-_TEXT = re.compile("the text (.+?)(?: is lettered)? at x ")
 TOLD_STEP = 0.1  #: mm that places and heights in messages are rounded to
 
 Place = tuple[float, ...]  #: x, y and height
@@ -101,5 +96,9 @@ def _differences(
 
 
 def _lettered_at(said: Diagnostic) -> _LetteredAt:
-    at, wanted = (tuple(map(float, place)) for place in _PLACE.findall(said.message)[-2:])
-    return _LetteredAt(said.source, at, wanted, _TEXT.findall(said.message)[0])
+    """The place of a text in a message, of a plan or of the read-back."""
+    at, wanted = (
+        tuple(float(said[f"{which}{name}"]) for name in ("x", "y", "height"))
+        for which in ("", "wanted_")
+    )
+    return _LetteredAt(said.source, at, wanted, str(said["text"]))

@@ -1,16 +1,18 @@
 """The ways out of a refusal: options with which it can be made, each tried before it is named."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import chain, islice
 
 from msgspec.structs import replace
 
 from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
+from beamcam.machine.torch import Torch
 from beamcam.model.plan import Plan, SheetPlan
+from beamcam.model.request import Job, Request
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import Job, post_of
+from beamcam.planning.turn_choice import MOST_TRIED
+from beamcam.posts import post_of
 from beamcam.readers.reading import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
@@ -29,6 +31,13 @@ NO_WAY_OUT = Rule(
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
     "do more.",
 )
+UNTRIED = Rule(
+    "plan-ways-untried",
+    Severity.NOTE,
+    "found {found} features, looked for no way out; expected at most {expected} for that",
+    "Each option would be tried by planning all of it, some fifty times. `beamcam codes CODE` says "
+    "what to do about the errors.",
+)
 WAYS_TO_READ = Rule(
     "read-ways-out",
     Severity.NOTE,
@@ -43,7 +52,7 @@ NO_WAY_TO_READ = Rule(
     "messages say",
     "Whoever wrote the file has to export it again; a guess would make another part.",
 )
-RULES = (WAYS_OUT, NO_WAY_OUT, WAYS_TO_READ, NO_WAY_TO_READ)
+RULES = (WAYS_OUT, NO_WAY_OUT, UNTRIED, WAYS_TO_READ, NO_WAY_TO_READ)
 #: Options of the readers, as on a command line and as they take them, by the file's format.
 _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
     "dxf": (("--units mm", {"units": "mm"}), ("--units in", {"units": "in"})),
@@ -79,23 +88,26 @@ def ways_to_read(
         yield NO_WAY_TO_READ.at(source)
 
 
-def ways_out(
-    parts: Sequence[Part], tried: Sequence[Machine], others: Iterable[Machine],
-    lengths: Sequence[float] = (), skips: Collection[str] = (),
-) -> Diagnostic:  # fmt: skip
-    """A note with the options that make refused `parts`, as written on a command line.
+def ways_out(request: Request, tried: Sequence[Machine], others: Iterable[Machine]) -> Diagnostic:
+    """A note with the options that make what was refused, as written on a command line.
 
-    `tried` are the machines that refused them, on bars of the `lengths` in store; `others` are
-    those that could be named.
+    `tried` are the machines that refused it, `others` those that could be named.
     """
-    source = parts[0].source if parts else Source("beamcam")
-    bar = max(lengths, default=None)
-    found = [*_first(_by_thickness(parts, machine, skips) for machine in tried)] or [
-        *_first(_by_placing(parts, machine, skips) for machine in tried),
-        *(f"--machine {machine.name}" for machine in others if _made(parts, machine, bar, skips)),
-        *_first(_by_leave(parts, machine, bar, skips) for machine in tried),
-        *_first(_by_bar(parts, machine, bar, skips) for machine in tried),
-        *_first(_by_turning(parts, machine, bar, skips) for machine in tried),
+    source = request.parts[0].source if request.parts else Source("beamcam")
+    features = sum(len(part.features) for part in request.parts)
+    if features > MOST_TRIED:
+        return UNTRIED.at(source, found=features, expected=MOST_TRIED)
+    on = [replace(request, machine=machine) for machine in tried]
+    found = [*_first(map(_by_thickness, on))] or [
+        *_first(map(_by_placing, on)),
+        *(
+            f"--machine {machine.name}"
+            for machine in others
+            if _made(replace(request, machine=machine)) is not None
+        ),
+        *_first(map(_by_leave, on)),
+        *_first(map(_by_bar, on)),
+        *_first(map(_by_turning, on)),
     ]
     return WAYS_OUT.at(source, found=" or ".join(found)) if found else NO_WAY_OUT.at(source)
 
@@ -105,64 +117,63 @@ def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:
     return islice(chain.from_iterable(found), 1)
 
 
-def _made(
-    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str],
-    turn: bool = False,
-) -> Plan | SheetPlan | None:  # fmt: skip
-    """The plan of the parts; None where the machine refuses them."""
+def _made(request: Request) -> Plan | SheetPlan | None:
+    """The plan of all parts on the longest bar; None where the machine refuses them."""
+    pieces = tuple(range(len(request.parts)))
     try:
-        job = Job(tuple(parts), machine, bar=bar, skips=tuple(skips), turn=turn)
-        return post_of(machine).plan(job)
+        job = Job(replace(request, quantity=None), pieces, max(request.stock, default=None))
+        return post_of(request.machine).plan(job)
     except BeamcamError:
         return None
 
 
-def _by_thickness(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> Iterator[str]:
+def _by_thickness(request: Request) -> Iterator[str]:
     """The least thickness of the machine's cut chart that would do, where none is known."""
-    torch = machine.torch
-    if torch is None or torch.thickness or any(part.profile.web_thickness for part in parts):
+    torch = request.machine.torch
+    known = any(part.profile.web_thickness for part in request.parts)
+    if torch is None or torch.thickness or known:
         return
     for thickness in sorted({row.up_to for row in torch.rows}):
-        known = replace(machine, torch=replace(torch, thickness=thickness))
-        if _made(parts, known, None, skips) is not None:
+        if _made(_with_torch(request, replace(torch, thickness=thickness))) is not None:
             yield f"--thickness {thickness:g}"
             return
 
 
-def _by_placing(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> Iterator[str]:
+def _by_placing(request: Request) -> Iterator[str]:
     """The corner of the table, where work that is left where it is drawn is refused."""
-    torch = machine.torch
-    if torch is not None and torch.place == "drawn":
-        moved = replace(machine, torch=replace(torch, place="corner"))
-        if _made(parts, moved, None, skips) is not None:
-            yield "--place corner"
+    torch = request.machine.torch
+    if torch is None or torch.place != "drawn":
+        return
+    if _made(_with_torch(request, replace(torch, place="corner"))) is not None:
+        yield "--place corner"
 
 
-def _by_leave(
-    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str]
-) -> Iterator[str]:
+def _with_torch(request: Request, torch: Torch) -> Request:
+    return replace(request, machine=replace(request.machine, torch=torch))
+
+
+def _by_leave(request: Request) -> Iterator[str]:
     """The fewest kinds of features that have to be left out."""
-    plan = _made(parts, machine, bar, SKIP_NAMES)
+    plan = _made(replace(request, skips=SKIP_NAMES))
     if plan is None:
         return
     left = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
-    names = ",".join(sorted({*skips, *(left & {*SKIP_NAMES})}))
-    if names and _made(parts, machine, bar, names.split(",")) is not None:
-        yield f"--allow-skips {names}"
+    names = tuple(sorted({*request.skips, *(left & {*SKIP_NAMES})}))
+    if names and _made(replace(request, skips=names)) is not None:
+        yield f"--allow-skips {','.join(names)}"
 
 
-def _by_bar(
-    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str]
-) -> Iterator[str]:
+def _by_bar(request: Request) -> Iterator[str]:
     """The shortest bar that would do, where the parts are refused for their bar."""
+    if request.machine.stock != "beam":
+        return
     for length in LONG_BARS:
-        if machine.stock == "beam" and length != bar and _made(parts, machine, length, skips):
+        known = length == max(request.stock, default=None)
+        if not known and _made(replace(request, stock=(length,))) is not None:
             yield f"--bar {length:g}"
             return
 
 
-def _by_turning(
-    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str]
-) -> Iterator[str]:
-    if machine.stock == "beam" and _made(parts, machine, bar, skips, turn=True) is not None:
+def _by_turning(request: Request) -> Iterator[str]:
+    if request.machine.stock == "beam" and _made(replace(request, turn=True)) is not None:
         yield "--turn"

@@ -2,12 +2,14 @@
 
 from msgspec import Struct
 
+from beamcam.asked import ASK_TYPE, AnyMachine, AskError, machine_of
 from beamcam.controllers import rules
 from beamcam.diff.pairing import Difference
-from beamcam.errors import Diagnostic, Severity, VerifyError
-from beamcam.machine import Machine
+from beamcam.diff.programs import ProgramText, diff_texts
+from beamcam.errors import Diagnostic, Severity, Source, VerifyError
+from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.model.request import Request
 from beamcam.pipeline import read_back
-from beamcam.posts import Request
 from beamcam.verify.head import head_of
 
 #: Faults that make a program's meaning unknown.
@@ -21,35 +23,38 @@ class Compared(Struct, frozen=True):
     diagnostics: tuple[Diagnostic, ...]
 
 
-def compared(texts: list[tuple[str, str]], machine: Machine) -> Compared:
-    """What the second of two programs, each with its name, makes otherwise.
+def compared(a: ProgramText, b: ProgramText) -> Compared:
+    """What the second of two programs makes otherwise.
 
-    Raises VerifyError where their blocks are not understood.
+    Raises VerifyError where their blocks are not understood; AskError for a program of bars and one
+    of sheets.
     """
-    (name, first), (_, second) = texts
-    if machine.stock == "sheet":
-        from beamcam.diff.statements import diff_sheets
-
-        found, said = diff_sheets(first, second, machine, name)
-        if said:
-            raise VerifyError(said)
-        alone = [one for name, text in texts for one in _alone(text, machine, name)]
-        return Compared((*found, *_left_to_hand(first, second)), tuple(alone))
-    from beamcam.diff.differ import diff_programs
-    from beamcam.verify.bars import run
-
-    runs = [run(text, machine, None, name) for name, text in texts]
-    faults = tuple(d for done in runs for d in done.diagnostics)
-    if any(d.code in NOT_UNDERSTOOD for d in faults):
-        raise VerifyError(faults)
-    old, new = (done.made for done in runs)
-    different = diff_programs(old, new, machine.format.resolution)
-    return Compared((*different, *_left_to_hand(first, second)), faults)
+    if a.machine.stock != b.machine.stock:
+        one, other = (f"a program for {p.machine.name}, a {p.machine.stock}" for p in (b, a))
+        raise AskError(ASK_TYPE.at(Source(b.name), name="b", found=one, expected=f"one as {other}"))
+    different, said = diff_texts(a, b)
+    is_sheet = a.machine.stock == "sheet"
+    if (is_sheet and said) or any(one.code in NOT_UNDERSTOOD for one in said):
+        raise VerifyError(said)
+    if is_sheet:
+        said = tuple(fault for one in (a, b) for fault in _alone(one))
+    return Compared((*different, *_left_to_hand(a.text, b.text)), said)
 
 
-def _alone(text: str, machine: Machine, name: str) -> list[Diagnostic]:
-    said = read_back(text, Request((), machine, name=name))
+def _alone(program: ProgramText) -> list[Diagnostic]:
+    said = read_back(program.text, Request((), program.machine, name=program.name))
     return [d for d in said if d.severity is not Severity.NOTE]
+
+
+def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:
+    """A program and the machine that reads it: the one given, else the one that its head names.
+
+    Raises MachineError.
+    """
+    if machine is None:
+        head = head_of(text)
+        machine = DEFAULT_MACHINE if head is None else head.machine
+    return ProgramText(name, text, machine_of(machine))
 
 
 def _left_to_hand(first: str, second: str) -> tuple[Difference, ...]:

@@ -30,11 +30,12 @@ from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.machine.tables import STEP_FORMS
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
-from beamcam.pipeline import Posted, judged, read_file, remarks_on
+from beamcam.model.request import Request
+from beamcam.pipeline import Posted, judged, read_file, remarks_on, whole_job
 from beamcam.pipeline import post as post_bar
 from beamcam.pipeline import read_back as read_program_back
 from beamcam.planning.rules import named_skips
-from beamcam.posts import Job, Request, post_of
+from beamcam.posts import post_of
 from beamcam.readers import read as read_bytes
 from beamcam.readers.reading import Reading
 
@@ -74,6 +75,8 @@ class SheetOptions(TypedDict, total=False):
     tab_width: float
     inner_tabs: bool
     overcut: float
+    gap: float
+    allow_open: bool
     place: Literal["corner", "drawn"]
     origin: Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
     mirror: Literal["none", "x", "y"]
@@ -224,8 +227,10 @@ def plan(
     check_flags(turn=turn, strict=strict)
     check_choice("order", order, get_args(Order))
     loaded = machine_of(machine)
-    job = Job(parts_asked(parts), loaded, bar=bar, skips=named_skips(skips), order=order, turn=turn)
-    made = post_of(loaded).plan(job)
+    request = Request(
+        parts_asked(parts), loaded, named_skips(skips), order=order, turn=turn, strict=strict
+    )
+    made = post_of(loaded).plan(whole_job(request, bar))
     remarks_on(made, strict)
     return made
 
@@ -259,17 +264,12 @@ def post(
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
     check_text("date", date)
-    posted = post_bar(
-        wanted, loaded, job, bar, skips, read_back, order, turn, strict, style, date=date
-    )
+    posted = post_bar(wanted, loaded, job, bar, skips, read_back, order, turn, strict, style, date)
     if from_operation is None:
         return posted
     from beamcam.remainder import rest_of
 
-    first = _operation(from_operation, loaded)
-    length = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
-    allowed = named_skips(skips)
-    return rest_of(posted, Request(wanted, loaded, allowed, job, order, turn, length), first)
+    return rest_of(posted, _operation(from_operation, loaded))
 
 
 def verify(
@@ -285,6 +285,7 @@ def verify(
     style: str | None = None,
     from_operation: int | None = None,
     after: FileInput | None = None,
+    solid: bool = False,
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with a program, by itself and against `parts`.
 
@@ -293,17 +294,26 @@ def verify(
     another one and turned. `skips` names the kinds of features that may be missing, as
     `--allow-skips` does; `bar` is the bar's length, where it is known. With `from_operation` the
     program is the remainder of one, of `after`, or of the program that `post` makes of the parts.
+    `solid` machines a whole program as a solid too, and compares the pieces.
     Raises MachineError, and PlanError where that cannot be posted.
     """
     check_asked(bar=bar, skips=skips)
-    check_flags(turn=turn)
+    check_flags(turn=turn, solid=solid)
     check_text("name", name)
+    if solid and from_operation is not None:
+        fault = "a remainder has no solid of its own"
+        raise AskError(ASK_VALUE.at(Source("beamcam"), name="solid", fault=fault))
     loaded, wanted, data = machine_of(machine), parts_asked(parts), program_bytes(program)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
-    request = Request(wanted, loaded, named_skips(skips), name, order, turn, bar, style)
+    request = Request(wanted, loaded, named_skips(skips), name, order, turn, style=style)
     if from_operation is None:
-        return read_program_back(data, request)
+        found = read_program_back(data, request, bar)
+        if not solid:
+            return found
+        from beamcam.solid.opinion import solid_faults
+
+        return (*found, *solid_faults(data, request, bar))
     from beamcam.remainder import faults_of
 
     first = _operation(from_operation, loaded)
@@ -311,7 +321,7 @@ def verify(
         whole = post_bar(wanted, loaded, "JOB", bar, skips, False, order, turn).text
     else:
         whole = program_bytes(after).decode("utf-8", "replace")
-    return faults_of(data.decode("utf-8", "replace"), whole, first, request)
+    return faults_of(data.decode("utf-8", "replace"), whole, first, whole_job(request, bar))
 
 
 def check_style(style: object, machine: Machine) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from msgspec.structs import replace
 
-from beamcam.api.comparison import Compared, compared
+from beamcam.api.comparison import Compared, compared, program_text
 from beamcam.api.inputs import FileInput, program_bytes
 from beamcam.api.jobs import post
 from beamcam.asked import (
@@ -24,8 +24,8 @@ from beamcam.machine import Machine
 from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
+from beamcam.model.request import Request
 from beamcam.pipeline import Posted, read_back
-from beamcam.posts import Request
 
 if TYPE_CHECKING:
     from beamcam.pictures.program import ReadProgram
@@ -67,10 +67,11 @@ def simulate(
 def diff(
     a: FileInput | Part | Iterable[Part],
     b: FileInput | Part | Iterable[Part],
-    machine: AnyMachine = DEFAULT_MACHINE,
+    machine: AnyMachine | None = None,
 ) -> Compared:
-    """What `b` makes otherwise than `a`: two programs of a machine, or two parts or lists of them.
+    """What `b` makes otherwise than `a`: two programs, or two parts or lists of them.
 
+    Each program is read by the machine that its own head names, unless one is given for both.
     Raises VerifyError where the blocks of a program are not understood.
     """
     if _is_parts(a) and _is_parts(b):
@@ -79,8 +80,7 @@ def diff(
         return Compared(diff_parts(parts_asked(a), parts_asked(b)), ())  # type: ignore[arg-type]
     if _is_parts(a) or _is_parts(b):
         raise AskError(ask_type("b", type(b).__name__, "two programs, or two parts"))
-    texts = [(name, _text(program)) for name, program in (("A", a), ("B", b))]
-    return compared(texts, machine_of(machine))
+    return compared(*(program_text(n, _text(p), machine) for n, p in (("A", a), ("B", b))))
 
 
 def recover(
@@ -172,8 +172,8 @@ def report(
         source = _posted_source(program, wanted, loaded, name)
     else:
         read = _read_program(program, loaded, name, bar, wanted)
-        request = Request(wanted, loaded, left_out, name, bar=bar, style=read.style)
-        source = SheetSources(read, None, (), read_back(read.data, request))
+        request = Request(wanted, loaded, left_out, name, style=read.style)
+        source = SheetSources(read, None, (), read_back(read.data, request, bar))
     content = content_of(source, unit)
     if to == "pdf":
         from beamcam.setup_sheet.paper import setup_pdf

@@ -1,6 +1,6 @@
 """Part lists, cutting lists and labels from Python, as the shop's commands write them."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from msgspec import Struct
@@ -15,16 +15,18 @@ from beamcam.asked import (
     machine_of,
     parts_asked,
 )
+from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError, Severity
 from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan, SheetPlan
-from beamcam.planning.bar_jobs import Quantity, wanted
+from beamcam.model.request import Job, Quantity, Request
+from beamcam.planning.jobs import number_of
 from beamcam.planning.rules import named_skips
 from beamcam.planning.stock_bars import first_fit
-from beamcam.posts import Job, post_of
+from beamcam.posts import post_of
 from beamcam.report.hand_list import MARKS, hand_rows
 from beamcam.report.part_list import (
     ByHand,
@@ -37,8 +39,6 @@ from beamcam.report.part_list import (
 
 if TYPE_CHECKING:
     from beamcam.report.tables import Table
-
-Made = Callable[[Machine], "Plan | SheetPlan"]
 
 
 class Lists(Struct, frozen=True):
@@ -61,7 +61,7 @@ def lists(
     """The part list of parts, and the bars of stock that they are cut from, first fit.
 
     `lengths` are those in store, in mm; `quantity` is "file", as each part says, or a number.
-    Raises AskError and MachineError.
+    Raises AskError, MachineError, and LimitError for more than `limits.pieces`.
     """
     check_asked(skips=skips)
     for length in lengths:
@@ -70,8 +70,8 @@ def lists(
     loaded = machine_of(machine)
     allowed = named_skips(skips)
     counts = tuple(
-        PartCount(part, wanted(part, quantity), left_to_hand(part, (loaded,), allowed))
-        for part in parts_asked(parts)
+        PartCount(part, count, left_to_hand(part, (loaded,), allowed))
+        for part, count in _counted(parts_asked(parts), quantity)
     )
     bars, refused = bars_of(counts, loaded, sorted(lengths))
     return Lists(part_list(counts), bar_list(bars), cutting_list(bars), refused)
@@ -89,9 +89,10 @@ def labels(
     """A label for each piece: the bytes of a PDF, or the text of a ZPL file.
 
     `size` is width and height in mm; `programs` are the names that stand in the codes, one for
-    each part, by default their marks. Raises AskError, and ImportError without beamcam[labels].
+    each part, by default their marks. Raises AskError, LimitError for more than `limits.pieces`,
+    PlanError for a mark that no code can hold, and ImportError without beamcam[labels].
     """
-    from beamcam.report.labels import CODES, Label, Size, as_pdf, as_zpl
+    from beamcam.report.labels import CODES, Label, Size, as_pdf, as_zpl, code_fault
 
     check_choice("to", to, ("pdf", "zpl"))
     check_choice("code", code, CODES)
@@ -100,13 +101,24 @@ def labels(
     names = tuple(programs) or tuple(part.mark for part in found)
     if len(names) != len(found):
         raise AskError(ask_type("programs", programs, f"{len(found)} names, one for each part"))
+    counted = _counted(found, quantity)
+    codes = zip(found, names, strict=True)
+    faults = [code_fault(Label(p.mark, (), name), code, p.source) for p, name in codes]
+    if too_long := [fault for fault in faults if fault is not None]:
+        raise PlanError(too_long)
     each = [
         Label(part.mark, tuple(label_lines(part, piece, count)), name)
-        for part, name in zip(found, names, strict=True)
-        for count in (wanted(part, quantity),)
+        for (part, count), name in zip(counted, names, strict=True)
         for piece in range(1, count + 1)
     ]
     return (as_pdf if to == "pdf" else as_zpl)(each, Size(*size), code)
+
+
+def _counted(parts: Sequence[Part], quantity: Quantity) -> list[tuple[Part, int]]:
+    """The parts with their quantities. Raises LimitError for more than `limits.pieces`."""
+    counts = [(part, number_of(part, quantity)) for part in parts]
+    check_pieces((part.source, count) for part, count in counts)
+    return counts
 
 
 def label_lines(part: Part, piece: int, of: int) -> Iterator[str]:
@@ -121,11 +133,11 @@ def label_lines(part: Part, piece: int, of: int) -> Iterator[str]:
 def left_to_hand(part: Part, machines: Sequence[Machine], skips: tuple[str, ...]) -> ByHand | None:
     """What is left to the hand by the first machine that makes a part; None if none does."""
 
-    def planned(machine: Machine) -> Plan | SheetPlan:
-        return post_of(machine).plan(Job((part,), machine, skips=skips))
+    def planned(request: Request) -> Plan | SheetPlan:
+        return post_of(request.machine).plan(Job(request, (0,)))
 
     try:
-        _, plan, _ = first_that_makes(machines, planned, part.source)
+        plan, _ = first_that_makes(Request((part,), machines[0], skips), machines, planned)
     except PlanError:
         return None
     kinds = [row["kind"] for row in hand_rows(plan)]

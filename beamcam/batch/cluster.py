@@ -13,10 +13,10 @@ from beamcam.batch import rules
 from beamcam.batch.pool import Chunk, Result
 from beamcam.batch.work import FileResult, Shop, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
+from beamcam.interrupts import LOOK_S
 
 ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
 CHUNKS = 2  #: that each thread of the cluster has at most, one of them in work
-LOOK_S = 2  #: between two looks at whether the scheduler is still there
 CHUNK_FILES = 128  #: in a chunk: what Dask does for a task takes as long as four files
 FETCH_S = 60  #: for what is done to arrive
 GONE = "the scheduler went away"
@@ -124,20 +124,19 @@ class Cluster:
                 raise self._error(f"{type(error).__name__}: {error}") from error
 
     def _done(self) -> set[Any]:
-        """The futures that are done, at least one. Raises SchedulerError if the scheduler goes."""
-        while True:
-            try:
-                with self._client.as_current():
-                    done: set[Any] = self._wait(
-                        list(self._chunks), timeout=LOOK_S, return_when="FIRST_COMPLETED"
-                    ).done
-                return done
-            except TimeoutError:
-                if self._client.status == "running":
-                    continue
-                raise self._error(GONE) from None
-            except CancelledError as error:
-                raise self._error(GONE) from error
+        """The futures that are done, if any. Raises SchedulerError if the scheduler is gone."""
+        try:
+            with self._client.as_current():
+                done: set[Any] = self._wait(
+                    list(self._chunks), timeout=LOOK_S, return_when="FIRST_COMPLETED"
+                ).done
+            return done
+        except TimeoutError:
+            if self._client.status == "running":
+                return set()
+            raise self._error(GONE) from None
+        except CancelledError as error:
+            raise self._error(GONE) from error
 
     def close(self) -> None:
         self._client.cancel(list(self._chunks))

@@ -9,23 +9,19 @@ starts with a dot is left alone. A file met twice is taken once.
 
 import glob
 import os
-import stat
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from msgspec import Struct
 
 from beamcam.batch import rules
-from beamcam.config.values import CONFIG_NAME
+from beamcam.config.places import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import FORMATS
-from beamcam.readers.content import TO_READ, content_of
+from beamcam.readers.content import STANDARD_INPUT, content
 from beamcam.readers.rules import UNREADABLE
 
 #: Suffixes of the inputs of a batch.
 SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
-
-
-_AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 class Input(Struct, frozen=True):
@@ -52,14 +48,15 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundI
     for name in names:
         before = len(places), len(said)
         if os.path.isdir(name):
-            places += ((path, name) for path in _walk(name, without, said, configurations))
+            below = _walk(name, without, said, configurations, parents=_parents(name))
+            places += ((path, name) for path in below)
         elif os.path.lexists(name) or not glob.has_magic(name):
             places.append((name, os.path.dirname(name)))
         else:
             root = _fixed_folder(name)
             for path in sorted(glob.glob(name, recursive=True)):
                 if os.path.isdir(path):
-                    below = _walk(path, without, said, configurations)
+                    below = _walk(path, without, said, configurations, parents=_parents(path))
                     places += ((inner, root) for inner in below)
                 else:
                     places.append((path, root))
@@ -116,10 +113,14 @@ def _walk(
     said: list[Diagnostic],
     configurations: list[str],
     above: tuple[tuple[tuple[int, int], str], ...] = (),
+    parents: tuple[tuple[tuple[int, int], str], ...] = (),
 ) -> Iterator[str]:
-    """The files below a folder, in order of their names; links are followed, but never back."""
+    """The files below a folder, in order of their names; links are followed, but never back.
+
+    `above` are the folders come through, `parents` those above the first of them.
+    """
     identity = _identity(folder) or (0, 0)
-    back = [path for known, path in above if known == identity]
+    back = [path for known, path in (*above, *(parents if above else ())) if known == identity]
     if back:
         said.append(rules.LOOP.at(Source(folder), found=back[0]))
         return
@@ -144,31 +145,22 @@ def _walk(
             continue
         if is_folder:
             yield from _walk(
-                entry.path, without, said, configurations, (*above, (identity, folder))
+                entry.path, without, said, configurations, (*above, (identity, folder)), parents
             )
         elif entry.name.lower().endswith(SUFFIXES):
             yield entry.path
 
 
+def _parents(folder: str) -> tuple[tuple[tuple[int, int], str], ...]:
+    """Identity and path of every folder above one."""
+    found = []
+    below = os.path.realpath(folder)
+    while (place := os.path.dirname(below)) != below:
+        found.append((_identity(place) or (-1, -1), place))
+        below = place
+    return tuple(found)
+
+
 def read_input(path: str) -> bytes | Diagnostic:
     """The content of an input, or why it cannot be had."""
-    try:
-        file = _open(path)
-        try:
-            found = os.fstat(file)
-            if stat.S_ISREG(found.st_mode):
-                return content_of(file, found.st_size, path)
-        finally:
-            os.close(file)
-    except OSError as error:
-        return UNREADABLE.at(Source(path), found=error.strerror or error)
-    what = "a folder" if stat.S_ISDIR(found.st_mode) else "a pipe or a device"
-    return rules.NOT_A_FILE.at(Source(path), found=what)
-
-
-def _open(path: str) -> int:
-    """A file, open to be read; a pipe that nobody writes to is not waited for. Raises OSError."""
-    try:
-        return os.open(path, TO_READ | _AT_ONCE)
-    except BlockingIOError:  # a file server has a lease on it, as is only had on plain files
-        return os.open(path, TO_READ)
+    return content(os.path.join(os.curdir, path) if path == STANDARD_INPUT else path)

@@ -35,24 +35,34 @@ FIELDS: Mapping[str, str | int] = {
 }
 
 
+class TemplateError(ValueError):
+    """A template that no output can be called after, and what was expected."""
+
+    def __init__(self, found: str, expected: str) -> None:
+        self.expected = expected
+        super().__init__(f"found {found}; expected {expected}")
+
+
 def check_template(template: str) -> None:
-    """Raises ValueError, saying what was expected, if no output can be called after a template."""
+    """Raises TemplateError if no output can be called after a template."""
     try:
         for _, name, form, _ in Formatter().parse(template):
             if name is None:
                 continue
             if not _FORM.fullmatch(form or ""):
-                raise ValueError(f"found {template!r}; expected widths of two digits at most")
+                raise TemplateError(repr(template), "widths of two digits at most")
             if name not in FIELDS:
                 known = ", ".join("{" + field + "}" for field in FIELDS)
-                raise ValueError(f"found {{{name}}} in {template!r}; expected one of {known}")
+                raise TemplateError(f"{{{name}}} in {template!r}", f"one of {known}")
         made = template.format_map(FIELDS)
-    except (IndexError, KeyError, AttributeError) as error:
-        raise ValueError(f"found {template!r}; expected a template ({error})") from error
+    except TemplateError:
+        raise
+    except (IndexError, KeyError, AttributeError, ValueError) as error:
+        raise TemplateError(repr(template), f"a template ({error})") from error
     if made.startswith("/") or not _NOT_IN_NAMES.isdisjoint(made):
-        raise ValueError(f"found {template!r}; expected a path below the output folder")
+        raise TemplateError(repr(template), "a path below the output folder")
     if not all(word.strip(". ") and word[-1] not in ". " for word in made.split("/")):
-        raise ValueError(f"found {template!r}; expected names between the slashes")
+        raise TemplateError(repr(template), "names between the slashes")
 
 
 def cleaned(text: str) -> str:

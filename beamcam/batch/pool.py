@@ -42,7 +42,7 @@ class Workers(Protocol):
         """Hand over a chunk; there has to be room."""
 
     def wait(self) -> Iterator[Result]:
-        """Wait until something is done, and give it; there has to be something under way."""
+        """What is done, or nothing after a moment; there has to be something under way."""
 
     def close(self) -> None:
         """End the work, whatever is under way."""

@@ -11,21 +11,23 @@ from typing import Any
 
 from msgspec import Struct, field
 
+from beamcam.config.places import ConfigFiles
 from beamcam.config.values import Config
 from beamcam.report.run import dumped
 from beamcam.system import portable_path
 
 MACHINE = "machine"  #: the option that may be a path
 #: Options that say nothing of the programs, or are kept in another way.
-_APART = ("config_file", "jobs", "as_json")
+_APART = ("config_file", "trust", "jobs", "as_json")
 #: Options whose value means something though it is empty: `--allow-skips none`, `--tree`.
 _MAY_BE_NOTHING = ("skips", "strict", "flat")
 
 
-class Recipe(Struct, frozen=True):
+class Recipe(Struct, frozen=True, forbid_unknown_fields=True):
     """The configuration of a run and the options that it was given."""
 
-    config: str | None = None  #: its file; None where the run had none
+    configs: tuple[str, ...] = ()  #: its files, the nearest first
+    own: tuple[str, ...] = ()  #: those of them that were followed in full
     asked: Mapping[str, Any] = field(default_factory=dict)  #: by the names of the options' values
 
     @property
@@ -44,20 +46,29 @@ def recipe_of(config: Config, asked: Mapping[str, Any], folder: str) -> Recipe:
     machine = config.machine if MACHINE in given else None
     if machine is not None and machine.endswith(".toml"):
         given[MACHINE] = path_from(folder, portable_path(machine))
-    return Recipe(None if config.file is None else path_from(folder, config.file), given)
+    files, own = ([path_from(folder, p) for p in paths] for paths in (config.files, config.own))
+    return Recipe(tuple(files), tuple(own), given)
 
 
 def _is_given(name: str, value: object) -> bool:
     return value is not None and (value not in ((), False) or name in _MAY_BE_NOTHING)
 
 
-def asked_again(recipe: Recipe, folder: str) -> tuple[str | None, dict[str, Any]]:
-    """The configuration's file and the options of a recipe, as they hold from here."""
-    asked = {n: tuple(v) if isinstance(v, list) else v for n, v in recipe.asked.items()}
+def asked_again(recipe: Recipe, folder: str) -> tuple[ConfigFiles, dict[str, Any]]:
+    """The configuration's files and the options of a recipe, as they hold from here.
+
+    What is never kept in a record is not taken from one either.
+    """
+    asked = {
+        name: tuple(value) if isinstance(value, list) else value
+        for name, value in recipe.asked.items()
+        if name not in _APART
+    }
     machine = asked.get(MACHINE)
     if isinstance(machine, str) and machine.endswith(".toml"):
         asked[MACHINE] = path_below(folder, machine)
-    return None if recipe.config is None else path_below(folder, recipe.config), asked
+    beside = tuple(path_below(folder, p) for p in recipe.configs if p not in recipe.own)
+    return ConfigFiles(beside, tuple(path_below(folder, p) for p in recipe.own)), asked
 
 
 def path_from(folder: str, path: str) -> str:

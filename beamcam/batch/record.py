@@ -4,7 +4,7 @@
 the outputs stand, so that a run that is killed has to be finished, not done again; a
 torn line is not used. An output that is missing or changed makes its line void.
 
-    {"recipe":"3f...","of":{"config":null,"asked":{"machine":"../mine.toml"}}}
+    {"recipe":"3f...","of":{"configs":[],"asked":{"machine":"../mine.toml"}}}
     {"key":"a1...","outputs":["M58.gcode"],"row":{...},"recipe":"3f...","input":"../in/M58.nc1",...}
 
 Lines of the first kind say what the run was asked for, which those of its inputs name. A file that
@@ -14,6 +14,7 @@ was posted in part has a line too, under a key that no input has, so that its pr
 import errno
 import hashlib
 import os
+import stat
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any, BinaryIO
@@ -21,14 +22,15 @@ from typing import Any, BinaryIO
 from msgspec import Struct, convert
 
 from beamcam.batch.find import Input
-from beamcam.batch.recipe import Recipe, path_from
+from beamcam.batch.names import folded
+from beamcam.batch.recipe import Recipe, path_below, path_from
 from beamcam.files import write_whole
 from beamcam.report.hand_list import LIST_SUFFIX, as_csv
 from beamcam.report.run import Row, dumped, loaded
 from beamcam.system import BINARY
 
 RECORD_NAME = ".beamcam-batch.jsonl"
-_TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | BINARY
+_TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | BINARY
 _HEAD = b'{"key":"'
 _KEY = slice(len(_HEAD), len(_HEAD) + 64)
 _RECIPE_HEAD = b'{"recipe":"'
@@ -61,9 +63,11 @@ class Record:
         self._torn = False  #: whether a line was begun and could not be ended
         self._size = 0
         self._places: dict[bytes, int] = {}  #: key -> where its line begins
+        self._made: dict[str, str] | None = None
+        shared = _shared(self._path)
         lines = self._index()
-        if kept and lines > 2 * len(self._places) + 16:
-            # Most lines stand for what was made anew since.
+        if kept and (shared or lines > 2 * len(self._places) + 16):
+            # Most lines stand for what was made anew since; or another folder has the file too.
             write_whole(self._path, self._standing(), durable=False)
             self._index()
 
@@ -130,10 +134,23 @@ class Record:
             return None  # the line cannot be used: the file is done again
         return row
 
+    @property
+    def made(self) -> dict[str, str]:
+        """Output -> SHA-256 of it as it was made last. All of the record is read for it, once."""
+        if self._made is None:
+            self._made = {}
+            with suppress(FileNotFoundError), open(self._path, "rb") as file:
+                for line in file:
+                    with suppress(ValueError, KeyError, TypeError, AttributeError):
+                        self._made |= _hashes(loaded(line)["row"])
+        return self._made
+
     def add(self, key: bytes, row: Row, found: Input) -> None:
         """Note what was made of the input with that key. Raises OSError."""
         if not self._kept:
             return
+        if self._made is not None:
+            self._made |= _hashes(row)
         lines = b""
         if self._recipe_line not in self._recipes:
             self._recipes.add(self._recipe_line)
@@ -172,6 +189,48 @@ class Record:
             self._lines = None
 
 
+def claims_of(folder: str, inputs: str) -> dict[str, str]:
+    """Which input below the folder `inputs` has which name of an output, as the record says.
+
+    The input may be gone, as one that a hot folder has filed away; its program still stands.
+    """
+    claims: dict[str, str] = {}
+    whole = os.path.abspath(inputs)
+    with suppress(OSError):
+        for noted in noted_in(folder):
+            path = os.path.abspath(path_below(folder, noted.input))
+            if path.startswith(os.path.join(whole, "")):
+                named = os.path.join(inputs, os.path.relpath(path, whole))
+                claims |= dict.fromkeys(map(folded, noted.outputs), named)
+    return claims
+
+
+def _shared(path: str) -> bool:
+    """Whether a record is a file that another folder has too, as copies by links have.
+
+    Raises OSError for a link, by which lines would be added to a file elsewhere, and for what is no
+    plain file.
+    """
+    try:
+        found = os.lstat(path)
+    except FileNotFoundError:
+        return False
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, f"{RECORD_NAME} is a link, or no plain file")
+    return found.st_nlink > 1
+
+
+def _is_below(output: str) -> bool:
+    """Whether a name of a record stays below the folder, as all that batches write do."""
+    words = output.replace(os.sep, "/").split("/")
+    return bool(output) and ".." not in words and not os.path.isabs(output)
+
+
+def _hashes(row: Row) -> dict[str, str]:
+    """Output -> SHA-256 of the programs of an input."""
+    return {part["output"]: part["sha256"] for part in row["parts"]}
+
+
 def _recipe_named_by(line: bytes) -> bytes:
     """The name of the recipe of a line of either kind; b"" of an older version's."""
     _, mark, rest = line.rpartition(b'"recipe":"')
@@ -198,6 +257,8 @@ def noted_in(folder: str) -> tuple[Noted, ...]:
                 if "of" in line:
                     recipes[line["recipe"]] = convert(line["of"], Recipe)
                 elif line["recipe"] in recipes:
+                    if not all(map(_is_below, line["outputs"])):
+                        continue  # no batch wrote such a line
                     last |= dict.fromkeys(line["outputs"], len(lines))
                     lines.append(line)
     found = []

@@ -8,17 +8,11 @@ NOTHING = Rule(
     "found no input for {found!r}; expected a file, a folder that holds one, or a pattern",
     "A pattern that matches nothing is often a wrong folder.",
 )
-NOT_A_FILE = Rule(
-    "batch-not-a-file",
-    Severity.ERROR,
-    "found {found}; expected a plain file",
-    "A pipe or a device has no end that could be waited for in a batch.",
-)
 LOOP = Rule(
     "batch-loop",
     Severity.WARNING,
-    "found a link back to {found}; its files are taken once",
-    "A link to a parent folder would be followed without end.",
+    "found a link back to {found}, which is not followed",
+    "A link to a parent folder would be followed without end, or to files that nobody named.",
 )
 FOLDER = Rule(
     "batch-folder",
@@ -45,6 +39,20 @@ OVER_INPUT = Rule(
     "found the output {found!r}, which is the file {read!r} that this run reads; expected another "
     "name or folder",
     "The program would be written over a part, the configuration or a machine file.",
+)
+LINK = Rule(
+    "batch-link",
+    Severity.ERROR,
+    "found {found!r}, which leads out of the folder of the outputs by a link, to {to!r}; expected "
+    "a place in the folder, remove the link",
+    "Whoever makes the link would choose which file is written over.",
+)
+NOT_OURS = Rule(
+    "batch-not-ours",
+    Severity.ERROR,
+    "found {found!r} there already, {why}; expected a program as a batch made it, `batch --force` "
+    "writes over it",
+    "What somebody else put there, edited, or made read-only is not lost without being asked for.",
 )
 NO_END = Rule(
     "batch-no-end",
@@ -100,6 +108,6 @@ SCHEDULER = Rule(
 )
 
 RULES = (
-    NOTHING, NOT_A_FILE, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, NO_END, WRITE, KEPT, RECORD,
-    STALE, DIED, INTERNAL, SCHEDULER,
+    NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, LINK, NOT_OURS, NO_END,
+    WRITE, KEPT, RECORD, STALE, DIED, INTERNAL, SCHEDULER,
 )  # fmt: skip

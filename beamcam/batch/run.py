@@ -22,9 +22,11 @@ from beamcam.batch.names import folded
 from beamcam.batch.pool import Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import RECORD_NAME, Record, partly
+from beamcam.batch.standing import Standing
 from beamcam.batch.work import FileResult, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
+from beamcam.interrupts import NEVER, Asked
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.report.run import PartRow, Row, Status, as_message
 from beamcam.system import can_sync_all
@@ -64,14 +66,16 @@ def run(
     read: FilesRead | None = None,
     recipe: Recipe | None = None,
     dry: bool = False,
+    asked: Asked = NEVER,
 ) -> Generator[Row, None, None]:
     """Post every input into `folder` and give its row, in the order of the inputs.
 
     `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
-    what is unchanged. `claims` keeps names apart over several runs: it holds which input has which,
-    and is added to. None of the files `read`, by default the inputs, is written over. `recipe` is
-    what the record says that was asked for. A `dry` run writes nothing. Raises BatchError if the
-    folder cannot be used; closes the workers.
+    what is unchanged, and writes over what is not as a batch made it. `claims` keeps names apart
+    over several runs: it holds which input has which, and is added to. None of the files `read`,
+    by default the inputs, is written over. `recipe` is what the record says that was asked for. A
+    `dry` run writes nothing. Once it is `asked` to end no further row comes. Raises BatchError if
+    the folder cannot be used; closes the workers.
     """
     try:
         if not dry:
@@ -83,7 +87,7 @@ def run(
         raise BatchError(rules.WRITE.at(Source(folder), found=folder, reason=reason)) from error
     try:
         yield from _Run(
-            inputs, folder, shop, workers, record, flat, force, claims, read, dry
+            inputs, folder, shop, workers, record, flat, force, claims, read, dry, asked
         ).rows()
     finally:
         workers.close()
@@ -105,9 +109,12 @@ class _Run:
         claims: dict[str, str] | None,
         read: FilesRead | None,
         dry: bool,
+        asked: Asked,
     ) -> None:
+        self._asked = asked
         self._inputs, self._folder, self._shop = inputs, folder, shop
         self._workers, self._record, self._flat, self._force = workers, record, flat, force
+        self._standing = Standing(folder, record, force)
         self._settings = sha256(shop.settings).digest()
         self._next = 0
         self._slots: deque[_Slot] = deque()
@@ -121,9 +128,9 @@ class _Run:
         self._keeps_record = True
 
     def rows(self) -> Iterator[Row]:
-        while True:
+        while not self._asked:
             fed = self._feed()
-            while self._slots and self._slots[0].is_done:
+            while self._slots and self._slots[0].is_done and not self._asked:
                 yield self._finish(self._slots.popleft())
             if self._next == len(self._inputs) and not self._slots:
                 return
@@ -243,7 +250,9 @@ class _Run:
         written: list[PartRow] = []
         for part, (name, content) in zip(row["parts"], made.outputs, strict=True):
             output = f"{below}/{name}" if below else name
-            said = self._claim(output, slot.input.path) or self._over(output, slot.input.path)
+            said = self._claim(output, slot.input.path) or self._refusal(
+                output, content, slot.input.path
+            )
             status: Status = "refused"
             if said is None:
                 said, status = self._write_list(output, part, slot.input.path)
@@ -258,7 +267,7 @@ class _Run:
         row["parts"] = written
         for name, content in made.refused:
             output = f"{below}/{name}" if below else name
-            said = self._over(output, slot.input.path) or self._write(
+            said = self._refusal(output, content, slot.input.path) or self._write(
                 output, content, slot.input.path
             )
             if said is None and not self._dry:
@@ -274,10 +283,11 @@ class _Run:
         if not part["by_hand"]:
             remove_made(os.path.join(self._folder, name), LIST_BEGIN)
             return None, "failed"
-        over = self._over(name, path)
-        if over is not None:
-            return over, "refused"
-        return self._write(name, as_csv(part["by_hand"]).encode("utf-8"), path), "failed"
+        content = as_csv(part["by_hand"]).encode("utf-8")
+        refusal = self._refusal(name, content, path)
+        if refusal is not None:
+            return refusal, "refused"
+        return self._write(name, content, path), "failed"
 
     def _claim(self, output: str, path: str) -> Diagnostic | None:
         """Take a name for the output of an input, or say why it cannot have it."""
@@ -286,12 +296,12 @@ class _Run:
             return rules.SAME_NAME.at(Source(path), found=output, other=other)
         return None
 
-    def _over(self, output: str, path: str) -> Diagnostic | None:
-        """The message for an output that is an input file of the run."""
+    def _refusal(self, output: str, content: bytes, path: str) -> Diagnostic | None:
+        """Why an output may not be written: an input of the run is there, or what is not ours."""
         other = self._read_files.written_over_by(os.path.join(self._folder, output))
-        if other is None:
-            return None
-        return rules.OVER_INPUT.at(Source(path), found=output, read=other)
+        if other is not None:
+            return rules.OVER_INPUT.at(Source(path), found=output, read=other)
+        return self._standing.refusal(output, content, path)
 
     def _write(self, output: str, content: bytes, path: str) -> Diagnostic | None:
         if self._dry:

@@ -7,23 +7,20 @@ that stands in the folder is that very one.
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from functools import partial
 from hashlib import sha256
 from pathlib import PurePosixPath
 
 from msgspec import Struct
 
-from beamcam.batch.work import PlannedJob, Shop, planned_jobs, posted_job, thaw, whole_jobs
+from beamcam.batch.work import Shop, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.styles import css
 from beamcam.pictures.svg import inline_svg
-from beamcam.pipeline import Posted, counted, sound
-from beamcam.planning.bar_jobs import BarJob
+from beamcam.pipeline import Posted, begin, counted, finished, sound
 from beamcam.processes import Died, Pool
 from beamcam.readers import is_interruptible, read
 from beamcam.report.run import Row
@@ -122,39 +119,27 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
     left = list(programs.outputs)
     for part in counted(sound(reading)):
         with suppress(BeamcamError):
-            machine, planned, _ = first_that_makes(
-                shop.machines_for(part), partial(planned_jobs, part, shop), part.source,
-                whole_jobs(part, shop),
-            )  # fmt: skip
+            planned, _ = first_that_makes(shop.request_of(part), shop.machines_for(part), begin)
             for each in planned:
-                posted = _posted(each, shop)
+                posted = finished(each)
                 digest = sha256(posted.text.encode("utf-8")).hexdigest()
                 output = next((name for name, known in left if known == digest), None)
                 if output is not None:
                     left.remove((output, digest))
-                    yield _sheet(each.job, posted, output, machine, shop)
+                    yield _sheet(posted, output, shop)
 
 
-def _posted(planned: PlannedJob, shop: Shop) -> Posted:
-    stages = posted_job(planned, shop)
-    while True:
-        try:
-            next(stages)
-        except StopIteration as end:
-            posted: Posted = end.value
-            return posted
-
-
-def _sheet(job: BarJob, posted: Posted, output: str, machine: Machine, shop: Shop) -> SetupSheet:
+def _sheet(posted: Posted, output: str, shop: Shop) -> SetupSheet:
+    parts, machine = posted.job.parts, posted.job.machine
     bar = getattr(getattr(posted.plan, "bar", None), "length", None)
     program = ReadProgram(
         b"".join(posted.pieces()),
         machine,
         PurePosixPath(output).name,
         machine.suffix,
-        job.parts,
+        parts,
         bar,
     )
     source = SheetSources(program, posted.plan, posted.remarks, compared=shop.read_back)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
-    return SetupSheet(output, page, inline_svg(small_scene(job.parts[0])))
+    return SetupSheet(output, page, inline_svg(small_scene(parts[0])))

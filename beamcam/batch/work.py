@@ -8,15 +8,16 @@ once, frozen.
 import os
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-from functools import partial
 from hashlib import sha256
 from typing import cast
 
 from msgspec import Struct, field, json
 from msgspec.structs import replace
 
+from beamcam import budget
 from beamcam.batch import rules
 from beamcam.batch.names import FileNames, output_name
+from beamcam.budget import Limits
 from beamcam.caches import cached
 from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
@@ -24,22 +25,20 @@ from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Plan
+from beamcam.model.request import Quantity, Request
 from beamcam.pipeline import (
+    Begun,
     Posted,
     RefusedProgram,
+    begin,
     counted,
     judged,
     parts_of,
-    posting,
-    refuse_warnings,
     sound,
     stock_of,
 )
-from beamcam.planning.bar_jobs import BarJob, Quantity, numbered
-from beamcam.planning.jobs import jobs_of
+from beamcam.planning.jobs import numbered
 from beamcam.planning.rules import named_skips
-from beamcam.planning.stock import from_store
-from beamcam.posts import Job
 from beamcam.readers import read
 from beamcam.report.hand_list import hand_rows
 from beamcam.report.run import Ledger, PartRow, Row, as_message
@@ -64,6 +63,7 @@ class Shop(Struct, frozen=True):
     clock: Callable[[], float] | None = None
     more: tuple[Machine, ...] = ()  #: machines of either stock that are tried after the first
     date: str = ""  #: for words of the machine
+    limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
 
     @property
     def freeze(self) -> bytes:
@@ -86,6 +86,14 @@ class Shop(Struct, frozen=True):
         """The machines that may make a part, by its stock, in the order they are tried in."""
         first = self._first_for(part)
         return (first, *(machine for machine in self.more if machine.stock == first.stock))
+
+    def request_of(self, part: Part) -> Request:
+        """What is asked of the first machine that may make a part."""
+        return Request(
+            (part,), self._first_for(part), named_skips(self.skips), self.job,
+            stock=self.stock_lengths, quantity=self.quantity, strict=self.strict,
+            verified=self.read_back, date=self.date,
+        )  # fmt: skip
 
     def machine_named(self, name: str) -> Machine:
         """The machine of that name; that of bars where there is none."""
@@ -130,6 +138,7 @@ def make_all(tasks: Sequence[Task], shop: Shop) -> list[FileResult]:
     All of them are read, then all are planned, and so on: a processor that does the same for many
     is quicker by a sixth than one that does everything for each in turn.
     """
+    budget.set_limits(shop.limits)
     clock = shop.clock or _no_clock
     seconds = [0.0] * len(tasks)
     made: dict[int, FileResult] = {}
@@ -205,57 +214,23 @@ def _post_all(
     names = FileNames()
     for number, part in enumerate(parts, 1):
         try:
-            machine, planned, choice = first_that_makes(
-                shop.machines_for(part), partial(planned_jobs, part, shop), part.source,
-                whole_jobs(part, shop),
-            )  # fmt: skip
+            planned, choice = first_that_makes(
+                shop.request_of(part), shop.machines_for(part), begin
+            )
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
             continue
         yield "planned"
         row["messages"] += map(as_message, choice)
-        name = output_name(shop.name, stem, part, number, len(parts) > 1, machine)
+        name = output_name(shop.name, stem, part, number, len(parts) > 1, planned[0].job.machine)
         for each, called in zip(planned, numbered(name, len(planned)), strict=True):
-            yield from _post_job(each, called, machine, shop, row, names, outputs, refused)
-
-
-class PlannedJob(Struct, frozen=True):
-    """A job that a machine can make, and the stages of its post behind the plan."""
-
-    job: BarJob
-    stages: Generator[str, None, Posted]
-
-
-def planned_jobs(part: Part, shop: Shop, machine: Machine) -> list[PlannedJob]:
-    """The jobs of a part on a machine, planned, each on the shortest bar in stock that takes it.
-
-    Raises PlanError as `post` does; of bars that are all too short for the longest.
-    """
-    jobs = jobs_of((part,), machine, shop.quantity, shop.stock_lengths, named_skips(shop.skips))
-    return [PlannedJob(job, _planned(job, machine, shop)) for job in jobs]
-
-
-def whole_jobs(part: Part, shop: Shop) -> Callable[[Machine], object] | None:
-    """As `planned_jobs` with nothing left out; None where nothing may be."""
-    return partial(planned_jobs, part, replace(shop, skips=())) if shop.skips else None
-
-
-def _planned(job: BarJob, machine: Machine, shop: Shop) -> Generator[str, None, Posted]:
-    def planned(bar: float | None) -> Generator[str, None, Posted]:
-        stages = posting(
-            Job(job.parts, machine, shop.job, bar, shop.skips, date=shop.date), shop.read_back
-        )
-        next(stages)  # the plan, which is all that a bar can be too short for
-        return stages
-
-    return from_store(planned, job.lengths, job.parts[0].length)
+            yield from _post_job(each, called, shop, row, names, outputs, refused)
 
 
 def _post_job(
-    planned: PlannedJob,
+    planned: Begun,
     name: str,
-    machine: Machine,
     shop: Shop,
     row: Row,
     names: FileNames,
@@ -265,7 +240,7 @@ def _post_job(
     """Add the program of a part, or of the pieces of it that lie on one bar."""
     part = planned.job.parts[0]
     try:
-        posted = yield from posted_job(planned, shop)
+        posted = yield from planned.stages
     except BeamcamError as error:
         if isinstance(error, RefusedProgram):
             refused.append((names.take(name + REFUSED_SUFFIX, part.mark), b"".join(error.pieces())))
@@ -282,28 +257,16 @@ def _post_job(
     name = names.take(name, part.mark)
     content = posted.text.encode("utf-8")
     outputs.append((name, content))
-    row["parts"].append(_part_row(planned.job, posted, name, content, machine, shop.timed))
-
-
-def posted_job(planned: PlannedJob, shop: Shop) -> Generator[str, None, Posted]:
-    """The program of a planned job, stage by stage.
-
-    Raises VerifyError as `post` does, and PlanError for a warning where they refuse.
-    """
-    posted = yield from planned.stages
-    if shop.strict:
-        refuse_warnings(posted.remarks)
-    return posted
+    row["parts"].append(_part_row(posted, name, content, shop.timed))
 
 
 #: Outcomes of a feature, as in the ledger.
 OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")
 
 
-def _part_row(
-    job: BarJob, posted: Posted, name: str, content: bytes, machine: Machine, timed: bool
-) -> PartRow:
-    plan, part, pieces = posted.plan, job.parts[0], len(job.parts)
+def _part_row(posted: Posted, name: str, content: bytes, timed: bool) -> PartRow:
+    plan, machine, pieces = posted.plan, posted.job.machine, len(posted.job.pieces)
+    part = posted.job.parts[0]
     how: list[str] = [outcome.how for outcome in plan.outcomes]
     ledger = {"read": len(how), **{word: how.count(word) for word in OUTCOMES}}
     skipped_by = (

@@ -17,17 +17,18 @@ from beamcam.commands.running import (
     Report,
     Screen,
     checked_report,
-    ended_by_term,
     run_options,
     shop_of,
+    told_of,
     unmatched_keys,
     unused,
     workers_of,
 )
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Source
+from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.report.run import Row, as_message
-from beamcam.system import INTERRUPTED, cores, portable_path
+from beamcam.system import cores, portable_path
 
 FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
 
@@ -35,7 +36,12 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
 @click.command("batch", cls=Grouped)
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
-@click.option("--force", "redo", is_flag=True, help="Post unchanged inputs again as well.")
+@click.option(
+    "--force",
+    "redo",
+    is_flag=True,
+    help="Post unchanged inputs again as well, and write over what was edited or is locked.",
+)
 @click.option(
     "--dry-run", "dry", is_flag=True, help="Show what would be written where, and write nothing."
 )
@@ -74,6 +80,7 @@ def command(
     try:
         config = settled(asked, names)
         shop = shop_of(config, asked, timed=report is not None)
+        voice.say_remarks()
         found = find_inputs(names, leave_out=(output,))
         workers = workers_of(shop, config.jobs, config.dask, found.inputs)
     except BeamcamError as error:
@@ -83,27 +90,26 @@ def command(
     read = files_read(config, (one.path for one in found.inputs))
     if report is not None:
         keep_apart([report], read, voice)
-    interrupted = False
-    with Screen(len(found.inputs), voice) as screen, ended_by_term():
+    with Screen(len(found.inputs), voice) as screen:
         screen.say(said)
+        said += map(as_message, (*config.remarks, *told_of(config, shop)))
         recipe = recipe_of(config, asked, output)
-        rows = run(
-            found.inputs, output, shop, workers, config.flat, redo, read=read, recipe=recipe,
-            dry=dry,
-        )  # fmt: skip
-        try:
-            for row in rows:
-                screen.show(row)
-                account.add(row)
-                if dry and not (voice.quiet or voice.as_json):
-                    say_lines(_would(row, output))
-        except KeyboardInterrupt:
-            interrupted = True
-        except BeamcamError as error:
-            screen.end(" (not finished)")
-            voice.stop(error.diagnostics)
-        finally:
-            rows.close()
+        with asked_to_end() as interrupted:
+            rows = run(
+                found.inputs, output, shop, workers, config.flat, redo, read=read, recipe=recipe,
+                dry=dry, asked=interrupted,
+            )  # fmt: skip
+            try:
+                for row in rows:
+                    screen.show(row)
+                    account.add(row)
+                    if dry and not (voice.quiet or voice.as_json):
+                        say_lines(_would(row, output))
+            except BeamcamError as error:
+                screen.end(" (not finished)")
+                voice.stop(error.diagnostics)
+            finally:
+                rows.close()
         unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]
         screen.say(unmatched)
         said += unmatched

@@ -1,17 +1,21 @@
 """`beamcam check`: a folder of golden programs, posted again and compared."""
 
 import re
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, cannot_write, say_json, say_lines
 from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
+from beamcam.commands.parts import request_of
 from beamcam.commands.programs import program_text
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
-from beamcam.commands.rules import NO_SAMPLE, UNKNOWN
+from beamcam.commands.rules import NO_SAMPLE, NOTHING, UNKNOWN
 from beamcam.commands.settings import machine_for, settled
 from beamcam.commands.tables import outputs, table_style
 from beamcam.config.values import Config, over
@@ -19,8 +23,7 @@ from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
 from beamcam.machine.defaults import is_of_programs
-from beamcam.pipeline import parts_of, post, read_file
-from beamcam.planning.stock import from_store
+from beamcam.pipeline import begin, finished, parts_of, read_file
 from beamcam.report.hand_list import hand_rows, is_hand_list
 from beamcam.report.run import as_message, message_line
 
@@ -49,6 +52,13 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
     metavar="NAME",
     help="In place of that of the batch; of programs without a record, that of FOLDER itself.",
 )
+@click.option(
+    "--stray",
+    "strays",
+    multiple=True,
+    metavar="PATTERN",
+    help="Leave out programs that have no part here, as 'by-hand/*.gcode'; several times.",
+)
 @options.config
 @options.bar
 @options.skips
@@ -59,6 +69,7 @@ def command(
     folder: Path,
     samples: Path | None,
     update: bool,
+    strays: tuple[str, ...],
     as_json: bool,
     voice: Voice,
     **asked: Any,
@@ -68,7 +79,8 @@ def command(
     What `batch` wrote is posted again as its record says: the same inputs, machine, options, names
     and folders. Elsewhere FOLDER/MACHINE/a.gcode is made from the sample a on MACHINE, a+b.gcode
     from a and b on one bar. A change that several programs share is one line. Exit status: 0 all
-    are the same byte for byte, or --update accepted what is not; 1 one is not.
+    are the same byte for byte, or --update accepted what is not; 1 one is not, has no part, or
+    there is none to compare.
 
     \b
     beamcam batch parts -o golden
@@ -88,8 +100,12 @@ def command(
                 results.append(one)
                 voice.did(f"{one.path}: {one.result}")
         unknown: list[str] = []
+        left_out = 0
         for path, name in _programs(folder, config.machine):
             if path.resolve() in known:
+                continue
+            if name is None and any(fnmatch(_below(path, folder), one) for one in strays):
+                left_out += 1
                 continue
             if name is None:
                 unknown.append(str(path))
@@ -101,17 +117,38 @@ def command(
         voice.stop(error.diagnostics)
     except OSError as error:
         voice.stop([cannot_write(str(error.filename or folder), error)])
-    if not results and not unknown:
-        raise click.UsageError(f"{folder}: found no program.")
-    _say(results, unknown, folder, as_json, voice)
+    counts = tuple(_counts(results, len(unknown), left_out))
+    results += _not_compared(results, unknown, str(folder))
+    _say(results, counts, as_json, voice)
     left = _accepted(results, voice) if update else results
     if any(r.result != "same" for r in left):
         raise SystemExit(REFUSED)
 
 
-def _say(
-    results: list[Checked], unknown: list[str], folder: Path, as_json: bool, voice: Voice
-) -> None:
+def _below(path: Path, folder: Path) -> str:
+    return path.relative_to(folder).as_posix()
+
+
+def _not_compared(results: list[Checked], unknown: list[str], folder: str) -> Iterator[Checked]:
+    """What is wrong with a folder as a whole: programs without a part, or no program at all."""
+    if unknown:
+        said = UNKNOWN.at(Source(folder), found=len(unknown), names=named(unknown))
+    elif not results:
+        said = NOTHING.at(Source(folder))
+    else:
+        return
+    yield Checked(folder, "unknown", (), (as_message(said),))
+
+
+def _counts(results: list[Checked], unknown: int, left_out: int) -> Iterator[str]:
+    """The last line, where anything was compared."""
+    if results:
+        same = sum(r.result == "same" for r in results)
+        more = f", {left_out} left out" if left_out else ""
+        yield f"{same} of {len(results) + unknown} programs are the same{more}"
+
+
+def _say(results: list[Checked], counts: Sequence[str], as_json: bool, voice: Voice) -> None:
     if as_json:
         say_json(records(results, (s.value for s in Severity if voice.wants(s))))
         return
@@ -119,11 +156,8 @@ def _say(
     wanted = {severity.value for severity in Severity if voice.wants(severity)}
     said = (m for r in results for m in r.messages if m["severity"] in wanted)
     say_lines(map(message_line, said), err=True)
-    if unknown:
-        voice.say([UNKNOWN.at(Source(str(folder)), found=len(unknown), names=named(unknown))])
-    same = sum(r.result == "same" for r in results)
     if not voice.quiet:
-        say_lines([f"{same} of {len(results)} programs are the same"])
+        say_lines(counts)
 
 
 def _accepted(results: list[Checked], voice: Voice) -> tuple[Checked, ...]:
@@ -164,14 +198,10 @@ def _check(path: Path, samples: Path, config: Config) -> Checked:
         parts, _ = parts_of(read_file(sample, config.strict) for sample in found)
         machine = machine_for(config, parts, str(path))
         style = table_style(machine, str(path), None)
-        posted = from_store(
-            lambda bar: post(
-                parts, machine, _job(old, machine), bar, config.allow_skips, strict=config.strict,
-                style=style,
-            ),
-            config.stock_lengths,
-            max(part.length for part in parts),
-        )  # fmt: skip
+        request = request_of(parts, config, machine, None)
+        named_so = replace(request, name=_job(old, machine), style=style)
+        (begun,) = begin(named_so, together=True)
+        posted = finished(begun)
         new = dict(outputs(posted, machine, str(path)))[str(path)]
         data = new.encode() if isinstance(new, str) else b"".join(new)
     except BeamcamError as error:

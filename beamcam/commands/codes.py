@@ -15,6 +15,7 @@ from beamcam.commands.common import Voice, say_json
 from beamcam.commands.rules import UNKNOWN_CODE
 from beamcam.conversion import nearest
 from beamcam.errors import Rule, Source
+from beamcam.verify.owners import Language, Owner, Rows, Stock
 
 
 def all_rules() -> Iterator[Rule]:
@@ -27,6 +28,15 @@ def all_rules() -> Iterator[Rule]:
             if rule not in seen:
                 seen.add(rule)
                 yield rule
+
+
+def all_owners() -> Rows:
+    """What answers for the words of programs: a module that has such rows names them `OWNERS`."""
+    found: dict[tuple[Stock, Language], tuple[Owner, ...]] = {}
+    for module in pkgutil.walk_packages(beamcam.__path__, "beamcam."):
+        if module.name.endswith(".owners"):
+            found |= getattr(importlib.import_module(module.name), "OWNERS", {})
+    return dict(sorted(found.items()))
 
 
 class CodeExplanation(Struct, frozen=True):
@@ -59,11 +69,59 @@ def as_markdown(rules: list[Rule]) -> str:
     return "\n".join(lines) + "\n"
 
 
+_STOCKS = {"beam": "bars", "sheet": "tables"}
+
+
+def words_as_markdown(rows: Rows) -> str:
+    """The page of the documentation that lists what answers for each word of a program."""
+    lines = [
+        "# Words of programs, and what answers for them",
+        "",
+        "Made by `beamcam codes --words --markdown`; tests keep it true and complete. Every G and",
+        "M word and every event that the read-back knows is here, with what it carries: letters,",
+        "placeholders of the machine file in braces. The codes are those of the messages that",
+        "refuse it where it does not belong; where none of them comes it does no harm, for the",
+        "reason that stands there. Any other word is refused.",
+    ]
+    for (stock, language), owners in rows.items():
+        lines += ["", f"## Programs for {_STOCKS[stock]}: {language}", ""]
+        lines += ["| word | what it carries | refused by | harmless |", "| --- | --- | --- | --- |"]
+        for row in owners:
+            names, carried, refused = (
+                ", ".join(f"`{name}`" for name in names)
+                for names in (row.words, row.carries, row.refused_by)
+            )
+            lines.append(f"| {names} | {carried} | {refused} | {row.harmless} |")
+    return "\n".join(lines) + "\n"
+
+
+def _say_words(rows: Rows, markdown: bool, as_json: bool) -> None:
+    if markdown:
+        click.echo(words_as_markdown(rows), nl=False)
+    elif as_json:
+        say_json(
+            [
+                {"stock": stock, "controller": language, **msgspec.structs.asdict(row)}
+                for (stock, language), owners in rows.items()
+                for row in owners
+            ]
+        )
+    else:
+        for (stock, language), owners in rows.items():
+            click.echo(f"{stock}, {language}")
+            for row in owners:
+                refused = f"refused by {', '.join(row.refused_by)}" if row.refused_by else ""
+                harmless = f"harmless: {row.harmless}" if row.harmless else ""
+                said = "; ".join(text for text in (refused, harmless) if text)
+                click.echo(f"    {' '.join((*row.words, *row.carries))}  {said}")
+
+
 @click.command("codes")
 @click.argument("code", required=False)
+@click.option("--words", is_flag=True, help="List the words of programs, and what refuses them.")
 @click.option("--markdown", is_flag=True, help="Print a page for the documentation.")
 @options.as_json
-def command(code: str | None, markdown: bool, as_json: bool) -> None:
+def command(code: str | None, words: bool, markdown: bool, as_json: bool) -> None:
     """Explain the CODE of a message, or list all codes, with severity, message and reason.
 
     Of one code an example is shown too, and what to do.
@@ -73,8 +131,12 @@ def command(code: str | None, markdown: bool, as_json: bool) -> None:
     \b
     beamcam codes plan-cope
     beamcam codes
+    beamcam codes --words
     beamcam codes --markdown > docs/codes.md
     """
+    if words:
+        _say_words(all_owners(), markdown, as_json)
+        return
     rules = sorted(all_rules(), key=lambda rule: rule.code)
     if code is not None:
         if code not in (known := [rule.code for rule in rules]):

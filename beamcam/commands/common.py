@@ -13,6 +13,7 @@ import click
 from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
+from beamcam.interrupts import taken_back
 from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode
 
@@ -36,6 +37,7 @@ class Voice:
         self.quiet, self.verbose, self.as_json = quiet, verbose, as_json
         self._account: list[Diagnostic] = []  #: what is kept for a JSON list
         self._remarks: dict[Diagnostic, bool] = {}  #: on the machine; whether they were said
+        self._did: set[str] = set()  #: that is told once
         self._since = perf_counter()
 
     def wants(self, severity: Severity) -> bool:
@@ -54,6 +56,11 @@ class Voice:
         else:
             for one in said:
                 say_lines([str(one)], err=True)
+
+    def say_remarks(self) -> None:
+        """Say what is kept before the work begins; a JSON list waits for the end."""
+        if not self.as_json:
+            self.say(())
 
     def remark(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Keep messages to be said with the next ones; what was said once is not said again."""
@@ -78,6 +85,12 @@ class Voice:
         else:
             say_lines([text], err=True)
 
+    def did_once(self, what: str) -> None:
+        """`did`, of what several steps come by."""
+        if what not in self._did:
+            self._did.add(what)
+            self.did(what)
+
     def end(self) -> None:
         """Say what was kept of steps and remarks, where nothing else was to be said."""
         if self._account or not all(self._remarks.values()):
@@ -91,10 +104,15 @@ class Voice:
 
 def remark(diagnostics: Iterable[Diagnostic]) -> None:
     """Have the voice of the running command say messages once."""
-    context = click.get_current_context(silent=True)
-    voice = context.meta.get(Voice.__name__) if context else None
+    voice = running_voice()
     if voice is not None:
         voice.remark(diagnostics)
+
+
+def running_voice() -> Voice | None:
+    """The voice of the running command, if it has one."""
+    context = click.get_current_context(silent=True)
+    return context.meta.get(Voice.__name__) if context else None
 
 
 def say_lines(lines: Iterable[str], err: bool = False) -> None:
@@ -178,11 +196,17 @@ def followed(path: str, voice: Voice) -> Iterator[Callable[[int, int], None] | N
             if not bars:
                 if perf_counter() - begun < PATIENCE:
                     return
+                stack.enter_context(taken_back(_show_cursor))
                 bar = click.progressbar(length=of, label=label, file=sys.stderr)
                 bars.append(stack.enter_context(bar))
             bars[0].update(done - bars[0].pos)
 
         yield follow
+
+
+def _show_cursor() -> None:
+    """What click does at the end of a bar, which hides the cursor."""
+    os.write(sys.stderr.fileno(), b"\n\x1b[?25h")
 
 
 def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice, read: FilesRead) -> None:

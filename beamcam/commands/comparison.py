@@ -1,5 +1,6 @@
 """Two files compared, both programs or both parts."""
 
+from collections.abc import Sequence
 from pathlib import PurePath
 
 import click
@@ -9,6 +10,7 @@ from beamcam.api.comparison import compared
 from beamcam.commands.kinds import KINDS, expected
 from beamcam.diff.differ import diff_parts
 from beamcam.diff.pairing import Difference
+from beamcam.diff.programs import ProgramText
 from beamcam.errors import Diagnostic
 from beamcam.machine import Machine
 from beamcam.machine.defaults import is_of_programs
@@ -17,9 +19,11 @@ from beamcam.pipeline import judged, parts_of
 
 
 def differences_of(
-    data: list[tuple[str, bytes]], machine: Machine, strict: bool
+    data: list[tuple[str, bytes]], machines: Sequence[Machine], strict: bool
 ) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
     """What the second of two files, each with its name, makes otherwise, and what is wrong.
+
+    Programs are read by the machine of each.
 
     Raises ReadError and VerifyError; UsageError of a program and a part.
     """
@@ -29,14 +33,16 @@ def differences_of(
     if kinds[0]:
         (first, of_a), (second, of_b) = (_parts(*one, strict) for one in data)
         return diff_parts(first, second), (*of_a, *of_b)
-    texts = [(name, content.decode("utf-8", "replace")) for name, content in data]
-    found = compared(texts, machine)
+    found = compared(*(
+        ProgramText(name, content.decode("utf-8", "replace"), machine)
+        for (name, content), machine in zip(data, machines, strict=True)
+    ))  # fmt: skip
     return found.differences, found.diagnostics
 
 
 def drawn_over(
     data: list[tuple[str, bytes]],
-    machine: Machine,
+    machines: Sequence[Machine],
     found: tuple[Difference, ...],
     output: str,
 ) -> str | bytes:
@@ -57,7 +63,7 @@ def drawn_over(
     else:
         programs = [
             ReadProgram(content, machine, PurePath(name).name, PurePath(name).suffix.lower())
-            for name, content in data
+            for (name, content), machine in zip(data, machines, strict=True)
         ]
         compared = [compared_programs(*programs)]
     if suffix == ".html":

@@ -1,6 +1,7 @@
 """`beamcam config`: the configuration that holds, and where each value comes from."""
 
 import json
+import os
 from collections.abc import Mapping
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -8,9 +9,9 @@ import click
 from msgspec import Struct
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, say_json, say_lines
+from beamcam.commands.common import Voice, cannot_write, say_json, say_lines
 from beamcam.commands.settings import settled
-from beamcam.config.values import ConfigFile, Setting
+from beamcam.config.values import Config, ConfigFile, Setting, Stock
 from beamcam.errors import BeamcamError
 
 
@@ -32,17 +33,25 @@ def shown(setting: Setting) -> str:
 @click.argument("inputs", nargs=-1, metavar="[IN]...", type=options.FILE)
 @options.config
 @options.as_json
+@click.option(
+    "--remember", is_flag=True,
+    help="Keep the folders of --trust in the user's own beamcam.toml.",
+)  # fmt: skip
 @click.option("--keys", is_flag=True, help="Print the keys and their meanings.")
-def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) -> None:
+def command(
+    inputs: tuple[str, ...], as_json: bool, remember: bool, keys: bool, **asked: Any
+) -> None:
     """Show every value of the configuration that a job would have, and where it comes from.
 
-    The configuration is the file given by --config, else the beamcam.toml beside IN or in the
-    nearest folder above, else that of this folder or above, else the user's own. Options on the
-    command line of the job override it.
+    The configuration is the file given by --config, else every beamcam.toml beside IN and above,
+    in this folder and above, and the user's own, key by key, the nearest first. Of those beside IN
+    only what is harmless is followed, unless their folder is trusted. Options on the command line
+    of the job override it.
 
     \b
     beamcam config
     beamcam config jobs/4711
+    beamcam config --trust jobs --remember
     beamcam config --keys
     """
     if keys:
@@ -54,16 +63,56 @@ def command(inputs: tuple[str, ...], as_json: bool, keys: bool, **asked: Any) ->
             names = ", ".join(_rows(name))
             say_lines([f"{name:{width}}  {help}{': ' if names else ''}{names}"])
         return
+    voice = Voice(as_json=as_json)
     try:
+        if remember:
+            _remember(asked["trust"], voice)
         config = settled(asked, inputs)
     except BeamcamError as error:
-        Voice(as_json=as_json).stop(error.diagnostics)
+        voice.stop(error.diagnostics)
+    if config.remarks:
+        voice.say(config.remarks)
     rows = config.settings()
+    used = _used(config, voice)
     if as_json:
-        say_json({r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows})
+        values = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
+        say_json({**values, "settings": {"value": used, "source": None}})
         return
     width = max(len(shown(row)) for row in rows)
     say_lines(f"{shown(row):{width}}  # {row.source or 'default'}" for row in rows)
+    say_lines([f"# {used}"])
+
+
+def _used(config: Config, voice: Voice) -> str:
+    """Whose configuration it is, and the machines for bars and sheets with their checksums."""
+    from beamcam.commands.provenance import settings_line
+    from beamcam.machine.defaults import default_machines
+
+    stocks: tuple[Stock, ...] = ("beam", "sheet")
+    names = [
+        name for stock in stocks for name in config.machine_names(stock) or default_machines(stock)
+    ]
+    try:
+        return settings_line(config, names)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+
+
+def _remember(folders: tuple[str, ...], voice: Voice) -> None:
+    """Have the user's own configuration trust the folders. Raises ConfigError."""
+    if not folders:
+        raise click.UsageError("found --remember without a folder; expected --trust FOLDER.")
+    for folder in folders:
+        if not os.path.isdir(folder):
+            raise click.UsageError(f"found no folder {folder!r}; expected one that is there.")
+    from beamcam.config.places import CONFIG_NAME
+    from beamcam.config.remember import remember
+    from beamcam.system import user_folder
+
+    try:
+        remember(folders)
+    except OSError as error:
+        voice.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
 
 
 def _rows(key: str) -> tuple[str, ...]:

@@ -35,6 +35,7 @@ def command(
 ) -> None:
     """Say what program or part B makes differently from A; of two folders, file by file.
 
+    Each program is read by the machine that its own header names, unless --machine names one.
     Files of two folders belong together that have the same name below them. A change that
     several share is one line.
 
@@ -72,12 +73,14 @@ def command(
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     try:
         config = settled(asked, (a, b))
-        data = [(shown_name(path), input_bytes(path)) for path in (a, b)]
-        machine = machine_for_program(config, a, data[0][1])
-        voice.did(f"read {data[0][0]} and {data[1][0]}, programs as those of {machine.name}")
-        found, said = differences_of(data, machine, config.strict)
+        contents = [input_bytes(path) for path in (a, b)]
+        data = [(shown_name(path), content) for path, content in zip((a, b), contents, strict=True)]
+        machines = [machine_for_program(config, *one) for one in zip((a, b), contents, strict=True)]
+        for (name, _), machine in zip(data, machines, strict=True):
+            voice.did(f"read {name}, a program as one of {machine.name}")
+        found, said = differences_of(data, machines, config.strict)
         if output is not None:
-            drawn = drawn_over(data, machine, found, output)
+            drawn = drawn_over(data, machines, found, output)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     voice.did(f"compared them: {len(found)} difference(s)")

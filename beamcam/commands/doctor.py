@@ -13,7 +13,7 @@ from msgspec.structs import asdict
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, say_json, say_lines
-from beamcam.config.values import CONFIG_NAME, beside
+from beamcam.config.places import CONFIG_NAME, own_files
 from beamcam.errors import BeamcamError
 from beamcam.machine import shipped
 from beamcam.system import user_folder
@@ -26,6 +26,7 @@ EXTRAS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "labels": ("labels for pieces", ("ppf.datamatrix", "reportlab", "segno")),
     "modbus": ("simulate --modbus", ("pymodbus",)),
     "pictures": ("pictures as PNG and PDF", ("pillow", "reportlab")),
+    "solid": ("solids of parts and programs", ("manifold3d",)),
     "xlsx": ("lists as spreadsheets", ("openpyxl",)),
 }
 #: A beam with a hole and a mitre, as a shop's detailer writes it.
@@ -123,15 +124,16 @@ def _version(package: str) -> str:
 
 
 def _configuration() -> Finding:
-    files = beside(())
+    files = own_files()
     if files:
         from beamcam.config.load import load
 
         try:
-            load(files[0])
+            for path in files:
+                load(path)
         except BeamcamError as error:
             return Finding("configuration", "fault", str(error.diagnostics[0]))
-        return Finding("configuration", "ok", os.path.abspath(files[0]))
+        return Finding("configuration", "ok", ", ".join(map(os.path.abspath, files)))
     places = f"{CONFIG_NAME} here and above, then in {user_folder()}"
     return Finding("configuration", "ok", f"none; looked for {places}")
 

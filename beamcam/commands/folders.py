@@ -25,8 +25,7 @@ def diff_folders(a: Path, b: Path, as_json: bool, voice: Voice, asked: Mapping[s
         first, second = _files(a, recorded), _files(b, recorded)
         results = []
         for name in sorted(first.keys() & second.keys()):
-            machine = _machine(config, name, first[name].read_bytes(), recorded)
-            results.append(_compared(first[name], second[name], machine, config))
+            results.append(_compared(name, first[name], second[name], recorded, config))
             voice.did(f"{name}: {results[-1].result}")
     except BeamcamError as error:
         voice.stop(error.diagnostics)
@@ -76,13 +75,16 @@ def _machine(config: Config, name: str, data: bytes, recorded: Mapping[str, Mach
     return machine_for_program(config, name, data)
 
 
-def _compared(first: Path, second: Path, machine: Machine, config: Config) -> Checked:
+def _compared(
+    name: str, first: Path, second: Path, recorded: Mapping[str, Machine], config: Config
+) -> Checked:
     shown = str(second)
     old, new = first.read_bytes(), second.read_bytes()
     if old == new:
         return Checked(shown, "same")
     try:
-        found, said = differences_of([(str(first), old), (shown, new)], machine, config.strict)
+        machines = [_machine(config, name, data, recorded) for data in (old, new)]
+        found, said = differences_of([(str(first), old), (shown, new)], machines, config.strict)
     except BeamcamError as error:
         return Checked(shown, "refused", (), tuple(map(as_message, error.diagnostics)))
     refused = errors_in(said)

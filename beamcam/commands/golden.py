@@ -9,16 +9,14 @@ from msgspec import Struct
 
 from beamcam import readers
 from beamcam.commands.rules import NEW, NO_SAMPLE
-from beamcam.diff.differ import diff_programs
 from beamcam.diff.pairing import Difference
-from beamcam.diff.statements import diff_sheets
-from beamcam.errors import Diagnostic, ReadError, Source, errors_in
+from beamcam.diff.programs import ProgramText, diff_texts
+from beamcam.errors import ReadError, Source, errors_in
 from beamcam.machine import Machine
 from beamcam.report.hand_list import LIST_SUFFIX, HandRow, as_csv
 from beamcam.report.run import Message, as_message
-from beamcam.verify.bars import run
 
-Result = Literal["same", "bytes", "differs", "refused", "missing"]
+Result = Literal["same", "bytes", "differs", "refused", "missing", "unknown"]
 MOST_NAMED = 3  #: programs of a group that are named
 TEXTS = {"bytes": "another text that means the same", "differs": "makes something else"}
 
@@ -27,7 +25,8 @@ class Checked(Struct, frozen=True):
     """The outcome of one golden program."""
 
     path: str
-    #: "bytes" is another text that means the same, "missing" one without its sample
+    #: "bytes" is another text that means the same, "missing" one without its sample; "unknown" are
+    #: all programs of a folder of which nobody knows what they are made from
     result: Result
     differences: tuple[Difference, ...] = ()
     messages: tuple[Message, ...] = ()
@@ -45,7 +44,10 @@ def compared(
             Checked(path, "differs", listed, (), new, by_hand) if listed else Checked(path, "same")
         )
     before, now = (data.decode("utf-8", "replace") for data in (old, new))
-    differences, said = differences_of(before, now, machine, path)
+    differences, said = diff_texts(
+        ProgramText(path, before, machine), ProgramText(f"{path}, as it is made now", now, machine)
+    )
+    said = errors_in(said)
     result: Result = "differs" if differences or said or listed else "bytes"
     differences = (*differences, *listed)
     return Checked(path, result, differences, tuple(map(as_message, said)), new, by_hand)
@@ -62,17 +64,6 @@ def _list_differs(path: str, rows: Sequence[HandRow]) -> tuple[Difference, ...]:
         f"{beside.name}: found {len(old.splitlines()[1:])} mark(s) of manual work, now {len(rows)}"
     )
     return (Difference("feature", "changed", text),)
-
-
-def differences_of(
-    old: str, new: str, machine: Machine, name: str
-) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
-    """What a program makes otherwise now, and what is wrong with the blocks of the old one."""
-    if machine.stock == "sheet":
-        return diff_sheets(old, new, machine, name)
-    first, second = run(old, machine, None, name), run(new, machine)
-    found = diff_programs(first.made, second.made, machine.format.resolution)
-    return found, errors_in(first.diagnostics)
 
 
 def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:

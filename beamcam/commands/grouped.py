@@ -9,8 +9,8 @@ OTHER = "Other"
 #: Heading -> the options below it, by the names of their values, in this order.
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
-        "output", "machine", "config_file", "job", "bar", "order", "turn", "style", "show", "to",
-        "quantity", "first", "after",
+        "output", "machine", "config_file", "trust", "job", "bar", "order", "turn", "style", "show",
+        "to", "quantity", "first", "after",
     ),
     "Names and folders": ("name", "flat", "done", "refused", "samples"),
     "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
@@ -21,8 +21,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "How sheets are cut": (
         "colours", "thickness", "material", "kerf", "kerf_by", "lead", "lead_in", "lead_out",
         "tabs", "tab_width",
-        "inner_tabs", "overcut", "place", "origin", "mirror", "rotate", "copies", "spacing",
-        "sheet_size", "unrolled",
+        "inner_tabs", "overcut", "gap", "allow_open", "place", "origin", "mirror", "rotate",
+        "copies", "spacing", "sheet_size", "unrolled",
     ),
     "How the work is done": (
         "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "once", "update",

@@ -10,17 +10,15 @@ from msgspec import Struct
 
 from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.comparison import is_part
-from beamcam.commands.parts import read_pieces
+from beamcam.commands.parts import read_parts, request_of
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
-from beamcam.errors import Diagnostic, Source
-from beamcam.machine.machine import Machine
+from beamcam.errors import Diagnostic
 from beamcam.machine_choice import first_that_makes
-from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan
 from beamcam.pictures.program import ReadProgram
-from beamcam.pipeline import Posted, post, untold
+from beamcam.pipeline import Posted, begin, finished, untold
 from beamcam.readers.content import shown_name
 
 
@@ -52,7 +50,6 @@ def read_program(data: bytes, path: str, config: Config) -> ReadProgram:
 class PostedJob(Struct, frozen=True):
     """Parts and the program that makes them."""
 
-    parts: tuple[Part, ...]
     said: tuple[Diagnostic, ...]  #: about the parts
     posted: Posted
     program: ReadProgram
@@ -63,36 +60,24 @@ def posted_job(
     turn: bool, voice: Voice,
 ) -> PostedJob:  # fmt: skip
     """Inputs posted as `post` would, and read back. Raises BeamcamError."""
-    from beamcam.planning.stock import from_store
-
-    parts, said = read_pieces(inputs, config, asked, voice)
-
-    def posted_on(machine: Machine, skips: Sequence[str] = config.allow_skips) -> Posted:
-        def made(bar: float | None) -> Posted:
-            return post(
-                parts, machine, config.job, bar, skips, True, order, turn,
-                config.strict, None, voice.did if voice.verbose else untold,
-            )  # fmt: skip
-
-        return from_store(made, config.stock_lengths, max((p.length for p in parts), default=0.0))
-
-    source = parts[0].source if parts else Source("beamcam")
-    machine, posted, choice = first_that_makes(
-        machines_for(config, parts, output), posted_on, source,
-        partial(posted_on, skips=()) if config.allow_skips else None,
-    )  # fmt: skip
-    said += choice
+    parts, said = read_parts(inputs, config, asked, voice)
+    machines = machines_for(config, parts, output)
+    request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
+    stage = voice.did if voice.verbose else untold
+    (begun,), choice = first_that_makes(
+        request, machines, partial(begin, together=True, stage=stage)
+    )
+    posted = finished(begun, stage)
     # One part's program is called after its file, as a batch would; `post` is given a name.
     stem = PurePath(shown_name(inputs[0])).stem if len(inputs) == 1 else config.job
-    return PostedJob(parts, said, posted, _program(posted, machine, parts, stem))
+    return PostedJob((*said, *choice), posted, _program(posted, stem))
 
 
-def _program(posted: Posted, machine: Machine, parts: Sequence[Part], stem: str) -> ReadProgram:
-
-    plan = posted.plan
+def _program(posted: Posted, stem: str) -> ReadProgram:
+    plan, machine = posted.plan, posted.job.machine
     is_bar = isinstance(plan, Plan)
     return ReadProgram(
         b"".join(posted.pieces()), machine, f"{stem}{machine.suffix}", machine.suffix,
-        tuple(piece.part for piece in plan.pieces) if is_bar else tuple(parts),
+        tuple(piece.part for piece in plan.pieces) if is_bar else posted.job.parts,
         plan.bar.length if isinstance(plan, Plan) else None,
     )  # fmt: skip

@@ -1,6 +1,7 @@
 """`beamcam labels`: a label for each piece, with a code that a scanner reads."""
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -17,10 +18,10 @@ from beamcam.commands.rules import OUTPUT_FORMAT
 from beamcam.commands.settings import files_read, machine_of_stock, settled
 from beamcam.commands.sheets import drawing_options
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
-from beamcam.report.labels import CODES, Code, Label, Size, as_pdf, as_zpl
+from beamcam.report.labels import CODES, Code, Label, Size, as_pdf, as_zpl, code_fault
 from beamcam.report.part_list import PartCount
 
 SUFFIXES = (".pdf", ".zpl")
@@ -74,7 +75,9 @@ def command(
     try:
         config = settled(asked, inputs)
         counts, said = counted_parts(inputs, config, asked, voice)
-        data = _written(output, tuple(_labels(counts, config)), size, code)
+        labels, too_long = _labels(counts, config, code)
+        said = (*said, *too_long)
+        data = _written(output, labels, size, code)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     write(output, data, voice, files_read(config, inputs))
@@ -83,16 +86,30 @@ def command(
         raise SystemExit(REFUSED)
 
 
-def _labels(counts: Sequence[PartCount], config: Config) -> Iterator[Label]:
-    """The labels of all pieces, those of one part one behind the other."""
+def _labels(
+    counts: Sequence[PartCount], config: Config, code: Code
+) -> tuple[tuple[Label, ...], tuple[Diagnostic, ...]]:
+    """The labels of all pieces, those of one part one behind the other; an error for a part whose
+    code would be too long, which has none."""
+    labels: list[Label] = []
+    said: list[Diagnostic] = []
     names = FileNames()
-    files = [one.part.source.file for one in counts]
-    for number, one in enumerate(counts):
-        several = files.count(files[number]) > 1
-        within = files[:number].count(files[number]) + 1
-        program = names.take(_program(one.part, within, several, config), one.part.mark)
-        for piece in range(1, one.quantity + 1):
-            yield Label(one.part.mark, tuple(label_lines(one.part, piece, one.quantity)), program)
+    parts_of = Counter(one.part.source.file for one in counts)
+    before: Counter[str] = Counter()
+    for one in counts:
+        file = one.part.source.file
+        before[file] += 1
+        program = _program(one.part, before[file], parts_of[file] > 1, config)
+        program = names.take(program, one.part.mark)
+        fault = code_fault(Label(one.part.mark, (), program), code, one.part.source)
+        if fault is not None:
+            said.append(fault)
+            continue
+        labels += (
+            Label(one.part.mark, tuple(label_lines(one.part, piece, one.quantity)), program)
+            for piece in range(1, one.quantity + 1)
+        )
+    return tuple(labels), tuple(said)
 
 
 def _program(part: Part, number: int, several: bool, config: Config) -> str:

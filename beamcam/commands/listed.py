@@ -1,9 +1,11 @@
 """The parts of files and folders as lists and labels take them, each with its quantity."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import compress
 from typing import Any
 
 from beamcam.batch.find import FoundInputs, find_inputs
+from beamcam.budget import refused_pieces
 from beamcam.commands.common import Voice, read_all
 from beamcam.commands.members import member_choice
 from beamcam.commands.rules import MISSING_EXTRA, OTHER_CONTENT
@@ -13,7 +15,7 @@ from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import counted, sound
-from beamcam.planning.bar_jobs import wanted
+from beamcam.planning.jobs import number_of
 from beamcam.report.part_list import PartCount
 
 
@@ -23,7 +25,7 @@ def counted_parts(
     """The parts in order with their quantities, and everything that was said of their files.
 
     The quantities are those of the files where the job does not say. A part that an error is said
-    of is left out, as are files that hold none.
+    of is left out, as are files that hold none and parts of which there are too many.
     """
     found: FoundInputs = find_inputs(names)
     said: list[Diagnostic] = [*found.diagnostics]
@@ -33,7 +35,10 @@ def counted_parts(
         said += reading.diagnostics
         parts += counted(sound(reading))
     said += other_content(parts)
-    return tuple(PartCount(part, wanted(part, config.quantity)) for part in parts), tuple(said)
+    counts = [PartCount(part, number_of(part, config.quantity)) for part in parts]
+    refused = list(refused_pieces((one.part.source, one.quantity) for one in counts))
+    said += [one for one in refused if one is not None]
+    return tuple(compress(counts, (one is None for one in refused))), tuple(said)
 
 
 def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:

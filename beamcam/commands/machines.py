@@ -8,7 +8,7 @@ import click
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Voice, cannot_write, say_json, say_lines
-from beamcam.config.values import beside
+from beamcam.config.places import own_files
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.files import write_whole
 from beamcam.machine import Machine, load, settings, shipped
@@ -43,7 +43,7 @@ def list_machines(as_json: bool) -> None:
     beamcam machines list
     beamcam machines list --json
     """
-    own = own_machines(next(iter(beside(())), None))
+    own = own_machines(own_files())
     machines: list[Machine] = []
     faults: list[Diagnostic] = []
     for place in (*shipped(), *own.values()):
@@ -81,7 +81,7 @@ def new(name: str, base: str, user: bool, voice: Voice) -> None:
     if not name or cleaned(name) != name or name in shipped():
         expected = "letters, digits, - and _, and no shipped machine's name"
         raise click.UsageError(f"found {name!r} for the machine's name; expected {expected}.")
-    folder = machine_folders(next(iter(beside(())), None))[-1 if user else 0]
+    folder = machine_folders(own_files())[-1 if user else 0]
     path = os.path.join(folder, f"{name}.toml")
     try:
         text = starting_file(name, base)
@@ -110,7 +110,7 @@ def show(name: str, as_json: bool) -> None:
     beamcam machines show ./mine.toml --json
     """
     try:
-        place = resolved(name, next(iter(beside(())), None))
+        place = resolved(name, own_files())
         rows, machine = settings(place), load_proved(place)
     except BeamcamError as error:
         Voice(as_json=as_json).stop(error.diagnostics)

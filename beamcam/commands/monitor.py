@@ -1,7 +1,6 @@
 """`beamcam monitor`: the axes of a controller in a page, while they move."""
 
 import threading
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,10 +9,12 @@ from beamcam.commands import options
 from beamcam.commands.addresses import MODBUS_PORT, Address
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.jobs import read_program
+from beamcam.commands.page_server import PageServer
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import machine_of_stock, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, VerifyError
+from beamcam.interrupts import INTERRUPTED, LOOK_S, asked_to_end
 from beamcam.machine.machine import Machine
 from beamcam.pipeline import parts_of, read_file, stock_of
 
@@ -67,7 +68,10 @@ def command(
         reader.read_first()
         html = monitor_page(machine, every, f"{host[0]}:{host[1]}", work).encode("utf-8")
         try:
-            server = ThreadingHTTPServer(page, _handler(html, reader))
+            server = PageServer(page, {
+                "/": ("text/html; charset=utf-8", lambda: html),
+                "/axes": ("application/json", reader.as_json),
+            })  # fmt: skip
         except OSError as error:
             place = Source(f"{page[0]}:{page[1]}")
             raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
@@ -77,10 +81,13 @@ def command(
         at = f"http://{page[0]}:{server.server_port}/"
         say_lines([f"{machine.name} at {host[0]}:{host[1]} is drawn in {at}; Ctrl-C ends it"],
                   err=True)  # fmt: skip
-    server.daemon_threads = True
     threading.Thread(target=reader.run, daemon=True).start()
-    with server:
-        server.serve_forever(poll_interval=0.1)
+    server.timeout = LOOK_S
+    with server, asked_to_end() as asked_so:
+        while not asked_so:
+            server.handle_request()
+            server.end_slow()
+    raise SystemExit(INTERRUPTED)
 
 
 def _work(
@@ -150,28 +157,3 @@ class Reader:
         import msgspec
 
         return msgspec.json.encode(self._said)
-
-
-def _handler(html: bytes, reader: Reader) -> type[BaseHTTPRequestHandler]:
-    class Handler(BaseHTTPRequestHandler):
-        """Two addresses: the page, and the last reading."""
-
-        def do_GET(self) -> None:
-            if self.path == "/":
-                kind, body = "text/html; charset=utf-8", html
-            elif self.path == "/axes":
-                kind, body = "application/json", reader.as_json()
-            else:
-                self.send_error(404)
-                return
-            self.send_response(200)
-            self.send_header("Content-Type", kind)
-            self.send_header("Content-Length", str(len(body)))
-            self.send_header("Cache-Control", "no-store")
-            self.end_headers()
-            self.wfile.write(body)
-
-        def log_message(self, *_: object) -> None:
-            pass  # a reading each tenth of a second would hide what is said
-
-    return Handler

@@ -91,24 +91,30 @@ class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take 
 
 
 def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    from beamcam.config.values import beside
+    from beamcam.config.places import own_files
     from beamcam.machine import shipped
     from beamcam.machine.names import own_machines
 
-    own = own_machines(next(iter(beside(())), None))
+    own = own_machines(own_files())
     return [name for name in (*shipped(), *own) if name.startswith(incomplete)]
 
 
+config = group(
+    click.option(
+        "--config", "config_file", type=FILE, metavar="FILE",
+        help="Configuration, instead of each beamcam.toml beside the job, here and above.",
+    ),
+    click.option(
+        "--trust", multiple=True, type=FILE, metavar="FOLDER",
+        help="Follow a configuration in FOLDER, or below it, in full.",
+    ),
+)  # fmt: skip
 inputs = click.argument(
     "inputs", nargs=-1, required=True, metavar="INPUT...", callback=_once, type=FILE
 )
 machine = click.option(
     "--machine", shell_complete=machine_names, metavar="NAME",
     help="Name or TOML file; chosen to suit the job by default.",
-)  # fmt: skip
-config = click.option(
-    "--config", "config_file", type=FILE, metavar="FILE",
-    help="Configuration, instead of the beamcam.toml beside the job or above.",
 )  # fmt: skip
 bar = click.option(
     "--bar", type=Number(above=0), metavar="MM",

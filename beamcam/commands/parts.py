@@ -10,9 +10,12 @@ from beamcam.commands.quantities import quantity
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
+from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
+from beamcam.model.plan import Order
+from beamcam.model.request import Quantity, Request
 from beamcam.pipeline import counted, parts_of
-from beamcam.planning.bar_jobs import repeated
+from beamcam.planning.rules import named_skips
 
 #: Which parts are meant, and how drawings and sheets are taken.
 part_options = options.group(member_options, drawing_options, torch_options)
@@ -42,10 +45,12 @@ def read_parts(
     return parts_of(read_all(inputs, config.strict, how, voice), counted)
 
 
-def read_pieces(
-    inputs: Iterable[str], config: Config, asked: Mapping[str, Any], voice: Voice
-) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
-    """The pieces of one program: the parts of the inputs, each as often as `--quantity` says."""
-    parts, said = read_parts(inputs, config, asked, voice)
-    wanted = asked["quantity"]
-    return (parts if wanted is None else repeated(parts, wanted)), said
+def request_of(
+    parts: tuple[Part, ...], config: Config, machine: Machine, quantity: Quantity,
+    order: Order = "given", turn: bool = False,
+) -> Request:  # fmt: skip
+    """What is asked for by options and configuration."""
+    return Request(
+        parts, machine, named_skips(config.allow_skips), config.job, order, turn,
+        config.stock_lengths, quantity=quantity, strict=config.strict,
+    )  # fmt: skip

@@ -1,33 +1,32 @@
 """`beamcam plan`: the work that makes parts, step by step, with the reasons and the time."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import click
-from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
 from beamcam.commands.common import as_json as json_of
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import of_kind
-from beamcam.commands.parts import looking_options, read_pieces
+from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.plan_sheet import not_made_lines, sheet_lines, sheet_record
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
-from beamcam.pipeline import remarks_on
+from beamcam.model.request import Job, Request
+from beamcam.pipeline import remarks_on, whole_job
 from beamcam.plain_text import terminal_text
 from beamcam.planning.explain import Explanation, explain
-from beamcam.planning.orientation import plan_oriented
 from beamcam.planning.stock import from_store
 from beamcam.planning.turn_choice import Trial, try_turns
+from beamcam.posts import post_of
 from beamcam.report.ledger import ledger_of
 from beamcam.report.run import as_message
 
@@ -68,59 +67,44 @@ def command(
     as_json = as_json or output.lower().endswith(".json")
     try:
         config = settled(asked, inputs)
-        parts, said = read_pieces(inputs, config, asked, voice)
+        parts, said = read_parts(inputs, config, asked, voice)
         machines = machines_for(config, parts, output)
-        source = parts[0].source if parts else Source("beamcam")
-        if machines[0].stock == "sheet":
-            machine, sheet, choice = first_that_makes(
-                machines, lambda m: _planned_sheet(parts, said, m, config), source,
-                (lambda m: _planned_sheet(parts, said, m, replace(config, allow_skips=())))
-                if config.allow_skips else None,
-            )  # fmt: skip
-            voice.remark(choice)
-            voice.did(f"planned a sheet on {machine.name}")
-            _print(output, files_read(config, inputs), voice, as_json, *sheet)
-            return
-        skips = config.allow_skips
-        longest = max((part.length for part in parts), default=0.0)
-
-        def planned(machine: Machine, skips: Sequence[str] = config.allow_skips) -> Plan:
-            return from_store(
-                lambda bar: plan_oriented(parts, machine, bar, skips, order, turn),
-                config.stock_lengths,
-                longest,
-            )
-
-        machine, plan, choice = first_that_makes(
-            machines, planned, source, partial(planned, skips=()) if skips else None
-        )
+        request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
+        (job, plan), choice = first_that_makes(request, machines, _planned)
+        machine = job.machine
         voice.remark(choice)
-        remarks = remarks_on(plan, config.strict)
-        turned = dict.fromkeys(parts) if turn else ()  # each once, however often it is made
+        remarks = (*said, *remarks_on(plan, config.strict))
+        read = files_read(config, inputs)
+        if isinstance(plan, SheetPlan):
+            kind = post_of(machine)
+            time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
+            lines, record = (
+                sheet_lines(plan, time, machine), sheet_record(plan, time, machine, remarks)
+            )  # fmt: skip
+            voice.did(f"planned a sheet on {machine.name}")
+            _print(output, read, voice, as_json, lines, record, remarks, config, machine)
+            return
+        turned = dict.fromkeys(job.parts) if turn else ()  # each once, however often it is made
+        skips = job.request.skips
         trials = [(part, tuple(try_turns(part, machine, skips))) for part in turned]
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
     explained = explain(plan, machine)
-    said = (*said, *remarks)
-    record = plan_record(plan, explained, machine, trials, said)
-    read = files_read(config, inputs)
-    _print(output, read, voice, as_json, plan_lines(plan, explained, machine, trials), record, said)
+    record = plan_record(plan, explained, machine, trials, remarks)
+    lines = plan_lines(plan, explained, machine, trials)
+    _print(output, read, voice, as_json, lines, record, remarks, config, machine)
 
 
-def _planned_sheet(
-    parts: tuple[Part, ...], said: tuple[Diagnostic, ...], machine: Machine, config: Config
-) -> tuple[Iterable[str], dict[str, object], tuple[Diagnostic, ...]]:
-    """The plan of a sheet as lines and as data, and what is said. Raises PlanError."""
-    from beamcam.posts import Job, post_of
+def _planned(request: Request) -> tuple[Job, Plan | SheetPlan]:
+    """All that is asked for on one bar or sheet. Raises PlanError."""
 
-    kind = post_of(machine)
-    plan = kind.plan(Job(parts, machine, skips=config.allow_skips))
-    if not isinstance(plan, SheetPlan):
-        raise TypeError(f"{machine.name} has a plan for bars")
-    said = (*said, *remarks_on(plan, config.strict))
-    time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
-    return sheet_lines(plan, time, machine), sheet_record(plan, time, machine, said), said
+    def planned(bar: float | None) -> tuple[Job, Plan | SheetPlan]:
+        job = whole_job(request, bar)
+        return job, post_of(request.machine).plan(job)
+
+    longest = max((part.length for part in request.parts), default=0.0)
+    return from_store(planned, request.stock, longest)
 
 
 def _print(
@@ -131,8 +115,13 @@ def _print(
     lines: Iterable[str],
     record: dict[str, object],
     said: tuple[Diagnostic, ...],
+    config: Config,
+    machine: Machine,
 ) -> None:
     if as_json:
+        from beamcam.commands.provenance import used
+
+        record["settings"] = used(config, machine)
         write(output, json_of(record) + "\n", voice, read)
     else:
         write(output, "\n".join(map(terminal_text, lines)) + "\n", voice, read)

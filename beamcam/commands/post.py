@@ -1,16 +1,16 @@
 """`beamcam post`: parts in, a program out."""
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, keep_apart, keep_refused, write
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import program
-from beamcam.commands.parts import part_options, read_parts
+from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.quantities import program_names, quantity
 from beamcam.commands.remainders import ONE_BAR, from_operation
 from beamcam.commands.settings import (
@@ -22,17 +22,21 @@ from beamcam.commands.settings import (
 )
 from beamcam.commands.tables import job_name, outputs, table_style, write_list
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
+from beamcam.errors import BeamcamError, Diagnostic, PlanError
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
-from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan
-from beamcam.pipeline import Posted, RefusedProgram, post, untold
-from beamcam.planning.bar_jobs import BarJob
-from beamcam.planning.jobs import jobs_of
-from beamcam.planning.rules import named_skips
-from beamcam.planning.stock import from_store
+from beamcam.model.plan import Order
+from beamcam.model.request import Request
+from beamcam.pipeline import (
+    Begun,
+    Posted,
+    RefusedProgram,
+    StrictError,
+    begin,
+    finished,
+    untold,
+)
 
 
 @click.command("post", cls=Grouped)
@@ -96,74 +100,50 @@ def command(
     beamcam post M58.nc1 --from-operation 7 -o rest.gcode
     """
     said: tuple[Diagnostic, ...] = ()
-    machines: Sequence[Machine] = ()
+    request: Request | None = None
     strict = bool(asked["strict"])
     try:
         config = settled(asked, inputs)
         strict = config.strict
         parts, said = read_parts(inputs, config, asked, voice)
-        chosen = machines_for(config, parts, output)
-        said += map_remarks(config, parts, chosen[0])
-        machines = chosen
+        machines = machines_for(config, parts, output)
+        said += map_remarks(config, parts, machines[0])
+        request = request_of(parts, config, machines[0], config.quantity, order, turn)
+        request = replace(request, verified=not no_verify, date=asked["date"] or "")
+        stage = voice.did if voice.verbose else untold
 
-        def posted_on(
-            machine: Machine, skips: Sequence[str] = config.allow_skips
-        ) -> list[tuple[str, Posted]]:
-            told = table_style(machine, output, style)
-            job = job_name(config, machine, output)
-            jobs = _jobs(parts, machine, config)
-            return [
-                (name, _posted(each, machine, job, told, skips))
-                for name, each in zip(program_names(output, len(jobs)), jobs, strict=True)
-            ]
+        def planned(wanted: Request) -> list[tuple[str, Begun]]:
+            job = job_name(config, wanted.machine, output)
+            told = table_style(wanted.machine, output, style)
+            begun = begin(replace(wanted, name=job, style=told), stage=stage)
+            return list(zip(program_names(output, len(begun)), begun, strict=True))
 
-        def _posted(
-            each: BarJob, machine: Machine, job: str, told: str | None, skips: Sequence[str]
-        ) -> Posted:
-            def made(bar: float | None) -> Posted:
-                return post(
-                    each.parts, machine, job, bar, skips, not no_verify, order, turn,
-                    config.strict, told, voice.did if voice.verbose else untold,
-                    asked["date"] or "",
-                )  # fmt: skip
-
-            return from_store(made, each.lengths, max((p.length for p in each.parts), default=0.0))
-
-        source = parts[0].source if parts else Source("beamcam")
-        machine, made, choice = first_that_makes(
-            machines, posted_on, source,
-            partial(posted_on, skips=()) if config.allow_skips else None,
-        )  # fmt: skip
+        begun, choice = first_that_makes(request, machines, planned)
         said += choice
+        made = [(name, finished(each, stage)) for name, each in begun]
         if first is not None:
-            jobs = _jobs(parts, machine, config)
-            made = [(output, _rest(made, jobs, machine, config.allow_skips, order, turn, first))]
+            made = [(output, _rest(made, first))]
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))
+    except StrictError as error:
+        voice.stop((*said, *error.diagnostics))
     except PlanError as error:
-        ways = _ways_out(parts, machines, config) if machines else ()
-        voice.stop((*said, *error.diagnostics, *ways))
+        way = () if request is None else (_way_out(request, machines, config),)
+        voice.stop((*said, *error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.pipeline import read_file
         from beamcam.ways_out import ways_to_read
 
         ways = tuple(ways_to_read(error.diagnostics, read_file, strict))
         voice.stop((*said, *error.diagnostics, *ways))
-    _write(made, machine, files_read(config, inputs), voice)
+    _write(made, files_read(config, inputs), voice)
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
 
 
-def _jobs(parts: Sequence[Part], machine: Machine, config: Config) -> tuple[BarJob, ...]:
-    skips = named_skips(config.allow_skips)
-    return jobs_of(parts, machine, config.quantity, config.stock_lengths, skips)
-
-
-def _ways_out(
-    parts: Sequence[Part], tried: Sequence[Machine], config: Config
-) -> tuple[Diagnostic, ...]:
+def _way_out(request: Request, tried: Sequence[Machine], config: Config) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
     from beamcam.machine import shipped
     from beamcam.ways_out import ways_out
@@ -171,38 +151,29 @@ def _ways_out(
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
     alike = [one for one in others if one is not None and one.stock == tried[0].stock]
-    return (ways_out(parts, tried, alike, config.stock_lengths, config.allow_skips),)
+    return ways_out(request, tried, alike)
 
 
-def _rest(
-    made: Sequence[tuple[str, Posted]], jobs: Sequence[BarJob], machine: Machine,
-    skips: Sequence[str], order: Order, turn: bool, first: int,
-) -> Posted:  # fmt: skip
+def _rest(made: Sequence[tuple[str, Posted]], first: int) -> Posted:
     """The rest of the only program, from an operation on. Raises PlanError and RefusedProgram."""
-    from beamcam.posts import Request
     from beamcam.remainder import rest_of
 
-    if machine.stock != "beam" or len(made) != 1:
+    if made[0][1].job.machine.stock != "beam" or len(made) != 1:
         raise click.UsageError(ONE_BAR)
-    ((_, posted),) = made
-    length = posted.plan.bar.length if isinstance(posted.plan, Plan) else None
-    request = Request(
-        jobs[0].parts, machine, named_skips(skips), order=order, turn=turn, bar=length
-    )
-    return rest_of(posted, request, first)
+    return rest_of(made[0][1], first)
 
 
-def _write(
-    made: Sequence[tuple[str, Posted]], machine: Machine, read: FilesRead, voice: Voice
-) -> None:
+def _write(made: Sequence[tuple[str, Posted]], read: FilesRead, voice: Voice) -> None:
     """Write the programs and their lists of manual work, none if one would be written over."""
-    files = [(name, posted, tuple(outputs(posted, machine, name))) for name, posted in made]
+    files = [
+        (name, posted, tuple(outputs(posted, posted.job.machine, name))) for name, posted in made
+    ]
     keep_apart((path for _, _, pieces in files for path, _ in pieces), read, voice)
     for name, posted, pieces in files:
         if voice.verbose:
             from beamcam.report.ledger import ledger_of
 
-            voice.did(f"{machine.name}: {ledger_of(posted.plan.outcomes)}")
+            voice.did(f"{posted.job.machine.name}: {ledger_of(posted.plan.outcomes)}")
         write_list(posted, name, voice, read)
         for path, content in pieces:
             write(path, content, voice, read)

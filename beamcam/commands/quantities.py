@@ -7,7 +7,7 @@ import click
 from beamcam.commands.common import STANDARD
 from beamcam.commands.rules import MORE_BARS
 from beamcam.errors import PlanError, Source
-from beamcam.planning.bar_jobs import numbered
+from beamcam.planning.jobs import numbered
 
 FROM_FILE = "file"
 

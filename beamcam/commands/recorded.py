@@ -12,11 +12,13 @@ from beamcam.batch import Shop
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.recipe import asked_again, path_below
 from beamcam.batch.record import RECORD_NAME, Noted, Record, noted_in, partly
+from beamcam.batch.rules import LINK
+from beamcam.batch.standing import is_within
 from beamcam.batch.work import Task, make_all
 from beamcam.commands.golden import Checked, compared, named, sample_of
 from beamcam.commands.rules import GONE, NEW
 from beamcam.commands.running import shop_of
-from beamcam.commands.settings import settled_by
+from beamcam.commands.settings import settled_again
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import remove_made, write_whole
@@ -83,11 +85,12 @@ class Recorded:
     def _shop(self, noted: Noted) -> tuple[Config, Shop] | BeamcamError:
         name = noted.recipe.name
         if name not in self._shops:
-            file, again = asked_again(noted.recipe, str(self._folder))
+            files, again = asked_again(noted.recipe, str(self._folder))
             given = {n: value for n, value in self._asked.items() if value is not None}
             asked = {**_unasked(), **again, **given}
             try:
-                config = settled_by(asked, asked["config_file"] or file)
+                machine = None if "machine" in given else again.get("machine")
+                config = settled_again(asked, files, machine)
                 self._shops[name] = config, shop_of(config, asked)
             except BeamcamError as error:
                 self._shops[name] = error
@@ -95,6 +98,12 @@ class Recorded:
 
     def _input(self, noted: Noted, config: Config, shop: Shop) -> Iterator[Checked]:
         """The outcome of the programs of one input."""
+        for name in noted.outputs:
+            if not is_within(str(self._folder), name):
+                at = str(self._path(name))
+                said = LINK.at(Source(at), found=name, to=os.path.realpath(at))
+                yield _refused(at, (said,))
+                return
         try:
             sample = self._sample(noted)
         except ReadError as error:
@@ -109,7 +118,8 @@ class Recorded:
         below = "" if config.flat else noted.tree.rpartition("/")[0]
         new = {f"{below}/{name}" if below else name: content for name, content in made.outputs}
         yield from self._outputs(noted, made.row, new, machines_of(made.row, shop))
-        if self._update and not new.keys() <= self._known:
+        now, before = ({part["sha256"] for part in row["parts"]} for row in (made.row, noted.row))
+        if self._update and (now != before or not new.keys() <= self._known):
             self._note(noted, made.row, tuple(new), sample)
 
     def _outputs(

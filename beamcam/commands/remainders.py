@@ -3,17 +3,13 @@
 from pathlib import PurePath
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.programs import input_bytes
-from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
-from beamcam.machine.machine import Machine
-from beamcam.pipeline import post
-from beamcam.planning.jobs import jobs_of
-from beamcam.planning.rules import named_skips
-from beamcam.planning.stock import from_store
-from beamcam.posts import Request
+from beamcam.model.request import Request
+from beamcam.pipeline import begin, finished, whole_job
 from beamcam.readers.content import shown_name
 
 ONE_BAR = "--from-operation is for the program of one bar."
@@ -35,39 +31,27 @@ after = click.option(
 
 
 def faults_of_rest(
-    rest: bytes | str, request: Request, first: int, whole: str | None, config: Config
+    rest: bytes | str, request: Request, first: int, bar: float | None, whole: str | None
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with the remainder from operation `first` on of a program.
 
-    `whole` is the file of the program that was stopped; without it, it is posted anew.
+    `whole` is the file of the program that was stopped; without it, it is posted anew. `bar` is the
+    bar's length where it is known.
     """
     from beamcam.remainder import faults_of
 
     if request.machine.stock != "beam":
         raise click.UsageError(ONE_BAR)
+    job = whole_job(request, bar)
     if whole is None:
         name = f"program posted of {PurePath(shown_name(request.parts[0].source.file)).name}"
-        text = _posted(request, config)
+        begun = begin(replace(request, verified=False, strict=False, name="JOB"))
+        if len(begun) != 1:
+            raise click.UsageError(ONE_BAR)
+        text = finished(begun[0]).text
     else:
         name, text = shown_name(whole), _text(input_bytes(whole))
-    return faults_of(_text(rest), text, first, request, name)
-
-
-def _posted(request: Request, config: Config) -> str:
-    """The program that `post` makes of the parts. Raises PlanError."""
-    machine: Machine = request.machine
-    skips = named_skips(request.skips)
-    jobs = jobs_of(request.parts, machine, config.quantity, config.stock_lengths, skips)
-    if len(jobs) != 1:
-        raise click.UsageError(ONE_BAR)
-    longest = max(part.length for part in request.parts)
-
-    def made(bar: float | None) -> str:
-        return post(
-            jobs[0].parts, machine, "JOB", bar, skips, False, request.order, request.turn
-        ).text
-
-    return from_store(made, jobs[0].lengths, longest)
+    return faults_of(_text(rest), text, first, job, name)
 
 
 def _text(program: bytes | str) -> str:

@@ -4,6 +4,7 @@ from pathlib import PurePath
 from typing import Any
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, write
@@ -11,9 +12,10 @@ from beamcam.commands.comparison import is_part
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import posted_job, read_program
 from beamcam.commands.kinds import KINDS, expected
-from beamcam.commands.parts import job_options, read_pieces
+from beamcam.commands.parts import job_options, read_parts, request_of
 from beamcam.commands.pictures import unit
 from beamcam.commands.programs import input_bytes
+from beamcam.commands.provenance import configuration_line, machine_line, reference
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
@@ -70,7 +72,9 @@ def command(
         else:
             job = posted_job(inputs, config, asked, output, order, turn, voice)
             source = SheetSources(job.program, job.posted.plan, (*job.said, *job.posted.remarks))
-        content = content_of(source, unit)
+        used_file = machine_line(reference(source.program.machine, config))
+        settings = (("Machine file", used_file), ("Configuration", configuration_line(config)))
+        content = content_of(replace(source, settings=settings), unit)
         sheet: str | bytes
         if suffix == ".pdf":
             from beamcam.setup_sheet.paper import setup_pdf
@@ -93,16 +97,12 @@ def _of_program(
     data: bytes, inputs: tuple[str, ...], config: Config, asked: dict[str, Any], voice: Voice
 ) -> Any:
     """A program that is a file, compared with the parts behind it."""
-    from msgspec.structs import replace
-
-    from beamcam.pipeline import read_back
-    from beamcam.posts import Request
+    from beamcam.pipeline import read_back, whole_job
     from beamcam.setup_sheet.content import SheetSources
 
-    parts, said = read_pieces(inputs[1:], config, asked, voice) if inputs[1:] else ((), ())
-    program = replace(read_program(data, inputs[0], config), parts=parts)
-    request = Request(
-        parts, program.machine, config.allow_skips, shown_name(inputs[0]), bar=program.bar,
-        style=program.style,
-    )  # fmt: skip
-    return SheetSources(program, None, said, read_back(data, request))
+    parts, said = read_parts(inputs[1:], config, asked, voice) if inputs[1:] else ((), ())
+    program = read_program(data, inputs[0], config)
+    asked_for = request_of(parts, config, program.machine, asked["quantity"])
+    request = replace(asked_for, name=shown_name(inputs[0]), style=program.style)
+    program = replace(program, parts=whole_job(request).parts)
+    return SheetSources(program, None, said, read_back(data, request, program.bar))

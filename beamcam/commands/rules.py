@@ -35,6 +35,21 @@ OVER_INPUT = Rule(
     "What a program is made from (parts, configuration, machine file) is never written over, by "
     "whatever name, link or letters the output is called.",
 )
+SETTINGS = Rule(
+    "run-settings",
+    Severity.NOTE,
+    "{found}",
+    "A report says whose configuration and which machine files, with their checksums, its programs "
+    "were made by.",
+)
+MACHINE_ELSEWHERE = Rule(
+    "machine-elsewhere",
+    Severity.NOTE,
+    "found the machine {found}, a file that is neither shipped nor among the user's own; expected "
+    "it to be yours",
+    "Programs are made by what a machine file says. Its checksum is what `sha256sum` begins with; "
+    "a file that is kept with the user's own settings (`beamcam machines new --user`) is not told.",
+)
 SECTION = Rule(
     "recover-no-section",
     Severity.ERROR,
@@ -110,14 +125,22 @@ NEW = Rule(
 )
 UNKNOWN = Rule(
     "check-unknown",
-    Severity.WARNING,
+    Severity.ERROR,
     "found {found} program(s) that no record names and no machine's folder holds ({names}); "
-    "expected none, they are not checked",
+    "expected none, or --stray for those that have no part here",
     "The parts of a program are in the record of its batch, or follow from a folder with the name "
-    "of a machine.",
+    "of a machine. What cannot be posted again is not checked.",
+)
+NOTHING = Rule(
+    "check-nothing",
+    Severity.ERROR,
+    "found no program to compare; expected what `batch` wrote, or a folder with the name of a "
+    "machine",
+    "The folder is empty, is another one, or all of its programs are strays.",
 )
 
 RULES = (
     OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN,
-    OTHER_CONTENT, MORE_BARS, UNKNOWN_CODE, MISSING_EXTRA, ACCOUNT, NO_SAMPLE, GONE, NEW, UNKNOWN,
+    OTHER_CONTENT, MORE_BARS, UNKNOWN_CODE, MISSING_EXTRA, ACCOUNT, SETTINGS, MACHINE_ELSEWHERE,
+    NO_SAMPLE, GONE, NEW, UNKNOWN, NOTHING,
 )  # fmt: skip

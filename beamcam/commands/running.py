@@ -4,7 +4,7 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import suppress
 from functools import partial
 from pathlib import PurePath
 from time import monotonic, perf_counter
@@ -20,6 +20,7 @@ from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.members import member_choice, selection_options
 from beamcam.commands.quantities import quantity
+from beamcam.commands.rules import SETTINGS
 from beamcam.commands.settings import machines_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.rules import UNUSED
@@ -31,7 +32,7 @@ from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import Counts, Message, Row, dumped, loaded, message_line
-from beamcam.system import cores, stop_signals
+from beamcam.system import cores
 
 
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -116,6 +117,15 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     )
 
 
+def told_of(config: Config, shop: Shop) -> tuple[Diagnostic, ...]:
+    """Whose configuration and machines a run has, for its report."""
+    from beamcam.commands.provenance import reference, settings_line
+
+    machines = (shop.machine, *([shop.sheets] if shop.sheets else ()), *shop.more)
+    names = [reference(machine, config) for machine in machines]
+    return (SETTINGS.at(Source("beamcam"), found=settings_line(config, names)),)
+
+
 def _check_suffix(template: str, machine: Machine) -> None:
     """Raises UsageError if programs would be called what `post` writes another form into."""
     suffix = PurePath(template.replace("{suffix}", machine.suffix)).suffix
@@ -128,8 +138,8 @@ def _check_suffix(template: str, machine: Machine) -> None:
 
 def unused(found: FoundInputs, config: Config) -> tuple[Diagnostic, ...]:
     """A warning for each configuration among the inputs that is not the one of the run."""
-    used = config.file and os.path.realpath(config.file)
-    others = (path for path in found.configurations if os.path.realpath(path) != used)
+    used = {os.path.realpath(path) for path in config.files}
+    others = (path for path in found.configurations if os.path.realpath(path) not in used)
     return tuple(UNUSED.at(Source(path)) for path in others)
 
 
@@ -139,9 +149,11 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
         return ()
     from beamcam.planning.map_keys import idle
 
-    return tuple(idle(config.map, counts.mapped, Source(config.file or "--map")))
+    return tuple(idle(config.map, counts.mapped, config.sources.get("map", Source("--map"))))
 
 
+#: An input of more, as a drawing of hundreds of curves, may take longer than who stops a run waits.
+QUICK_BYTES = 32 * 1024
 #: Of fewer inputs all go to the cluster: they would wait for it anyway.
 FILES_OF_HEAD_START = 32
 
@@ -149,7 +161,8 @@ FILES_OF_HEAD_START = 32
 def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]) -> Workers:
     """The workers for some files: a cluster, processes up to the number of cores, or this process.
 
-    Building models go to another process, even a single one. Raises SchedulerError.
+    What may take long goes to another process, even a single file: there it can be ended at once.
+    Raises SchedulerError.
     """
     if dask.scheduler is not None:
         from beamcam.batch.cluster import Cluster
@@ -161,11 +174,18 @@ def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]
 
         return HeadStart(shop, len(inputs), connect)
     count = min(jobs or cores(), len(inputs))
-    if count <= 1 and all(is_interruptible(one.path) for one in inputs):
+    if count <= 1 and all(_is_quick(one.path) for one in inputs):
         return Here(shop)
     from beamcam.batch.processes import Processes
 
     return Processes(shop, max(count, 1))
+
+
+def _is_quick(path: str) -> bool:
+    """Whether posting a file takes a moment."""
+    with suppress(OSError, ValueError):
+        return is_interruptible(path) and os.path.getsize(path) <= QUICK_BYTES
+    return True
 
 
 #: Messages of one code that a run prints one by one; thousands would hide what is different.
@@ -317,7 +337,9 @@ class Report:
         if suffix == ".csv":
             from beamcam.report.run_table import as_csv
 
-            pieces = as_csv(self._read(), counts, said)
+            # A table has rows of files and of what is wrong, for programs that read it.
+            rows = [one for one in said if one["code"] != SETTINGS.code]
+            pieces = as_csv(self._read(), counts, rows)
         elif suffix == ".html":
             pieces = self._page(counts, said, shop, jobs)
         else:
@@ -346,19 +368,3 @@ class Report:
         if self._rows is not None:
             self._rows.seek(0)
             yield from map(loaded, self._rows)
-
-
-@contextmanager
-def ended_by_term() -> Iterator[None]:
-    """Let the system end a run as Ctrl-C does, so that it closes what it has open and counts."""
-    import signal
-
-    def interrupt(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    before = {number: signal.signal(number, interrupt) for number in stop_signals()}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -1,7 +1,7 @@
 """Settings of a job: the command line over the configuration, and the resulting machine.
 
---machine and other options   over   --config FILE, or else beamcam.toml beside the job   over
-the defaults; the same for every command
+--machine and other options   over   --config FILE, or else each beamcam.toml beside the job, here,
+above and of the user, the nearest first   over   the defaults; the same for every command
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -9,8 +9,10 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from beamcam.commands.common import remark
-from beamcam.config.values import COMMAND_LINE, Config, Stock, beside, over
+from beamcam.budget import set_limits
+from beamcam.commands.common import remark, running_voice
+from beamcam.config.places import ConfigFiles, config_files, own_files
+from beamcam.config.values import COMMAND_LINE, Config, Stock, over
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
@@ -31,7 +33,7 @@ _OPTIONS = {
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
 SHEET_OPTIONS = (
     "thickness", "material", "kerf", "kerf_by", "lead", "lead_in", "lead_out", "tabs",
-    "tab_width", "inner_tabs", "overcut", "place",
+    "tab_width", "inner_tabs", "overcut", "gap", "allow_open", "place",
     "origin", "mirror",
     "rotate", "copies", "spacing", "sheet_size", "unrolled",
 )  # fmt: skip
@@ -42,12 +44,39 @@ def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
 
     `asked` holds the values of the options, `config_file` among them. Raises ConfigError.
     """
-    return _with_own_machines(over(_config(asked.get("config_file"), inputs), _wanted(asked)))
+    file = asked.get("config_file")
+    files = config_files(inputs) if file is None else ConfigFiles(own=(file,))
+    config = Config()
+    if files != ConfigFiles():
+        from beamcam.commands.configuration import checked
+
+        config = checked(files, asked.get("trust", ()))
+        remark(config.remarks)
+    return _in_force(over(config, _wanted(asked)))
 
 
-def settled_by(asked: Mapping[str, Any], file: str | None) -> Config:
-    """The same with the configuration in `file`, or with none. Raises ConfigError."""
-    return _with_own_machines(over(_config(file, None), _wanted(asked)))
+def settled_again(asked: Mapping[str, Any], files: ConfigFiles, machine: str | None) -> Config:
+    """The same by the files that the record of a batch names, and its machine if that is a file.
+
+    --config goes before these files. Raises ConfigError where one of them is nobody's own.
+    """
+    from beamcam.commands.configuration import checked, checked_again, refuse_strange
+
+    trust = (*asked.get("trust", ()), *checked(ConfigFiles(own=own_files())).trust)
+    if machine is not None and machine.endswith(".toml"):
+        refuse_strange(machine, trust)
+    if asked.get("config_file") is not None:
+        return settled(asked, ())
+    return _in_force(over(checked_again(files, trust), _wanted(asked)))
+
+
+def _in_force(config: Config) -> Config:
+    """The configuration as it holds: its limits for all that follows, its machines by their paths.
+
+    Raises MachineError as `_with_own_machines`.
+    """
+    set_limits(config.limits)
+    return _with_own_machines(config)
 
 
 def _with_own_machines(config: Config) -> Config:
@@ -59,11 +88,11 @@ def _with_own_machines(config: Config) -> Config:
         return config
     from beamcam.machine.names import resolved
 
-    machine = config.machine and resolved(config.machine, config.file)
+    machine = config.machine and resolved(config.machine, config.own)
     machines = {
-        stock: resolved(named, config.file)
+        stock: resolved(named, config.own)
         if isinstance(named, str)
-        else tuple(resolved(name, config.file) for name in named)
+        else tuple(resolved(name, config.own) for name in named)
         for stock, named in config.machines.items()
     }
     return replace(config, machine=machine, machines=machines)
@@ -78,19 +107,9 @@ def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
     from beamcam.machine.load import files_of
 
     yield from inputs
-    if config.file is not None:
-        yield config.file
+    yield from config.files
     for name in {*config.machine_names("beam"), *config.machine_names("sheet")}:
         yield from files_of(name)
-
-
-def _config(file: str | None, inputs: Iterable[str] | None) -> Config:
-    files = (file,) if file is not None else () if inputs is None else beside(inputs)
-    if not files:
-        return Config()
-    from beamcam.commands.configuration import checked
-
-    return checked(files)
 
 
 def _wanted(asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -188,7 +207,7 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
         raise PlanError(refused)
     configured = [key for key in config.map if key not in here]
     used = curves_by_key(parts, table) if configured else ()
-    return tuple(idle(configured, used, Source(config.file or "configuration")))
+    return tuple(idle(configured, used, config.place("map")))
 
 
 def _is_asked(config: Config, key: str) -> bool:
@@ -217,9 +236,13 @@ def machine_for_program(
     chosen = [*config.machine_names("beam"), *config.machine_names("sheet")]
     # A head names machines that are known here, never a file.
     more = chosen or ([] if is_file_name(named) else [named])
-    others = (machine_asked(name, config) for name in dict.fromkeys(more))
-    known = (one for one in (*allowed, *others) if one is not None and one.name == named)
-    return next(known, allowed[0])
+    if (known := next((one for one in allowed if one.name == named), None)) is not None:
+        return known
+    for name in dict.fromkeys(more):
+        other = machine_asked(name, config)
+        if other is not None and other.name == named:
+            return _told(name, other, config)
+    return allowed[0]
 
 
 def _machine_in_head(data: bytes | str) -> str | None:
@@ -249,10 +272,25 @@ def machines_of_stock(
     if not names:
         return InTurn(
             default_machines(stock, output),
-            lambda name: _as_asked(load_proved(name), config, is_one_of_two),
+            lambda name: _told(name, _as_asked(load_proved(name), config, is_one_of_two), config),
         )
     found = [_named_machine(config, stock, name) for name in names]
-    return tuple(_as_asked(machine, config, is_one_of_two) for machine in found)
+    return tuple(
+        _told(name, _as_asked(machine, config, is_one_of_two), config)
+        for name, machine in zip(names, found, strict=True)
+    )
+
+
+def _told(name: str, machine: Machine, config: Config) -> Machine:
+    """The machine; --verbose says whose it is, and what is nobody's own is said in any case."""
+    voice = running_voice()
+    if voice is not None and (voice.verbose or name.endswith(".toml")):
+        from beamcam.commands.provenance import settings_line, strange
+
+        voice.remark(strange(name))
+        if voice.verbose:
+            voice.did_once(settings_line(config, [name]))
+    return machine
 
 
 def machine_asked(name: str, config: Config) -> Machine | None:
@@ -291,7 +329,7 @@ def _named_machine(config: Config, stock: Stock, named: str) -> Machine:
         from beamcam.config.load import ConfigError
         from beamcam.config.rules import WRONG_VALUE
 
-        expected = error.diagnostics[0].message.partition("; expected ")[2]
+        expected = error.diagnostics[0]["expected"]
         raise ConfigError(
             WRONG_VALUE.at(source, key=key, found=repr(named), expected=expected)
         ) from error

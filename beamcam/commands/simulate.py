@@ -15,6 +15,7 @@ from beamcam.commands.pictures import picture
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
+from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.readers.content import shown_name
 
 if TYPE_CHECKING:
@@ -167,7 +168,17 @@ def command(
                     say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
 
             rows = trace_rows(trace, every)
-            serve_rows(rows, machine.modbus, *serve, 1.0 if pace is None else pace, tell)
+            with asked_to_end() as asked_so:
+                serve_rows(
+                    rows,
+                    machine.modbus,
+                    *serve,
+                    1.0 if pace is None else pace,
+                    tell,
+                    asked=asked_so,
+                )
+            if asked_so:
+                raise SystemExit(INTERRUPTED)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
 

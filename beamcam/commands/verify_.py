@@ -4,19 +4,21 @@ from pathlib import PurePath
 from typing import Any
 
 import click
+from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
 from beamcam.commands.grouped import Grouped
-from beamcam.commands.parts import looking_options, read_pieces
+from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.programs import input_bytes
 from beamcam.commands.remainders import after, faults_of_rest, from_operation
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.model.plan import Order
+from beamcam.model.request import Request
 from beamcam.pipeline import read_back
-from beamcam.posts import Request
+from beamcam.planning.rules import named_skips
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
 from beamcam.verify.by_hand import BY_HAND
@@ -38,6 +40,7 @@ NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 @options.turn
 @from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")
 @after
+@click.option("--solid", is_flag=True, help="Machine PROGRAM as a solid as well, and compare.")
 @looking_options
 @options.exit_left_out
 def command(
@@ -48,6 +51,7 @@ def command(
     turn: bool,
     first: int | None,
     after: str | None,
+    solid: bool,
     exit_left_out: int | None,
     as_json: bool,
     voice: Voice,
@@ -66,11 +70,15 @@ def command(
     operations before it, of the program that was stopped (--after) or of the one that `post`
     makes of the PARTs.
 
+    --solid asks for a third opinion: bar or plate are machined as a solid from PROGRAM alone, and
+    each piece is compared with the solid of its part.
+
     \b
     beamcam verify job.gcode --against M58.nc1
     beamcam verify gasket.ngc --against gasket.dxf --machine plate-linuxcnc
     beamcam verify job.gcode --against M74.nc1 M58.nc1 M74.nc1 --machine beamline-annex --json
     beamcam verify sheet.ngc --against gusset.nc1 --quantity 12
+    beamcam verify job.gcode --against M58.nc1 --solid
     beamcam post M58.nc1 -o - | beamcam verify - --against M58.nc1
     beamcam verify rest.gcode --from-operation 7 --after job.gcode --against M58.nc1
     """
@@ -82,26 +90,31 @@ def command(
         raise click.UsageError("--from-operation needs the PARTs, behind --against.")
     if after is not None and first is None:
         raise click.UsageError("--after needs --from-operation, where PROGRAM goes on.")
+    if solid and (not parts or first is not None):
+        raise click.UsageError("--solid needs the PARTs of a whole program, behind --against.")
     if (program, after, *parts).count(STANDARD) > 1:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
     said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, parts or (program,))
-        wanted, said = read_pieces(parts, config, asked, voice)
+        wanted, said = read_parts(parts, config, asked, voice)
         data = input_bytes(program)
         machine = machine_for_program(config, program, data, wanted)
         name, style = shown_name(program), PurePath(program).suffix.lower()
         head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
-        skips = _allowed(config, head)
         bar = asked["bar"]
-        request = Request(tuple(wanted), machine, skips, name, order, turn, bar, style)
+        request = replace(
+            request_of(wanted, config, machine, asked["quantity"], order, turn),
+            name=name, style=style, skips=named_skips(_allowed(config, head)),
+        )  # fmt: skip
         found = (
             *head_remarks(head, machine, name),
             *(
-                read_back(data, request)
+                read_back(data, request, bar)
                 if first is None
-                else faults_of_rest(data, request, first, after, config)
+                else faults_of_rest(data, request, first, bar, after)
             ),
+            *(_solid_faults(data, request, bar) if solid else ()),
         )
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
@@ -114,6 +127,13 @@ def command(
         raise SystemExit(REFUSED)
     if exit_left_out is not None and any(d.code in NOT_MADE for d in found):
         raise SystemExit(exit_left_out)
+
+
+def _solid_faults(data: str | bytes, request: Request, bar: float | None) -> tuple[Diagnostic, ...]:
+    """The third opinion; its libraries are loaded only here."""
+    from beamcam.solid.opinion import solid_faults
+
+    return solid_faults(data, request, bar)
 
 
 def _allowed(config: Config, head: Head | None) -> tuple[str, ...]:

@@ -8,15 +8,16 @@ import click
 
 from beamcam.batch import BatchError, Input, find_inputs, run
 from beamcam.batch.recipe import recipe_of
+from beamcam.batch.record import claims_of
 from beamcam.batch.rules import NO_END, NOTHING, WRITE
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, say_lines
 from beamcam.commands.grouped import Grouped
-from beamcam.commands.running import Screen, ended_by_term, run_options, shop_of, unused, workers_of
+from beamcam.commands.running import Screen, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.report.run import Row, as_message
-from beamcam.system import INTERRUPTED
 from beamcam.watch import END_S, HotFolder, file_away, look
 
 
@@ -69,6 +70,7 @@ def command(
     try:
         config = settled(asked, (folder,))
         shop = shop_of(config, asked)
+        voice.say_remarks()
         for place in (output, done, refused):
             if place is not None:
                 _make(place)
@@ -77,17 +79,16 @@ def command(
     hot = HotFolder(settle, end_wait)
     recipe = recipe_of(config, asked, output)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
-    claims: dict[str, str] = {}
+    claims = claims_of(output, folder)
     told: tuple[Diagnostic, ...] = ()
-    interrupted = False
     if not (voice.quiet or voice.as_json):
         ending = "" if once else "; Ctrl-C ends it"
         say_lines(
             [f"watching {folder} every {every:g} s, programs go to {output}{ending}"], err=True
         )
-    with Screen(None, voice) as screen, ended_by_term():
+    with Screen(None, voice) as screen, asked_to_end() as interrupted:
         try:
-            while True:
+            while not interrupted:
                 found = find_inputs((folder,), leave_out)
                 # An empty folder is nothing wrong; what else there is to say is said once.
                 said = tuple(d for d in found.diagnostics if d.code != NOTHING.code)
@@ -105,10 +106,10 @@ def command(
                     read = files_read(config, (one.path for one in ready))
                     rows = run(
                         ready, output, shop, workers, config.flat, claims=claims, read=read,
-                        recipe=recipe,
+                        recipe=recipe, asked=interrupted,
                     )  # fmt: skip
                     try:
-                        for one, row in zip(ready, rows, strict=True):
+                        for one, row in zip(ready, rows, strict=False):
                             screen.show(row)
                             _file_away(one, row, hot, done, refused, screen)
                     finally:
@@ -116,9 +117,7 @@ def command(
                 elif once and not hot.is_waiting:
                     break
                 else:
-                    time.sleep(every)
-        except KeyboardInterrupt:
-            interrupted = True  # the way to end it
+                    interrupted.wait(every)
         except BeamcamError as error:
             voice.stop(error.diagnostics)
         screen.end()

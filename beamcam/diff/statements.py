@@ -10,7 +10,15 @@ from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 
 from beamcam.controllers import table_events
-from beamcam.controllers.events import Acceleration, Compensation, Move, Pause, Switch, TableEvent
+from beamcam.controllers.events import (
+    Acceleration,
+    Blending,
+    Compensation,
+    Move,
+    Pause,
+    Switch,
+    TableEvent,
+)
 from beamcam.diff.pairing import Difference
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
@@ -19,13 +27,12 @@ from beamcam.machine.machine import Machine
 _ST_COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
 
 
-def diff_sheets(
-    a: str, b: str, machine: Machine, name: str = "program"
-) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
-    """Differences of program B from A, and the faults in the blocks of either."""
+def diff_statements(
+    first: Sequence[str], second: Sequence[str], decimals: int
+) -> tuple[Difference, ...]:
+    """Differences of the statements of program B from those of A."""
     from difflib import SequenceMatcher
 
-    (first, said), (second, more) = statements(a, machine, name), statements(b, machine, name)
     found = []
     pairs: list[tuple[str, str]] = []
     for how, i0, i1, j0, j1 in SequenceMatcher(None, first, second, False).get_opcodes():
@@ -39,10 +46,10 @@ def diff_sheets(
             else:
                 found.append(Difference("feature", "changed", f"{old} became {new}"))
                 pairs.append((old, new))
-    if len(pairs) == len(found) > 1 and (common := _common(pairs, machine.format.length_decimals)):
+    if len(pairs) == len(found) > 1 and (common := _common(pairs, decimals)):
         text = f"{len(pairs)} of {len(first)} statements: {common}"
         found = [Difference("feature", "changed", text, common)]
-    return tuple(found), errors_in((*said, *more))
+    return tuple(found)
 
 
 def _common(pairs: Sequence[tuple[str, str]], decimals: int) -> str:
@@ -68,15 +75,15 @@ def _changed_words(old: str, new: str, decimals: int) -> tuple[str, ...]:
     return tuple(dict.fromkeys(changed))
 
 
-def statements(text: str, machine: Machine, name: str) -> tuple[list[str], list[Diagnostic]]:
-    """The statements of a program in words, and what is wrong with its blocks."""
+def statements(name: str, text: str, machine: Machine) -> tuple[list[str], tuple[Diagnostic, ...]]:
+    """The statements of a program in words, and the errors in its blocks."""
     if machine.controller == "simotion":
         lines = _ST_COMMENT.sub("", text).splitlines()
-        return [" ".join(line.split()) for line in lines if line.strip()], []
+        return [" ".join(line.split()) for line in lines if line.strip()], ()
     if machine.controller == "stepper":
-        return [line.strip() for line in text.splitlines() if line.strip()[:1] not in ("", "#")], []
+        return [line.strip() for line in text.splitlines() if line.strip()[:1] not in ("", "#")], ()
     events, said = table_events(text, machine, name)
-    return list(_sentences(events, machine.format.length_decimals)), said
+    return list(_sentences(events, machine.format.length_decimals)), errors_in(said)
 
 
 def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
@@ -100,6 +107,8 @@ def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
                 yield f"pause of {seconds:g} s"
             case Compensation(side=side, radius=radius):
                 yield f"keep {side} of the path by {radius:g}"
+            case Blending(distance=distance):
+                yield f"pass corners at {distance:g} mm"
             case Acceleration(braking=braking, mm_s2=mm_s2):
                 yield f"{'brake' if braking else 'run up'} at {mm_s2:g} mm/s2"
 

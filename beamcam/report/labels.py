@@ -5,11 +5,13 @@ page; ZPL II for Zebra printers, whose own codes are used (commands ^BQ and ^BX)
 """
 
 import io
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
 from typing import Literal
 
 from msgspec import Struct
 
+from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.plain_text import terminal_text
 
 Code = Literal["qr", "datamatrix"]
@@ -19,8 +21,21 @@ MM = 72 / 25.4  #: points of PDF
 DOTS = 8  #: a millimetre of a Zebra printer of 203 dpi
 MARGIN = 4.0  #: mm
 QUIET = 3.0  #: mm free above the code, whose reader needs four modules
+#: Bytes of the largest code: QR version 40 with error level M, DataMatrix of 144 by 144 with ECI.
+MOST_BYTES: Mapping[Code, int] = {"qr": 2331, "datamatrix": 1553}
 MAX_LINES = 5
 MAX_LETTERS = 60  #: of a line; longer ones would leave the label
+
+
+CODE = Rule(
+    "label-code",
+    Severity.ERROR,
+    "found {found} bytes for the code of a label, the mark and the program's name; expected at "
+    "most {expected}",
+    "No larger code of that kind is defined. Give the part a shorter mark; the labels of the other "
+    "parts are made.",
+)
+RULES = (CODE,)
 
 
 class Label(Struct, frozen=True):
@@ -68,6 +83,7 @@ def as_pdf(labels: Iterable[Label], size: Size, code: Code = "qr") -> bytes:
     canvas.setTitle("Labels")
     canvas.setCreator("beamcam")
     font = _font()
+    codes: dict[str, str] = {}
     for label in labels:
         canvas.scale(MM, MM)
         left, top = MARGIN, size.height - MARGIN
@@ -81,10 +97,23 @@ def as_pdf(labels: Iterable[Label], size: Size, code: Code = "qr") -> bytes:
             canvas.setFont(font, _fitting(shown, font, 0.8 * size.line, free))
             base = top - size.mark - QUIET - (number + 0.7) * size.line
             canvas.drawString(left, base, shown)
-        _draw_code(canvas, code_rows(label.code, code), size)
+        if label.code not in codes:  # the labels of one part have one code
+            codes[label.code] = f"code{len(codes)}"
+            canvas.beginForm(codes[label.code], 0, 0, size.width, size.height)
+            _draw_code(canvas, code_rows(label.code, code), size)
+            canvas.endForm()
+        canvas.doForm(codes[label.code])
         canvas.showPage()
     canvas.save()
     return out.getvalue()
+
+
+def code_fault(label: Label, code: Code, source: Source) -> Diagnostic | None:
+    """Why no code can hold what is on a label; None if one can."""
+    found = len(label.code.encode("utf-8"))
+    if found <= MOST_BYTES[code]:
+        return None
+    return CODE.at(source, found=found, expected=MOST_BYTES[code])
 
 
 def _font() -> str:
@@ -104,14 +133,16 @@ def _fitting(text: str, font: str, high: float, width: float) -> float:
 
 
 def _draw_code(canvas: object, rows: Sequence[Sequence[int]], size: Size) -> None:
-    """The code in the lower right corner, a module as a square."""
+    """The code in the lower right corner, a module as a square; those in a row are one strip."""
     module = size.code / len(rows)
     x0, y0 = size.width - MARGIN - size.code, MARGIN
     for row, modules in enumerate(rows):
-        for column, dark in enumerate(modules):
+        column, y = 0, y0 + (len(rows) - 1 - row) * module
+        for dark, strip in groupby(modules):
+            x, width = x0 + column * module, len(tuple(strip))
             if dark:
-                x, y = x0 + column * module, y0 + (len(rows) - 1 - row) * module
-                canvas.rect(x, y, module, module, stroke=0, fill=1)  # type: ignore[attr-defined]
+                canvas.rect(x, y, width * module, module, stroke=0, fill=1)  # type: ignore[attr-defined]
+            column += width
 
 
 def code_rows(text: str, code: Code = "qr") -> tuple[tuple[int, ...], ...]:

@@ -71,6 +71,7 @@ class SheetSources(Struct, frozen=True):
     said: tuple[Diagnostic, ...] = ()  #: by readers and the planner
     found: tuple[Diagnostic, ...] = ()  #: by the read-back
     compared: bool = True  #: with the parts, if there are any
+    settings: tuple[tuple[str, str], ...] = ()  #: rows of the header about where they come from
 
 
 def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
@@ -101,7 +102,8 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     if errors_in(source.found) or not source.compared:
         verdict = "wrong"
     return Content(
-        program, unit, trace, tuple(_header(program, trace)), pictures, operations, tools, bar,
+        program, unit, trace, (*_header(program, trace), *source.settings), pictures, operations,
+        tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
         tuple(hand_rows(source.plan)) if source.plan is not None else (),
         tuple(d for d in messages if d.severity is not Severity.NOTE or d.code not in LEFT_OUT),

@@ -95,6 +95,8 @@ def _tables(content: Content) -> Iterator[Any]:
         yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads], (), True)
     count = len(content.operations)
     yield _title(f"Operations ({count}, {clock(content.seconds)})")
+    if not count:  # a program that does nothing
+        return
     head = ["No.", "Operation", "Face", f"X, {unit}", f"Y, {unit}", f"Depth, {unit}",
             f"Feed, {unit}/min", "Speed, rpm", "Time, s"]  # fmt: skip
     rows = [_operation(op, unit) for op in content.operations[:MAX_ROWS]]

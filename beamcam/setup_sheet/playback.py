@@ -26,6 +26,7 @@ from beamcam.model.part import Profile
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
+from beamcam.plain_text import json_text
 from beamcam.simulate.trace import Trace
 from beamcam.verify.bars.machined_features import ToldText
 
@@ -226,6 +227,6 @@ def path_data(table: TableMade) -> list[list[list[float]]]:
 
 
 def as_script(data: object) -> str:
-    """Data as JSON that may stand within a script of a page."""
+    """Data as JSON that may stand within a script of a page, odd characters spelled out."""
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False)
-    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+    return json_text(text).replace("<", "\\u003c")

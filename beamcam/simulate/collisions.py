@@ -22,6 +22,7 @@ from beamcam.machine.machine import Machine
 from beamcam.simulate.trace import Trace
 
 STEP = 1.0  #: mm or degrees that an axis moves at most between two looks, at even speed
+LONGEST = 100_000.0  #: mm of one move
 MIN_DEPTH = 1e-6  #: bodies that touch do not strike
 CHUNK = 20_000  #: looks at a time
 
@@ -72,8 +73,12 @@ def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tup
 
 
 def looks(trace: Trace) -> Floats:
-    """Times so near to each other that no axis moves much more than `STEP` between them."""
+    """Times so near to each other that no axis moves much more than `STEP` between them.
+
+    A move farther than any machine goes ends beyond its limits, and is not looked at on its way.
+    """
     ways = np.abs(np.diff(trace.positions, axis=0)).max(axis=1, initial=0.0)
+    ways[ways > LONGEST] = 0.0
     counts = np.maximum(1, np.ceil(ways / STEP)).astype(np.int64)
     interval = np.repeat(np.arange(len(counts)), counts)
     number = np.arange(len(interval)) - np.repeat(np.cumsum(counts) - counts, counts)

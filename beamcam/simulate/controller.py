@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from beamcam.errors import Source, VerifyError
+from beamcam.interrupts import LOOK_S, NEVER, Asked
 from beamcam.machine.modbus import Modbus
 from beamcam.simulate import rules
 from beamcam.simulate.registers import registers
@@ -26,19 +27,20 @@ def serve(
     pace: float = 1.0,
     ready: Callable[[str, int], None] = lambda host, port: None,
     is_held: bool = True,
+    asked: Asked = NEVER,
 ) -> None:
-    """Show every row when it is due, then the last one until Ctrl-C, if it `is_held`.
+    """Show every row when it is due, then the last one until it is `asked` to end, if `is_held`.
 
     `pace` is how many seconds of the wall one second of the machine takes; `ready` is called with
     the address when the server answers. Raises VerifyError if it cannot listen there, or if
     pymodbus is not installed.
     """
-    asyncio.run(_serve(rows, modbus, host, port, pace, ready, is_held))
+    asyncio.run(_serve(rows, modbus, host, port, pace, ready, is_held, asked))
 
 
 async def _serve(
     rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float,
-    ready: Callable[[str, int], None], is_held: bool,
+    ready: Callable[[str, int], None], is_held: bool, asked: Asked,
 ) -> None:  # fmt: skip
     place = Source(f"{host}:{port}")
     waiting = iter(rows)
@@ -58,10 +60,15 @@ async def _serve(
         loop = asyncio.get_running_loop()
         begun = loop.time()
         for row in waiting:
-            await asyncio.sleep(max(0.0, begun + row.time_s * pace - loop.time()))
+            due = begun + row.time_s * pace
+            await asyncio.sleep(0)
+            while not asked and (left := due - loop.time()) > 0:
+                await asyncio.sleep(min(left, LOOK_S))
+            if asked:
+                return
             words[:] = registers(row, modbus)
-        if is_held:
-            await asyncio.Event().wait()
+        while is_held and not asked:
+            await asyncio.sleep(LOOK_S)
     finally:
         await server.shutdown()
 

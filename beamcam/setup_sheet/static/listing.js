@@ -22,6 +22,12 @@ class Listing {
     });
   }
 
+  // Controls and what turns the direction of writing, as \u202e; the data keep them for the hash.
+  static spelled(text) {
+    return text.replace(/[\u007f-\u009f\u061c\u200b-\u200f\u2028-\u202e\u2066-\u2069\ufeff]/g,
+      (sign) => `\\u${sign.charCodeAt(0).toString(16).padStart(4, "0")}`);
+  }
+
   draw() {
     const first = Math.max(0, Math.floor(this.box.scrollTop / this.high) - 5);
     const count = Math.ceil((this.box.clientHeight || 300) / this.high) + 10;
@@ -36,7 +42,7 @@ class Listing {
       row.setAttribute("aria-selected", k + 1 === this.now);
       const number = document.createElement("span");
       number.textContent = k + 1;
-      row.append(number, this.lines[k]);
+      row.append(number, Listing.spelled(this.lines[k]));
       rows.push(row);
     }
     this.space.replaceChildren(...rows);
