@@ -5,22 +5,28 @@ import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLES = ROOT / "samples"
 GOLDEN = ROOT / "tests" / "golden"
-#: Third-party files are not part of the project; tests over them run where a copy is at hand.
-SHARED = ROOT.parent / "shared"
-CORPUS = Path(os.environ.get("BEAMCAM_CORPUS", SHARED / "corpus"))
+#: Third-party files are not part of the project. Tests that need them are marked `third_party`, and
+#: run where a copy is beside the project or in the folder that the environment names.
+THIRD_PARTY = Path(os.environ.get("BEAMCAM_THIRD_PARTY", ROOT.parent / "shared"))
+CORPUS = THIRD_PARTY / "corpus"
+BEAM_CELL = THIRD_PARTY / "reference" / "beam-cell"
 
 
 #: The same examples on every run, so that a failure is the change's; HYPOTHESIS_PROFILE=random
-#: looks for new ones.
-settings.register_profile("same", derandomize=True, deadline=None, print_blob=True)
-settings.register_profile("random", deadline=None, print_blob=True)
+#: looks for new ones. A busy machine is slow at either.
+_PATIENT: dict[str, Any] = {
+    "deadline": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow],
+}  # fmt: skip
+settings.register_profile("same", derandomize=True, **_PATIENT)
+settings.register_profile("random", **_PATIENT)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 # A shell has what it starts in the background ignore Ctrl-C, and commands started from here would
@@ -43,6 +49,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="Write the golden files anew; read the diff."
     )
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest skips what has no files to be called with
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.get_closest_marker("third_party") and not THIRD_PARTY.is_dir():
+        pytest.skip(f"no third-party files in {THIRD_PARTY} (BEAMCAM_THIRD_PARTY)")
 
 
 class Golden:

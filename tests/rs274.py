@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.runs import HANG_S
+
 RS274 = shutil.which("rs274")
 needs_rs274 = pytest.mark.skipif(RS274 is None, reason="rs274 of LinuxCNC is not installed")
 #: Of a plasma table, as QtPlasmaC has it: the torch, the scribe and the spotting of centres.
@@ -31,7 +33,7 @@ def interpreted(
                 options += [option, str(Path(own) / name)]
         done = subprocess.run(
             [RS274, *options, "-g", str(program.resolve())], cwd=folder or own,
-            env={**os.environ, "HOME": own}, capture_output=True, text=True, timeout=60,
+            env={**os.environ, "HOME": own}, capture_output=True, text=True, timeout=HANG_S,
             check=False,
         )  # fmt: skip
     assert done.returncode >= 0, f"rs274 died of signal {-done.returncode}"

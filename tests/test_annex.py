@@ -11,9 +11,9 @@ import pytest
 
 from beamcam.machine import load
 from beamcam.pipeline import parts_of, post, read_file
-from tests.conftest import SHARED
+from tests.conftest import BEAM_CELL
 
-PARTS = SHARED / "reference" / "beam-cell"
+PARTS = BEAM_CELL
 
 #: Blocks of the program that ran, by their first word.
 BLOCKS = {"G90": 1, "M44": 1, "M43": 1, "G01": 82, "M41": 7, "M40": 25, "M04": 25, "M08": 25,
@@ -40,9 +40,7 @@ OPERATIONS: tuple[tuple[float, ...], ...] = (
 EXACT_X = (69.1, 960.3, 7495.9, 8387.1)
 PARTING_X = (217.3, 7644.1)
 
-pytestmark = pytest.mark.skipif(
-    not PARTS.is_dir(), reason="the files of the beam cell are not at hand"
-)
+pytestmark = pytest.mark.third_party
 
 
 def program(*names: str) -> str:

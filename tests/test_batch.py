@@ -88,7 +88,9 @@ def test_what_changed_is_done_again(jobs: Path, tmp_path: Path) -> None:
     (jobs / "A" / "P000.nc1").write_text(part("P0", 1600.0))  # the input
     (out / "A" / "P001.gcode").write_text("edited")  # an output
     (out / "B" / "P000.gcode").unlink()
-    assert counts(batch(jobs, "-o", out)) == (3, 1, 0, 0)
+    assert counts(batch(jobs, "-o", out)) == (2, 1, 1, 0)  # an edit is not lost
+    assert (out / "A" / "P001.gcode").read_text() == "edited"
+    assert counts(batch(jobs, "-o", out, "--force")) == (4, 0, 0, 0)
     now = programs(out)
     assert {path for path in now if now[path] != good[path]} == {"A/P000.gcode"}
     assert counts(batch(jobs, "-o", out, "--job", "NIGHT")) == (4, 0, 0, 0)
@@ -364,7 +366,7 @@ def test_stock_lengths_of_the_configuration(tmp_path: Path) -> None:
     for name, length in (("a", 300.0), ("b", 1295.0), ("c", 1999.0), ("d", 7000.0), ("e", 11999.0)):
         (tmp_path / "in" / f"{name}.nc1").write_text(part(name, length))
     said = tmp_path / "r.json"
-    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--report", said)
+    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--report", said, "--trust", tmp_path)
     rows = report(said)["files"]
     bars = [[p["bar"] for p in row["parts"]] for row in rows]
     assert bars == [[1300.0], [2000.0], [6000.0], [12000.0], []]

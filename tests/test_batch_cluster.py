@@ -5,12 +5,10 @@ import os
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Thread
-from time import monotonic, sleep
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,7 +19,7 @@ from beamcam.batch.head_start import MOST_BYTES, HeadStart
 from beamcam.batch.work import FileResult, Task, make_all
 from beamcam.machine import load
 from tests.conftest import ROOT
-from tests.runs import batch, counts, fill, programs, report
+from tests.runs import HANG_S, batch, counts, fill, programs, report, wait_until
 
 distributed: Any = pytest.importorskip("distributed", reason="the extra `dask` is not installed")
 psutil: Any = pytest.importorskip("psutil")  # comes with it
@@ -87,7 +85,7 @@ def test_a_killed_worker_costs_nothing(
         assert (victims, counts(there)) == ([], (60, 0, 0, 0))
         batch(tmp_path / "in", "-o", tmp_path / "here", "--jobs", 1)
         assert programs(tmp_path / "here") == programs(tmp_path / "there")
-        client.wait_for_workers(2, timeout=30)
+        client.wait_for_workers(2, timeout=HANG_S)
 
 
 def test_files_lost_with_the_process_here_go_to_the_cluster(
@@ -166,14 +164,10 @@ def workers(folder: Path, path: Path = ROOT) -> Iterator[tuple[str, subprocess.P
     worker = ("distributed.cli.dask_worker", "--scheduler-file", str(said), "--no-nanny",
               "--no-dashboard", "--nthreads", "1")  # fmt: skip
     with started(*scheduler) as process, started(*worker, path=path):
-        until = monotonic() + 30
-        while not (said.exists() and said.read_text()):
-            assert monotonic() < until
-            assert process.poll() is None
-            sleep(0.1)
+        wait_until(lambda: said.exists() and said.read_text(), process)
         address = json.loads(said.read_text())["address"]
         with distributed.Client(address, set_as_default=False) as client:
-            client.wait_for_workers(1, timeout=30)
+            client.wait_for_workers(1, timeout=HANG_S)
         yield address, process
 
 
@@ -182,9 +176,7 @@ def test_a_worker_without_beamcam_is_told(tmp_path: Path) -> None:
     (tmp_path / "there" / "beamcam").mkdir(parents=True)
     (tmp_path / "there" / "beamcam" / "__init__.py").write_text("raise ImportError\n")
     with workers(tmp_path, tmp_path / "there") as (address, _):
-        begun = monotonic()
         result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", address)
-    assert monotonic() - begun < 15
     assert result.exit_code == 1
     assert "error batch-scheduler: " in result.stderr
     assert "has no beamcam" in result.stderr
@@ -222,12 +214,10 @@ def test_the_cluster_of_the_configuration(tmp_path: Path) -> None:
     fill(tmp_path / "in", 1)
     config = tmp_path / "in" / "beamcam.toml"
     config.write_text('[dask]\nscheduler = "tcp://127.0.0.1:9"\nanswer_s = 0.5\nchunks = 3\n')
-    begun = time.monotonic()
-    result = batch(tmp_path / "in", "-o", tmp_path / "out")
+    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--trust", tmp_path)
     assert "error batch-scheduler: found no cluster that works at tcp://127.0.0.1:9" in (
         result.stderr
     )
-    assert time.monotonic() - begun < 15.0
     other = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", "tcp://127.0.0.1:7")
     assert "works at tcp://127.0.0.1:7" in other.stderr
     config.write_text("[dask]\nanswer_s = 0\n")

@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import runpy
 import subprocess
 import sys
@@ -15,8 +16,8 @@ from tests.conftest import ROOT
 BENCHMARKS = ROOT / "benchmarks"
 #: Are there to be imported.
 OTHERS = (
-    "damage", "faults", "heads", "ifc_anyhow", "ifc_families", "letterings", "liars", "mutants",
-    "script", "sheet_liars", "uses",
+    "asked_liars", "bent_accessories", "damage", "doors", "faults", "heads", "ifc_anyhow",
+    "ifc_families", "letterings", "liars", "mutants", "script", "sheet_liars", "uses",
 )  # fmt: skip
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 
@@ -96,3 +97,21 @@ def test_a_reader_that_has_had_enough_ends_it_without_a_word(unbuffered: str) ->
             env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": unbuffered},
         )  # fmt: skip
     assert (done.returncode, done.stderr) == (1, "")
+
+
+def test_each_truth_stands_where_it_is_made_untrue(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT))
+    from benchmarks.truths import edited, edits
+
+    every = edits()
+    assert len(every) >= 80
+    for edit in every:
+        text = (ROOT / "beamcam" / edit.path).read_text(encoding="utf-8")
+        assert edited(text, edit) != text
+
+
+def test_a_truth_that_is_untrue_is_seen(tmp_path: Path) -> None:
+    done = run("truths.py", "--only", "depth of a trough", "--jobs", "1", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(r"model/part\.py +test_sections\.py::", done.stdout)
+    assert done.stdout.endswith("\n1 of 1 seen\n")

@@ -21,10 +21,10 @@ from beamcam.machine.marking import Marks, Policy
 from beamcam.model.marks import MarkKind, mark_kind
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Outcome
+from beamcam.model.request import Request
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
 from beamcam.planning.left_out import BY_HAND
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import Request
 from beamcam.report.hand_list import HEAD, LIST_SUFFIX, as_csv, hand_rows
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.head import head_of
@@ -76,7 +76,7 @@ def test_a_policy_of_list_leaves_a_mark_to_the_hand(name: str, made: Any, kind: 
     assert listed(posted) == [0]
     assert [said.code for said in posted.remarks] == [BY_HAND.code]
     assert "LEFT TO THE HAND: 1" in posted.text
-    found = read_back(posted.text, Request((one,), machine, bar=12000.0))
+    found = read_back(posted.text, Request((one,), machine), 12000.0)
     assert [said.code for said in found] == [FOR_HAND.code]
     assert "MARKED" not in posted.text
 
@@ -92,7 +92,7 @@ def test_a_policy_of_refuse_refuses_what_the_machine_could_make(
         post([one], machine)
     posted = post([one], machine, skips=("mark",))
     assert [o.by for o in posted.plan.outcomes] == ["plan-mark"]
-    found = read_back(posted.text, Request((one,), machine, bar=12000.0))
+    found = read_back(posted.text, Request((one,), machine), 12000.0)
     code = "verify-not-made" if machine.torch is None else "verify-sheet-not-made"
     assert [(said.code, said.severity.value) for said in found] == [(code, "error")]
 

@@ -15,7 +15,9 @@ from tests.runs import BAD, batch, fill, part
 def check(*words: object) -> tuple[int, str, str]:
     done = CliRunner().invoke(main, ["check", *map(str, words)])
     assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
-    return done.exit_code, done.stdout, done.stderr
+    # Its machine is a file of the test's folder.
+    said = [line for line in done.stderr.splitlines(True) if "note machine-elsewhere: " not in line]
+    return done.exit_code, done.stdout, "".join(said)
 
 
 @pytest.fixture
@@ -126,11 +128,57 @@ def test_a_file_that_was_posted_in_part(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_programs_of_which_nothing_is_known_are_named(shop: Path) -> None:
-    Path("golden", "old.gcode").write_text("%\n")
+    Path("golden", "old").mkdir()
+    Path("golden", "old", "one.gcode").write_text("%\n")
     status, said, err = check("golden")
-    assert (status, said) == (0, "3 of 3 programs are the same\n")
-    assert "warning check-unknown: found 1 program(s) that no record names" in err
-    assert "old.gcode" in err
+    assert (status, said) == (1, "3 of 4 programs are the same\n")
+    assert "golden: error check-unknown: found 1 program(s) that no record names" in err
+    assert "one.gcode" in err
+    assert check("golden", "--update")[0] == 1  # there is nothing that could be accepted
+    for pattern in ("old/*", "old/one.gcode", "*.gcode"):
+        status, said, err = check("golden", "--stray", pattern)
+        assert (status, said, err) == (0, "3 of 3 programs are the same, 1 left out\n", "")
+    assert check("golden", "--stray", "new/*")[0] == 1
+
+
+def test_a_program_with_a_part_is_no_stray(shop: Path) -> None:
+    Path("golden", "P001.gcode").write_text("%\n")
+    status, said, _ = check("golden", "--stray", "*")
+    assert status == 1
+    assert said.endswith("2 of 3 programs are the same\n")
+
+
+def nothing(folder: str) -> str:
+    return (f"{folder}: error check-nothing: found no program to compare; expected what `batch` "
+            "wrote, or a folder with the name of a machine\n")  # fmt: skip
+
+
+def test_a_folder_of_which_nothing_can_be_compared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("new").mkdir()
+    assert check("new") == (1, "", nothing("new"))
+    Path("new", "a.gcode").write_text("%\n")
+    status, said, err = check("new")
+    assert (status, said) == (1, "")
+    assert err.startswith("new: error check-unknown: found 1 program(s)")
+    assert err.count("\n") == 1
+    assert check("new", "--stray", "a.gcode") == (1, "", nothing("new"))
+
+
+def test_what_cannot_be_compared_is_data_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("new").mkdir()
+    Path("new", "a.gcode").write_text("%\n")
+    for words, code in (((), "check-unknown"), (("--stray", "*"), "check-nothing")):
+        status, said, err = check("new", "--json", *words)
+        assert (status, err) == (1, "")
+        (one,) = json.loads(said)
+        assert (one["file"], one["result"]) == ("new", "unknown")
+        assert [m["code"] for m in one["messages"]] == [code]
 
 
 def test_a_folder_below_one_with_a_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,7 @@
 """`beamcam.toml` and `beamcam config`."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -8,9 +9,11 @@ from click.testing import CliRunner, Result
 
 from beamcam import system
 from beamcam.cli import main
+from beamcam.config import places
 from beamcam.config.apply import with_tolerances
 from beamcam.config.load import ConfigError, load
-from beamcam.config.values import Config, ConfigFile, beside, over
+from beamcam.config.places import ConfigFiles, config_files
+from beamcam.config.values import Config, ConfigFile, over
 from beamcam.machine import load as load_machine
 from beamcam.machine.torch import LookSettings
 from beamcam.system import is_windows
@@ -27,6 +30,7 @@ jobs = 2
 name = "{mark}{suffix}"
 flat = true
 quantity = "file"
+trust = ["/jobs"]
 
 [tolerances]
 merge = 0.25
@@ -38,6 +42,9 @@ lead = "arc"
 [dask]
 scheduler = "tcp://hall:8786"
 answer_s = 3.5
+
+[limits]
+pieces = 500
 
 [map]
 "#F00" = "cut"
@@ -65,9 +72,10 @@ def test_every_key_is_read_and_knows_its_line(tmp_path: Path) -> None:
     assert where == {
         "machine": 2, "machines.sheet": 3, "stock_lengths": 4, "allow_skips": 5, "strict": 6,
         "job": 7, "jobs": 8, "name": 9, "flat": 10, "quantity": 11,
-        "tolerances.merge": 14, "sheet.thickness": 17, "sheet.lead": 18,
-        "dask.scheduler": 21, "dask.answer_s": 22, "map.#F00": 25,
-        "map.ENGRAVE": 26,
+        "trust": 12, "tolerances.merge": 15, "sheet.thickness": 18, "sheet.lead": 19,
+        "dask.scheduler": 22, "dask.answer_s": 23, "limits.pieces": 26, "limits.features": None,
+        "limits.bytes": None, "limits.depth": None, "limits.member_s": None, "map.#F00": 29,
+        "map.ENGRAVE": 30,
     }  # fmt: skip
 
 
@@ -129,26 +137,28 @@ def test_no_such_file(tmp_path: Path) -> None:
 def test_where_it_is_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "jobs").mkdir()
     monkeypatch.chdir(tmp_path)
-    assert beside(("jobs",)) == ()
+    assert config_files(("jobs",)) == ConfigFiles()
     write(tmp_path, "")
-    assert beside(("jobs",)) == beside(("-",)) == ("beamcam.toml",)
+    here = ("beamcam.toml",)
+    assert config_files(("jobs",)) == config_files(("-",)) == ConfigFiles(own=here)
     write(tmp_path / "jobs", "")
-    assert beside(("jobs",)) == beside(("jobs/a.nc1", "jobs/b.nc1")) == ("jobs/beamcam.toml",)
-    assert beside(("jobs/**/*.nc1",)) == ("jobs/beamcam.toml",)
-    assert beside(("jobs/a.nc1", "x")) == ("jobs/beamcam.toml", "beamcam.toml")
-    assert beside(("none/a.nc1",)) == beside(()) == ("beamcam.toml",)
+    both = ConfigFiles(("jobs/beamcam.toml",), here)
+    assert config_files(("jobs",)) == config_files(("jobs/a.nc1", "jobs/b.nc1")) == both
+    assert config_files(("jobs/**/*.nc1",)) == both
+    assert config_files(("jobs/a.nc1", "x")).two == ("jobs/beamcam.toml", "beamcam.toml")
+    assert config_files(("none/a.nc1",)) == config_files(()) == ConfigFiles(own=here)
 
 
 def test_a_machine_that_is_none_is_told_where_it_is_named(tmp_path: Path) -> None:
     fill(tmp_path / "in", 1)
     path = write(tmp_path, "jobs = 1\nmachine = 'beamlin'\n")
-    result = batch(tmp_path / "in", "-o", tmp_path / "out")
+    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--trust", tmp_path)
     assert result.exit_code == 1
     assert result.stderr.startswith(
         f"{path}:2: error config-value: found 'beamlin' for 'machine'; expected 'beamline' or the"
     )
     write(tmp_path, "[machines]\nbeam = 'none.toml'\n")
-    result = batch(tmp_path / "in", "-o", tmp_path / "out")
+    result = batch(tmp_path / "in", "-o", tmp_path / "out", "--trust", tmp_path)
     assert f"{path}:2: error config-value: found " in result.stderr
     assert "none.toml' for 'machines.beam'" in result.stderr
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--machine", "beamlin")
@@ -168,22 +178,35 @@ def test_a_list_of_machines_has_one(tmp_path: Path) -> None:
 def test_it_is_found_in_the_folders_above(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     deep = tmp_path / "jobs" / "4711" / "nc"
     deep.mkdir(parents=True)
-    above = write(tmp_path / "jobs", "")
-    assert beside((str(deep / "a.nc1"),)) == beside((str(deep),)) == (str(above),)
-    near = write(tmp_path / "jobs" / "4711", "")
-    assert beside((str(deep),)) == (str(near),)
+    above = str(write(tmp_path / "jobs", ""))
+    assert config_files((str(deep / "a.nc1"),)) == config_files((str(deep),))
+    assert config_files((str(deep),)) == ConfigFiles((above,))
+    near = str(write(tmp_path / "jobs" / "4711", ""))
+    assert config_files((str(deep),)) == ConfigFiles((near, above))
     monkeypatch.chdir(deep)
-    assert beside(("a.nc1",)) == beside(("-",)) == beside(()) == (str(near),)
-    assert beside((str(tmp_path / "x.nc1"),)) == (str(near),)  # that of this folder
+    assert config_files(("a.nc1",)) == config_files(("-",)) == config_files(())
+    assert config_files(()) == ConfigFiles(own=(near, above))
+    assert config_files((str(tmp_path / "x.nc1"),)) == ConfigFiles(own=(near, above))
 
 
-def test_a_folder_above_in_which_anybody_may_write_is_passed_over(tmp_path: Path) -> None:
+@pytest.mark.skipif(is_windows(), reason="no such right")
+def test_a_folder_above_in_which_anybody_may_write_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "open" / "job").mkdir(parents=True)
-    path = write(tmp_path / "open", "")
-    assert beside((str(tmp_path / "open" / "job"),)) == (str(path),)
+    path = str(write(tmp_path / "open", ""))
+    assert config_files((str(tmp_path / "open" / "job"),)).beside == (path,)
     (tmp_path / "open").chmod(0o777)
-    assert beside((str(tmp_path / "open" / "job"),)) == ((str(path),) if is_windows() else ())
-    assert beside((str(tmp_path / "open"),)) == (str(path),)  # it is named, and so it is meant
+    assert config_files((str(tmp_path / "open" / "job"),)) == ConfigFiles()
+    assert config_files((str(tmp_path / "open"),)).beside == (path,)  # it is named
+    monkeypatch.chdir(tmp_path / "open")
+    assert config_files(("a.nc1",)).own == ("beamcam.toml",)
+    monkeypatch.setattr("os.getuid", lambda: 12345)
+    os.chown(path, 54321, -1) if os.geteuid() == 0 else monkeypatch.setattr(
+        places, "is_ones_own", lambda _: False
+    )
+    assert config_files(("a.nc1",)) == ConfigFiles(("beamcam.toml",))
+    assert config_files(("in/a.nc1",)) == ConfigFiles()
 
 
 @pytest.mark.parametrize("windows", [False, True])
@@ -194,11 +217,11 @@ def test_the_users_own_is_the_last(
     monkeypatch.setenv("APPDATA" if windows else "XDG_CONFIG_HOME", str(tmp_path / "user"))
     (tmp_path / "user" / "beamcam").mkdir(parents=True)
     (tmp_path / "in").mkdir()
-    own = write(tmp_path / "user" / "beamcam", "job = 'MINE'\n")
-    assert beside((str(tmp_path / "in"),)) == (str(own),)
+    own = str(write(tmp_path / "user" / "beamcam", "job = 'MINE'\n"))
+    assert config_files((str(tmp_path / "in"),)) == ConfigFiles(own=(own,))
     assert 'job = "MINE"' in run(tmp_path / "in").stdout
-    write(tmp_path / "in", "")
-    assert beside((str(tmp_path / "in"),)) == (str(tmp_path / "in" / "beamcam.toml"),)
+    near = str(write(tmp_path / "in", ""))
+    assert config_files((str(tmp_path / "in"),)) == ConfigFiles((near,), (own,))
     if not windows:
         monkeypatch.setenv("XDG_CONFIG_HOME", "relative")
         monkeypatch.setenv("HOME", str(tmp_path))
@@ -207,20 +230,20 @@ def test_the_users_own_is_the_last(
 
 def test_the_command_shows_values_and_origins(tmp_path: Path) -> None:
     path = write(tmp_path, ALL)
-    lines = run(tmp_path).stdout.splitlines()
+    lines = run(tmp_path, "--trust", tmp_path).stdout.splitlines()
     assert any(
         line.startswith('machine = "beamline-annex"') and line.endswith(f"# {path}:2")
         for line in lines
     )
     assert any(line.startswith('map."#F00" = "cut"') for line in lines)
-    record = json.loads(run(tmp_path, "--json").stdout)
+    record = json.loads(run(tmp_path, "--json", "--trust", tmp_path).stdout)
     assert record["job"] == {"value": "NIGHT", "source": f"{path}:7"}
-    assert set(dict.fromkeys(key.partition(".")[0] for key in record)) == set(
-        ConfigFile.__struct_fields__
-    )
+    assert {key.partition(".")[0] for key in record} == {"settings", *ConfigFile.__struct_fields__}
     plain = run("--config", write(tmp_path, "")).stdout
     assert 'job = "JOB"' in plain
-    assert all(line.endswith("# default") for line in plain.splitlines())
+    *plain_rows, used = plain.splitlines()
+    assert all(line.endswith("# default") for line in plain_rows)
+    assert used.startswith("# configuration ")
     assert set(ConfigFile.__struct_fields__) == {
         line.split()[0] for line in run("--keys").stdout.splitlines()
     }
@@ -229,7 +252,7 @@ def test_the_command_shows_values_and_origins(tmp_path: Path) -> None:
 def test_what_is_shown_is_a_configuration(tmp_path: Path) -> None:
     """What `beamcam config` prints, read again, means the same."""
     first = load(write(tmp_path, ALL))
-    shown = run(tmp_path).stdout
+    shown = run(tmp_path, "--trust", tmp_path).stdout
     again = load(write(tmp_path, shown))
     assert [(r.key, r.value) for r in again.settings()] == [
         (r.key, r.value) for r in first.settings()
@@ -239,8 +262,9 @@ def test_what_is_shown_is_a_configuration(tmp_path: Path) -> None:
 def test_the_command_line_goes_over_it(tmp_path: Path) -> None:
     fill(tmp_path / "in", 2)
     write(tmp_path / "in", 'job = "NIGHT"\nmachine = "beamline-annex"\nname = "n{stem}.nc"\n')
-    batch(tmp_path / "in", "-o", tmp_path / "1")
-    batch(tmp_path / "in", "-o", tmp_path / "2", "--job", "DAY", "--machine", "beamline",
+    trust = ("--trust", tmp_path)
+    batch(tmp_path / "in", "-o", tmp_path / "1", *trust)
+    batch(tmp_path / "in", "-o", tmp_path / "2", *trust, "--job", "DAY", "--machine", "beamline",
           "--name", "{stem}.x")  # fmt: skip
     assert (tmp_path / "1" / "nP000.nc").read_text().startswith("% NIGHT\n")
     assert (tmp_path / "2" / "P000.x").read_text().startswith("% DAY\n")
@@ -253,7 +277,7 @@ def test_a_machine_beside_the_configuration(
     write(tmp_path / "in", 'machine = "mine.toml"\n')
     (tmp_path / "in" / "mine.toml").write_text('base = "beamline"\nsuffix = ".mine"\n')
     monkeypatch.chdir(tmp_path)
-    assert counts(batch("in", "-o", "out")) == (1, 0, 0, 0)
+    assert counts(batch("in", "-o", "out", "--trust", "in")) == (1, 0, 0, 0)
     assert (tmp_path / "out" / "P000.mine").exists()
 
 
@@ -268,7 +292,8 @@ def test_tolerances_go_over_the_machine(tmp_path: Path) -> None:
     for tolerance in (0.1, 0.3):
         write(tmp_path / "in", f"[tolerances]\nmerge = {tolerance}\n")
         said = tmp_path / "r.json"
-        result = batch(tmp_path / "in", "-o", tmp_path / "out", "--report", said)
+        result = batch(tmp_path / "in", "-o", tmp_path / "out", "--report", said,
+                       "--trust", tmp_path)  # fmt: skip
         assert counts(result) == (1, 0, 0, 0)
         merged.append(report(said)["files"][0]["parts"][0]["ledger"]["merged"])
     assert merged == [0, 1]

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from benchmarks import damage, fuzz
+from benchmarks import damage, doors, fuzz
 from tests.conftest import ROOT
 
 FILES = {kind: fuzz.samples(kind) for kind in fuzz.FORMATS}
@@ -24,6 +24,25 @@ def test_damaged_inputs_hold(kind: str) -> None:
         assert done.how in fuzz.HELD, done
         if time.process_time() - begun > 2.5:
             break
+
+
+@pytest.mark.parametrize("kind", fuzz.OF_COMMANDS)
+def test_damaged_inputs_hold_in_the_commands(kind: str) -> None:
+    files, begun = {kind: fuzz.samples(kind)}, time.process_time()
+    for index in range(FEW):
+        done = fuzz.one(index, SEED, files, by_commands=True)
+        assert done.how in fuzz.HELD, done
+        if time.process_time() - begun > 2.5:
+            break
+
+
+@pytest.mark.parametrize("kind", fuzz.OF_COMMANDS)
+def test_each_command_takes_what_is_sound(kind: str, tmp_path: Path) -> None:
+    """A line that was misspelt would be refused whatever the input is."""
+    held = set()
+    for seed in range(20):
+        held.add(doors.go_through(kind, fuzz.samples(kind)[0], random.Random(seed))[0])
+    assert "posted" in held
 
 
 def test_the_same_seed_gives_the_same_inputs() -> None:
@@ -112,7 +131,9 @@ def test_what_took_too_long_counts_as_it_is_alone(monkeypatch: pytest.MonkeyPatc
     again = fuzz.Outcome(4, "json", "refused", "", 1.0)
     asked: list[tuple[range, int]] = []
 
-    def outcomes(indices: range, seed: int, jobs: int, kinds: tuple[str, ...]) -> object:
+    def outcomes(
+        indices: range, seed: int, jobs: int, kinds: tuple[str, ...], *_: object
+    ) -> object:
         asked.append((indices, jobs))
         return iter([again])
 

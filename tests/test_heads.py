@@ -1,5 +1,6 @@
 """The head of a program: what it says, and that nobody believes what was not asked for."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,9 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.cli import main
 from beamcam.machine import load, shipped
+from beamcam.model.request import Job, Request
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
-from beamcam.posts import FORM, Job, Post, head_lines, post_of
+from beamcam.posts import FORM, Post, head_lines, post_of
 from beamcam.verify.head import VERSION, Head, head_of
 from benchmarks.heads import CHANGES, counted
 from benchmarks.heads import SAMPLES as SHIPPED
@@ -40,8 +42,8 @@ def test_every_shipped_machine_has_its_head_in_every_golden_program(name: str) -
 
 def test_the_head_names_the_kinds_that_were_allowed() -> None:
     kinds = ("slot", "cope", "mark", "bevel", "other", "axis")
-    job = Job((), load("beamline"), skips=kinds)
-    lines = tuple(head_lines(job, True))
+    request = Request((), load("beamline"), skips=kinds)
+    lines = tuple(head_lines(Job(request, ())))
     assert lines[1:] == (
         "ALLOWED TO BE LEFT OUT: axis, bevel, cope, mark",
         "ALLOWED TO BE LEFT OUT: other, slot",
@@ -49,7 +51,8 @@ def test_the_head_names_the_kinds_that_were_allowed() -> None:
     head = head_of("\n".join(f"({line})" for line in lines))
     assert head is not None
     assert head.allowed == tuple(sorted(kinds))
-    assert "NOT VERIFIED" in tuple(head_lines(job, False))[-1]
+    unread = Job(replace(request, verified=False), ())
+    assert "NOT VERIFIED" in tuple(head_lines(unread))[-1]
 
 
 def test_the_checksum_is_of_what_the_file_says(tmp_path: Path) -> None:
@@ -132,7 +135,8 @@ def test_verify_warns_of_a_machine_that_has_changed_since(tmp_path: Path) -> Non
     machine.write_text('base = "beamline"\n[times]\nsaw_s = 7.0\n')
     assert call("post", CHANNEL, "-o", program, "--machine", machine).exit_code == 0
     against = ("verify", program, "--against", CHANNEL)
-    assert call(*against, "--machine", machine).stderr == ""
+    said = call(*against, "--machine", machine).stderr
+    assert re.findall(r": (?:error|warning|note) (\S+):", said) == ["machine-elsewhere"]
     done = call(*against, "--machine", "beamline")
     assert done.exit_code == 0
     assert "verify-machine-changed" in done.stderr

@@ -4,12 +4,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from tests.conftest import ROOT, SAMPLES
+from tests.runs import wait_until
 
 BEAM = str(SAMPLES / "dstv" / "beam.nc1")
 
@@ -54,11 +54,7 @@ def killed_at(step: str, target: Path) -> None:
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )
     try:
-        end = time.monotonic() + 60
-        while not ready.exists():
-            assert process.poll() is None, "it ended before it wrote"
-            assert time.monotonic() < end, "it never came to write"
-            time.sleep(0.01)
+        wait_until(ready.exists, process)
     finally:
         process.send_signal(signal.SIGKILL)
         process.wait()

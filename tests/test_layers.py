@@ -14,11 +14,14 @@ PACKAGE = ROOT / "beamcam"
 #: A package may import those of lower steps; packages on one step never import each other.
 STEPS = (
     ("caches", "conversion", "plain_text", "system", "version"),
+    ("interrupts",),
     ("collector", "errors", "files", "processes"),
+    ("budget",),
     ("geometry",),
     ("machine",),
     ("model",),
     ("controllers",),
+    ("solid",),
     (
         "readers",
         "writers",
@@ -43,7 +46,7 @@ STEPS = (
     ("__main__",),
 )  # fmt: skip
 STEP = {name: step for step, names in enumerate(STEPS) for name in names}
-HEAVY = ("numpy", "ezdxf", "ifcopenshell", "shapely", "svgelements", "hypothesis")
+HEAVY = ("numpy", "ezdxf", "ifcopenshell", "shapely", "manifold3d", "svgelements", "hypothesis")
 
 
 def room(module: str) -> str | None:

@@ -20,7 +20,7 @@ def test_every_wrong_lettering_is_refused() -> None:
     assert refused == made
 
 
-@pytest.mark.skipif(not FILES, reason="no corpus of real files is at hand")
+@pytest.mark.third_party
 @pytest.mark.parametrize("bars", ["beamline", "beamline-pusher"])
 def test_every_text_of_a_real_part_is_lettered_or_listed(bars: str) -> None:
     lines = {"beam": load(bars), "sheet": load("plate-linuxcnc")}

@@ -12,8 +12,8 @@ from beamcam.cli import main
 from beamcam.errors import PlanError, VerifyError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
+from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
-from beamcam.posts import Request
 from beamcam.readers import read
 from beamcam.simulate.program import simulate_program
 from tests.conftest import SAMPLES
@@ -155,7 +155,10 @@ def test_a_part_that_the_line_cannot_hold(lines: dict[str, Machine]) -> None:
     assert post(read(short.read_bytes(), "t.nc1").parts, lines["vertical"]).text
 
 
-@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=25,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
 @given(
     holes=st.lists(
         st.tuples(st.integers(40, 1900), st.sampled_from([50, 100, 150]),

@@ -12,12 +12,14 @@ from beamcam.cli import main
 from beamcam.errors import PlanError, Source
 from beamcam.machine import load
 from beamcam.machine_choice import RULES, first_that_makes
+from beamcam.model.request import Request
 from beamcam.planning.rules import BAR_FULL
 from tests.conftest import ROOT
 
 BAD, GOOD = ROOT / "samples" / "bad", ROOT / "samples" / "dstv"
 MACHINES = tuple(map(load, ("beamline", "beamline-pusher", "beamline-annex")))
 HERE = Source("part")
+REQUEST = Request((), MACHINES[0])
 
 
 def run(*words: object) -> Result:
@@ -29,8 +31,8 @@ def test_the_first_that_makes_it_takes_it(can: list[bool]) -> None:
     able = dict(zip((machine.name for machine in MACHINES), can, strict=True))
     tried: list[str] = []
 
-    def attempt(machine: object) -> str:
-        name = str(getattr(machine, "name", ""))
+    def attempt(request: Request) -> str:
+        name = request.machine.name
         tried.append(name)
         if not able[name]:
             raise PlanError(BAR_FULL.at(HERE, found=1, expected=2))
@@ -38,24 +40,24 @@ def test_the_first_that_makes_it_takes_it(can: list[bool]) -> None:
 
     if not any(can):
         with pytest.raises(PlanError) as caught:
-            first_that_makes(MACHINES, attempt, HERE)
+            first_that_makes(REQUEST, MACHINES, attempt)
         *first, last = caught.value.diagnostics
         assert ([d.code for d in first], last.code) == (["plan-bar-full"], "plan-no-machine")
         assert all(machine.name in last.message for machine in MACHINES)
         return
-    machine, made, said = first_that_makes(MACHINES, attempt, HERE)
-    assert machine.name == made == next(name for name, able_ in able.items() if able_)
+    made, said = first_that_makes(REQUEST, MACHINES, attempt)
+    assert made == next(name for name, able_ in able.items() if able_)
     assert tried == list(able)[: list(able).index(made) + 1]
     assert [d.code for d in said] == (["plan-machine"] if len(tried) > 1 else [])
     assert {rule.code for rule in RULES} == {"plan-machine", "plan-no-machine"}
 
 
 def test_one_machine_alone_says_what_it_always_said() -> None:
-    def refused(machine: object) -> None:
+    def refused(request: Request) -> None:
         raise PlanError(BAR_FULL.at(HERE, found=1, expected=2))
 
     with pytest.raises(PlanError) as caught:
-        first_that_makes(MACHINES[:1], refused, HERE)
+        first_that_makes(REQUEST, MACHINES[:1], refused)
     assert [d.code for d in caught.value.diagnostics] == ["plan-bar-full"]
 
 

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from beamcam.cli import main
 from beamcam.machine import load
+from tests.runs import HANG_S
 
 ROOT = Path(__file__).resolve().parent.parent
 PLAYER = ROOT / "samples" / "player"
@@ -60,7 +61,7 @@ def writes(text: str) -> list[Write]:
 
 def played(folder: Path, *more: str) -> list[Write]:
     run = subprocess.run(
-        [folder / "play", folder / "job.bin", *more], capture_output=True, text=True, timeout=60
+        [folder / "play", folder / "job.bin", *more], capture_output=True, text=True, timeout=HANG_S
     )
     assert run.returncode == 0, run.stderr
     return writes(run.stdout)
@@ -99,7 +100,7 @@ def table(folder: Path) -> list[Write]:
 
 def test_the_port_is_the_table(folder: Path) -> None:
     assert played(folder) == table(folder)
-    run = subprocess.run([folder / "play-h"], capture_output=True, text=True, timeout=60)
+    run = subprocess.run([folder / "play-h"], capture_output=True, text=True, timeout=HANG_S)
     assert (run.returncode, writes(run.stdout)) == (0, table(folder))
 
 
@@ -141,7 +142,10 @@ def test_it_does_not_begin_or_end_elsewhere(
     folder: Path, option: str, says: str, count: int | None
 ) -> None:
     run = subprocess.run(
-        [folder / "play", folder / "job.bin", option], capture_output=True, text=True, timeout=60
+        [folder / "play", folder / "job.bin", option],
+        capture_output=True,
+        text=True,
+        timeout=HANG_S,
     )
     assert (run.returncode, run.stderr) == (1, f"{says}\n")
     rows = writes(run.stdout)
@@ -164,7 +168,7 @@ def test_a_table_whose_words_skip_is_not_begun(folder: Path, row: int, bit: int)
     except KeyError:
         is_sound = False
     run = subprocess.run(
-        [folder / "play", folder / "bad.bin"], capture_output=True, text=True, timeout=60
+        [folder / "play", folder / "bad.bin"], capture_output=True, text=True, timeout=HANG_S
     )
     assert (run.returncode, run.stderr) == ((0, "") if is_sound else (1, "bad table\n"))
     assert is_sound or run.stdout == "0,00,00,0\n"

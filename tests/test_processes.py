@@ -14,6 +14,7 @@ import pytest
 
 from beamcam import processes
 from beamcam.processes import Died, Pool
+from tests.runs import lives, wait_until
 
 
 def square(n: int) -> int:
@@ -101,22 +102,10 @@ for _ in pool.wait():
 """
 
 
-def lives(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
 def test_workers_end_with_a_process_that_is_killed(tmp_path: Path) -> None:
     notes = [tmp_path / "a", tmp_path / "b"]
     run = subprocess.Popen([sys.executable, "-c", CODE, *map(str, notes)])
-    end = time.monotonic() + 30
-    while not all(n.exists() and n.read_text() for n in notes):
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    wait_until(lambda: all(n.exists() and n.read_text() for n in notes), run)
     run.kill()
     run.wait()
-    while any(lives(int(n.read_text())) for n in notes):
-        assert time.monotonic() < end, "a worker outlives the process that it works for"
-        time.sleep(0.01)
+    wait_until(lambda: not any(lives(int(n.read_text())) for n in notes))

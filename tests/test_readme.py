@@ -20,6 +20,7 @@ from click.testing import CliRunner
 from beamcam.cli import main
 from tests import new_user
 from tests.conftest import ROOT
+from tests.runs import HANG_S
 from tests.test_docs import WORDS
 
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
@@ -111,7 +112,7 @@ def run_by_shell(
 ) -> None:
     done = subprocess.run(
         ["sh", "-c", script(asked)], cwd=folder, env=environment, capture_output=True, text=True,
-        stdin=subprocess.DEVNULL, timeout=240,
+        stdin=subprocess.DEVNULL, timeout=HANG_S,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
 
@@ -121,7 +122,7 @@ def run_python(text: str, folder: Path, environment: dict[str, str]) -> None:
     for example in blocks(text, "python"):
         done = subprocess.run(
             [sys.executable, "-c", example], cwd=folder, env=environment, capture_output=True,
-            text=True, timeout=60,
+            text=True, timeout=HANG_S,
         )  # fmt: skip
         assert done.returncode == 0, f"{example}\n{done.stderr}"
 

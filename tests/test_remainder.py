@@ -14,7 +14,6 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Plan
 from beamcam.model.program import Command
 from beamcam.pipeline import Posted, RefusedProgram, post
-from beamcam.posts import Request
 from beamcam.readers import read
 from beamcam.remainder import rest_of, what_has_to_be_true
 from tests.conftest import SAMPLES
@@ -29,11 +28,11 @@ def parts(path: Path, count: int = 1) -> tuple[Part, ...]:
     return read(path.read_bytes(), path.name).parts * count
 
 
-def whole(path: Path, machine: str, count: int = 1) -> tuple[Posted, Request]:
+def whole(path: Path, machine: str, count: int = 1) -> Posted:
     made = parts(path, count)
     posted = post(made, load(machine))
     assert isinstance(posted.plan, Plan)
-    return posted, Request(made, load(machine), bar=posted.plan.bar.length)
+    return posted
 
 
 def blocks(text: str) -> list[str]:
@@ -44,13 +43,13 @@ def blocks(text: str) -> list[str]:
 
 @pytest.mark.parametrize("machine", MACHINES)
 def test_each_rest_is_the_end_of_the_whole_and_reads_back(machine: str) -> None:
-    posted, request = whole(CHANNEL, machine, 2)
+    posted = whole(CHANNEL, machine, 2)
     assert isinstance(posted.plan, Plan)
     all_blocks = blocks(posted.text)
     header = blocks("\n".join(load(machine).words.header))
     lengths = []
     for first in range(2, len(posted.plan.operations) + 1):
-        text = rest_of(posted, request, first).text
+        text = rest_of(posted, first).text
         rest = blocks(text)[len(header) :]
         assert rest == all_blocks[-len(rest) :]
         assert f"REST FROM OPERATION {first} OF {len(posted.plan.operations)}" in text
@@ -71,27 +70,26 @@ def test_a_rest_that_begins_with_a_text_or_behind_a_scribe(machine: str) -> None
     made = parts(MARKED)
     posted = post(made, load(machine), skips=("mark",))
     assert isinstance(posted.plan, Plan)
-    request = Request(made, load(machine), ("mark",), bar=posted.plan.bar.length)
     all_blocks = blocks(posted.text)
     header = blocks("\n".join(load(machine).words.header))
     for first in range(2, len(posted.plan.operations) + 1):
-        rest = blocks(rest_of(posted, request, first).text)[len(header) :]  # raises RefusedProgram
+        rest = blocks(rest_of(posted, first).text)[len(header) :]  # raises RefusedProgram
         assert rest == all_blocks[-len(rest) :]
 
 
 def test_on_a_line_of_ones_own() -> None:
-    posted, request = whole(STRUT, HALL)
+    posted = whole(STRUT, HALL)
     assert isinstance(posted.plan, Plan)
-    text = rest_of(posted, request, 2).text
+    text = rest_of(posted, 2).text
     assert text.startswith("%\n")
     assert text.endswith("M30\n%\n")
     assert "PARTED OFF" not in text
 
 
 def test_the_head_says_what_has_to_be_true() -> None:
-    posted, request = whole(CHANNEL, "beamline", 2)
+    posted = whole(CHANNEL, "beamline", 2)
     assert isinstance(posted.plan, Plan)
-    said = [*what_has_to_be_true(posted.plan, 18, request.machine)]
+    said = [*what_has_to_be_true(posted.plan, 18, posted.job.machine)]
     assert said[:5] == [
         "REST FROM OPERATION 18 OF 24. START ONLY IF ALL THIS IS TRUE:",
         "- OPERATIONS 1 TO 17 ARE DONE, THE LAST ONE AT X 5002.743: drill 14 ON FACE o AND u",
@@ -100,21 +98,21 @@ def test_the_head_says_what_has_to_be_true() -> None:
         "- ALL TOOLS ARE DRAWN BACK, SPINDLES AND COOLANT ARE OFF",
     ]
     assert "- web STATION 2 HOLDS drill 14" in said
-    early = [*what_has_to_be_true(posted.plan, 2, request.machine)]
+    early = [*what_has_to_be_true(posted.plan, 2, posted.job.machine)]
     assert early[2] == "- PARTED OFF: NOTHING YET"
-    text = rest_of(posted, request, 18).text
+    text = rest_of(posted, 18).text
     for line in said:
         assert f"({line})" in text
 
 
 @pytest.mark.parametrize("first", [1, 0, 99])
 def test_an_operation_that_is_none(first: int) -> None:
-    posted, request = whole(STRUT, "beamline")
+    posted = whole(STRUT, "beamline")
     assert isinstance(posted.plan, Plan)
     count = len(posted.plan.operations)
     with pytest.raises(PlanError, match=f"plan-operation: found operation {first} to begin with; "
                                         f"expected 2 to {count}, as"):  # fmt: skip
-        rest_of(posted, request, first)
+        rest_of(posted, first)
 
 
 @pytest.mark.parametrize("fault", ["dropped", "doubled", "swapped", "no header"])
@@ -138,11 +136,11 @@ def test_a_rest_that_is_not_the_rest_is_refused(
             head = ()
         return head, rest
 
-    posted, request = whole(CHANNEL, "beamline")
-    assert rest_of(posted, request, 8).text
+    posted = whole(CHANNEL, "beamline")
+    assert rest_of(posted, 8).text
     monkeypatch.setattr(remainder, "_parted", broken)
     with pytest.raises(RefusedProgram, match="error verify-"):
-        rest_of(posted, request, 8)
+        rest_of(posted, 8)
 
 
 def call(*words: object) -> Result:

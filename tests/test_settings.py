@@ -140,7 +140,8 @@ def call(line: str) -> tuple[int, str]:
 
 
 def line_of(command: str, name: str) -> str:
-    return CALLS[command].format(i=name, suffix=".ngc" if name == "d.dxf" else ".gcode")
+    suffix = ".ngc" if name == "d.dxf" else ".gcode"
+    return CALLS[command].format(i=name, suffix=suffix) + " --trust job"
 
 
 def configure(command: str, text: str) -> None:
@@ -209,7 +210,9 @@ def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch
         Path("job", folder).mkdir()
         for k in range(4):
             Path("job", folder, f"{folder}{k}.nc1").write_text(part(f"{folder}{k}"))
-    line = f"{command} job -o made -v" + (" --once --settle 0" if command == "watch" else "")
+    line = f"{command} job -o made -v --trust job" + (
+        " --once --settle 0" if command == "watch" else ""
+    )
     configure(command, "flat = true\njobs = 2\n")
     assert "posted A0.gcode" in call(line)[1]
     Path("job", "shop.toml").write_text("flat = false\njobs = 3\n")
@@ -220,7 +223,8 @@ def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch
 
 
 def test_every_key_is_tried() -> None:
-    elsewhere = {"flat", "jobs", "dask"}  # test_batch, test_batch_cluster
+    # test_batch, test_batch_cluster, test_budget, test_trust
+    elsewhere = {"flat", "jobs", "dask", "limits", "trust"}
     assert {*CASES, *REFUSALS, *elsewhere} == set(ConfigFile.__struct_fields__)
 
 
@@ -281,7 +285,9 @@ def test_options_for_sheets_ask_for_a_torch(shop: Path) -> None:
     configure("post", 'sheet.kerf_by = "machine"\n')
     put_drawing = "post job/d.dxf -o out/a.nc --machine laser-grbl --thickness 3"
     put("d.dxf")
-    assert "laser-grbl has no words to keep beside a contour" in call(put_drawing)[1]
+    assert (
+        "laser-grbl has no words to keep beside a contour" in call(f"{put_drawing} --trust job")[1]
+    )
 
 
 def test_one_program_by_post_and_by_batch(shop: Path) -> None:

@@ -15,8 +15,8 @@ from beamcam.errors import PlanError
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.posts import Request
 from tests.unit.sheets.parts import box, circle, contour, drawing
 
 PAGE = Path(__file__).parent.parent / "docs" / "lasers.md"

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from beamcam.machine import load
+from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import post, read_file
 from tests.dxf_text import arc, circle, drawing, line, polyline
 from tests.rs274 import needs_rs274
@@ -21,7 +22,8 @@ def posted(tmp_path: Path, entities: str) -> tuple[Path, Path]:
     """The program that cuts some entities, and their drawing."""
     dxf, program = tmp_path / "drawing.dxf", tmp_path / "program.ngc"
     dxf.write_bytes(drawing(entities))
-    program.write_text(post(read_file(str(dxf)).parts, load("plate-linuxcnc")).text)
+    machine = with_torch(load("plate-linuxcnc"), allow_open=True)
+    program.write_text(post(read_file(str(dxf)).parts, machine).text)
     return program, dxf
 
 

@@ -21,12 +21,12 @@ from beamcam.batch import find
 from beamcam.batch.names import check_template
 from beamcam.cli import main
 from beamcam.commands.common import Voice, stop_without_output, write
-from beamcam.commands.running import ended_by_term
 from beamcam.config.load import load as load_config
 from beamcam.files import FilesRead, write_whole
+from beamcam.interrupts import asked_to_end
 from beamcam.machine import load
 from tests.conftest import ROOT, SAMPLES
-from tests.runs import batch, counts, fill, part, programs
+from tests.runs import HANG_S, batch, counts, fill, part, programs
 
 TEXTS = sorted(
     path
@@ -155,8 +155,10 @@ def test_ctrl_break_ends_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the number of another signal in the place of the one that only Windows has."""
     monkeypatch.setattr(signal, "SIGBREAK", signal.SIGUSR2, raising=False)
     before = signal.getsignal(signal.SIGUSR2)
-    with pytest.raises(KeyboardInterrupt), ended_by_term():
+    with asked_to_end() as asked:
+        assert not asked
         signal.raise_signal(signal.SIGUSR2)
+        assert asked
     assert signal.getsignal(signal.SIGUSR2) == before
 
 
@@ -287,7 +289,9 @@ def test_a_stream_that_is_not_unicode(tmp_path: Path) -> None:
 
     def inspect(*options: str) -> bytes:
         call = [sys.executable, "-m", "beamcam", "inspect", "Ж.nc1", *options]
-        done = subprocess.run(call, cwd=tmp_path, env=environment, capture_output=True, timeout=60)
+        done = subprocess.run(
+            call, cwd=tmp_path, env=environment, capture_output=True, timeout=HANG_S
+        )
         assert done.returncode == 0, done.stderr
         return done.stdout
 

@@ -22,8 +22,20 @@ def run(*words: object) -> Result:
     return CliRunner().invoke(main, [str(word) for word in words])
 
 
-def inputs() -> Iterator[Path]:
-    for folder in (SAMPLES / "bad", SAMPLES / "dstv", CORPUS / "dstv"):
+OURS = (SAMPLES / "bad", SAMPLES / "dstv")
+#: The folders of each test, and how many files at least are of its kind.
+REFUSED = [
+    (OURS, 8, 3),
+    pytest.param((CORPUS / "dstv",), 3, 1, marks=pytest.mark.third_party),
+]
+UNREADABLE = [
+    (OURS, 5),
+    pytest.param((CORPUS / "dstv",), 5, marks=pytest.mark.third_party),
+]
+
+
+def inputs(*folders: Path) -> Iterator[Path]:
+    for folder in folders:
         yield from (p for p in sorted(folder.rglob("*")) if p.suffix.lower() in (".nc", ".nc1"))
 
 
@@ -37,9 +49,12 @@ def is_of_sheets(path: Path) -> bool:
     return bool(reading.parts) and stock_of(reading.parts) == "sheet"
 
 
-def test_each_way_out_of_each_refusal_works() -> None:
+@pytest.mark.parametrize(("folders", "ways", "none"), REFUSED)
+def test_each_way_out_of_each_refusal_works(
+    folders: tuple[Path, ...], ways: int, none: int
+) -> None:
     seen = {"ways": 0, "none": 0}
-    for path in inputs():
+    for path in inputs(*folders):
         for machine in (None, "beamline") if path.is_relative_to(SAMPLES) else (None,):
             if machine and is_of_sheets(path):
                 continue
@@ -60,8 +75,8 @@ def test_each_way_out_of_each_refusal_works() -> None:
                     words = [*asked[:4]]
                 made = run(*words, *shlex.split(way))
                 assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
-    assert seen["ways"] > 10
-    assert seen["none"] > 2
+    assert seen["ways"] >= ways
+    assert seen["none"] >= none
 
 
 def test_no_way_out_is_none_on_any_machine() -> None:
@@ -70,7 +85,8 @@ def test_no_way_out_is_none_on_any_machine() -> None:
     beams = [name for name in shipped() if load(name).stock == "beam"]
     assert all(run("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
     assert {rule.code for rule in RULES} == {
-        "plan-ways-out", "plan-no-way-out", "read-ways-out", "read-no-way-out",
+        "plan-ways-out", "plan-no-way-out", "plan-ways-untried", "read-ways-out",
+        "read-no-way-out",
     }  # fmt: skip
 
 
@@ -104,11 +120,14 @@ def test_other_machines_are_tried_with_the_options_of_the_job() -> None:
     assert "plan-ways-out" not in done.stderr
 
 
-def test_a_file_that_cannot_be_read_says_that_no_option_helps() -> None:
+@pytest.mark.parametrize(("folders", "least"), UNREADABLE)
+def test_a_file_that_cannot_be_read_says_that_no_option_helps(
+    folders: tuple[Path, ...], least: int
+) -> None:
     """And none does: with all of them the same errors come."""
     options = ("--allow-skips", "all", "--turn", "--bar", "18000", "--machine", "beamline-pusher")
     seen = 0
-    for path in inputs():
+    for path in inputs(*folders):
         done = run("post", path, "-o", "-")
         errors = [line for line in done.stderr.splitlines() if ": error " in line]
         if not errors or not all(": error dstv-" in line or "read-" in line for line in errors):
@@ -117,7 +136,7 @@ def test_a_file_that_cannot_be_read_says_that_no_option_helps() -> None:
         assert done.stderr.splitlines()[-1].startswith(f"{path}: note read-no-way-out: "), path
         again = run("post", path, "-o", "-", *options)
         assert [line for line in again.stderr.splitlines() if ": error " in line] == errors
-    assert seen >= 5
+    assert seen >= least, seen
 
 
 def test_a_drawing_that_cannot_be_read_names_the_option_that_reads_it() -> None:

@@ -3,8 +3,6 @@
 import os
 import subprocess
 import sys
-import threading
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,6 +19,7 @@ from beamcam.simulate.state import State
 from beamcam.simulate.trace import TraceRow, trace_rows
 from tests.browser.conftest import Browser
 from tests.conftest import ROOT
+from tests.runs import wait_until
 
 pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
 
@@ -62,10 +61,7 @@ def positions(browser: Browser) -> list[float]:
 
 def wait_for(browser: Browser, wanted: Sequence[float], slack: float) -> None:
     """Until the page shows positions."""
-    until = time.monotonic() + 10
-    while positions(browser) != pytest.approx(wanted, abs=slack):
-        assert time.monotonic() < until, (positions(browser), wanted)
-        time.sleep(0.02)
+    wait_until(lambda: positions(browser) == pytest.approx(wanted, abs=slack))
 
 
 def drawing(browser: Browser, view: str) -> str:
@@ -84,21 +80,13 @@ def test_a_cell_is_drawn_while_it_moves(browser: Browser) -> None:
     ]  # fmt: skip
     with monitored(machine, 9, "--part", str(DSTV / "beam.nc1")) as (controller, page):
         browser.open(page)
-        sender = threading.Thread(
-            target=send, args=(rows, machine.modbus, HOST, controller.port, 1.0)
-        )
-        sender.start()
-        seen = []
-        while sender.is_alive():
-            seen.append(positions(browser))
-            time.sleep(0.02)
-        sender.join()
+        on_page = iter(rows)
+
+        def until_shown(_: float) -> None:
+            wait_for(browser, next(on_page).positions, 1e-9)
+
+        assert send(rows, machine.modbus, HOST, controller.port, 1.0, until_shown) == len(rows)
         wait_for(browser, rows[-1].positions, 1e-9)
-        stops = [at[0] for at in seen]
-        assert stops == sorted(stops)
-        assert len(set(stops)) > 2
-        shown_rows = {row.positions for row in rows}
-        assert all(tuple(at) in shown_rows for at in seen if at[0] and at[0] > 1000.0)
         assert browser.text("state") == "spindle 2, tool 18 mm, turning, coolant"
         assert browser.text("line") == f"block {rows[-1].line}"
         assert browser.run("return Sheet.model.section.height") == 300.0

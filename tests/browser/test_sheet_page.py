@@ -4,7 +4,6 @@ import base64
 import json
 import re
 from pathlib import Path
-from time import monotonic
 
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ from beamcam.pipeline import read_file
 from beamcam.simulate.program import simulate_program
 from beamcam.simulate.trace import Trace
 from tests.browser.conftest import Browser
+from tests.runs import wait_until
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 JSON = DSTV.parent / "json"
@@ -244,9 +244,7 @@ def test_the_dark_page_is_dark(browser: Browser, folder: Path) -> None:
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", media)
         ground = "return getComputedStyle(document.documentElement).backgroundColor"
         assert browser.run(ground) == "rgb(18, 23, 29)"
-        until = monotonic() + 10  # the page is told of it a moment later
-        while drawing(browser, "above") == bright:
-            assert monotonic() < until
+        wait_until(lambda: drawing(browser, "above") != bright)
         hole = "return getComputedStyle(document.querySelector('circle.hole')).fill"
         assert browser.run(hole) == "rgb(18, 23, 29)"
     finally:

@@ -1,7 +1,6 @@
 """Real DSTV files: what the reader finds in them is what was counted by other means."""
 
 import json
-import os
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
@@ -13,16 +12,14 @@ from beamcam.errors import Severity
 from beamcam.geometry.curves import Arc
 from beamcam.model.part import Contour, Part
 from beamcam.readers.dstv import read, read_with_account
+from tests.conftest import CORPUS
 
-CORPUS = Path(
-    os.environ.get("BEAMCAM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
-)
 FOLDER = CORPUS / "dstv"
 TRUTH: dict[str, dict[str, Any]] = (
     json.loads((FOLDER / "truth.json").read_text()) if FOLDER.is_dir() else {}
 )
 
-pytestmark = pytest.mark.skipif(not TRUTH, reason="the corpus of real files is not here")
+pytestmark = pytest.mark.third_party
 
 VALID = [name for name, truth in TRUTH.items() if truth["valid"]]
 INVALID = [name for name, truth in TRUTH.items() if not truth["valid"]]

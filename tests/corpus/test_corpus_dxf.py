@@ -22,7 +22,7 @@ NOT_PLOTTING = ("Defpoints", "NOPLOT")
 #: not add up to 1 and the curve leaves the control polygon for (38, 62). See the last test.
 PERIODIC = "synth_ellipse_spline.dxf"
 
-pytestmark = pytest.mark.skipif(not FOLDER.exists(), reason="the corpus is not at hand")
+pytestmark = pytest.mark.third_party
 
 
 def read(name: str):

@@ -1,7 +1,6 @@
 """Real models and five encodings of one member: what the reader finds is what was measured."""
 
 import json
-import os
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,11 +16,9 @@ from beamcam.readers.ifc import Options, Selection, read
 from beamcam.readers.ifc.quantities import equal_parts
 from beamcam.readers.reading import Reading
 from beamcam.writers.dstv import write
+from tests.conftest import CORPUS
 from tests.unit.readers.ifc.models import opened
 
-CORPUS = Path(
-    os.environ.get("BEAMCAM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
-)
 FOLDER = CORPUS / "ifc"
 
 
@@ -36,7 +33,7 @@ TRUTH = load_truth(FOLDER) | {
 MEMBERS = [(name, guid) for name, members in TRUTH.items() for guid in members]
 FILES = sorted(str(p.relative_to(FOLDER)) for p in FOLDER.rglob("*.ifc"))
 
-pytestmark = pytest.mark.skipif(not TRUTH, reason="the corpus of real files is not here")
+pytestmark = pytest.mark.third_party
 
 
 @cache

@@ -15,7 +15,7 @@ FOLDER = CORPUS / "svg"
 TRUTH = json.loads((FOLDER / "truth.json").read_text())["files"] if FOLDER.exists() else {}
 USABLE = sorted(name for name, truth in TRUTH.items() if truth["usable"])
 
-pytestmark = pytest.mark.skipif(not FOLDER.exists(), reason="the corpus is not at hand")
+pytestmark = pytest.mark.third_party
 
 
 def read(name: str):

@@ -17,7 +17,7 @@ FILES = sorted((CORPUS / "dstv").glob("*/*.[nN][cC]*"))
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
 
-pytestmark = pytest.mark.skipif(not FILES, reason="no corpus of real files is at hand")
+pytestmark = pytest.mark.third_party
 
 
 def planned(name: str) -> list[tuple[Path, str, str]]:

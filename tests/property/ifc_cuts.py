@@ -88,7 +88,9 @@ class Cuts:
                     f"IFCTSHAPEPROFILEDEF(.AREA.,$,{m.flat},{b},{h},{tf},{tw},{r},$,$,$,$)"
                 )
             case "M":
-                return m.add(f"IFCRECTANGLEHOLLOWPROFILEDEF(.AREA.,$,{m.flat},{b},{h},{tw},$,$)")
+                radii = f"{r - tw},{r}" if r > tw else "$,$"
+                sizes = f"{b},{h},{tw},{radii}"
+                return m.add(f"IFCRECTANGLEHOLLOWPROFILEDEF(.AREA.,$,{m.flat},{sizes})")
             case "RO":
                 return m.add(f"IFCCIRCLEHOLLOWPROFILEDEF(.AREA.,$,{m.flat},{h / 2},{tw})")
             case "RU":

@@ -15,7 +15,11 @@ from tests.conftest import CORPUS
 from tests.dxf_text import block, drawing, insert, layer_table, tags
 
 SAMPLES = sorted((Path(__file__).parents[2] / "samples").rglob("*.dxf"))
-FILES = [*SAMPLES, *sorted((CORPUS / "dxf").glob("*.dxf"))]
+FILES = [
+    *SAMPLES,
+    *(pytest.param(path, marks=pytest.mark.third_party)
+      for path in sorted((CORPUS / "dxf").glob("*.dxf"))),
+]  # fmt: skip
 
 
 def both(data: bytes, **options: object) -> tuple[Reading, Reading]:

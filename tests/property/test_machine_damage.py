@@ -59,7 +59,10 @@ def outcome(path: Path) -> tuple[bool, tuple[Diagnostic, ...]]:
         return False, error.diagnostics
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=40,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
 @given(
     case=st.sampled_from(BASES).flatmap(
         lambda base: st.tuples(st.just(base), st.sampled_from(PLACES[base]))

@@ -7,7 +7,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
-from beamcam.diff.statements import diff_sheets
+from beamcam.diff.pairing import Difference
+from beamcam.diff.programs import ProgramText, diff_texts
+from beamcam.errors import Diagnostic
 from beamcam.machine import load, shipped
 from tests.conftest import GOLDEN, ROOT, SAMPLES
 
@@ -64,10 +66,41 @@ def test_a_switch_that_is_missing_is_told(tmp_path: Path) -> None:
     assert "M5, only in A" in result.stdout
 
 
-def test_what_is_not_understood_is_an_error(tmp_path: Path) -> None:
-    result = diff(changed(tmp_path, "G21", "G21 ?"))
-    assert result.exit_code == 1
-    assert "error verify-" in result.stderr
+def test_what_is_not_understood_is_an_error_of_its_own_file(tmp_path: Path) -> None:
+    wrong = changed(tmp_path, "G21", "G21 ?")
+    for pair in ((PLATE, wrong), (wrong, PLATE)):
+        result = run("diff", *pair, "--machine", "plate-linuxcnc")
+        assert result.exit_code == 1
+        assert "error verify-" in result.stderr
+        assert all(line.startswith(f"{wrong}:") for line in result.stderr.splitlines())
+
+
+def test_a_fault_of_the_second_is_not_told_of_the_first(tmp_path: Path) -> None:
+    """A program without its end is understood, and wrong."""
+    b = changed(tmp_path, "\nM2\n", "\n")
+    result = diff(b)
+    assert f"{b}:" in result.stderr
+    assert f"{PLATE}:" not in result.stderr
+
+
+def test_each_program_is_read_by_the_machine_of_its_own_head(tmp_path: Path) -> None:
+    """The same plate for two tables whose G-code differs, either way round."""
+    gusset = SAMPLES / "dstv" / "gusset.nc1"
+    made = []
+    for name, suffix in (("plate-linuxcnc", "ngc"), ("plate-codesys", "gcode")):
+        path = tmp_path / f"{name}.{suffix}"
+        assert run("post", gusset, "--machine", name, "-o", path).exit_code == 0
+        made.append(path)
+    for pair in (made, made[::-1]):
+        result = run("diff", *pair)
+        assert result.exit_code == 1
+        assert "error" not in result.stderr, result.stderr
+        assert result.stdout
+    bar = tmp_path / "bar.gcode"
+    assert run("post", SAMPLES / "dstv" / "channel.nc1", "-o", bar).exit_code == 0
+    mixed = run("diff", bar, made[0])
+    assert mixed.exit_code == 1
+    assert f"{made[0]}: error ask-type: found a program for plate-linuxcnc, a sheet" in mixed.stderr
 
 
 @pytest.mark.parametrize(
@@ -79,9 +112,13 @@ def test_tables_are_compared_line_by_line(machine: str, stem: str, old: str, new
     text = (GOLDEN / machine / stem).read_text()
     loaded = load(machine)
     spaced = text.replace("\n", "  \n\n")
-    assert diff_sheets(text, spaced, loaded) == ((), ())
+
+    def diff_to(other: str) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
+        return diff_texts(ProgramText("A", text, loaded), ProgramText("B", other, loaded))
+
+    assert diff_to(spaced) == ((), ())
     assert old in text
-    found, said = diff_sheets(text, text.replace(old, new, 1), loaded)
+    found, said = diff_to(text.replace(old, new, 1))
     assert said == ()
     assert [d.how for d in found] == ["changed"]
 
@@ -89,7 +126,7 @@ def test_tables_are_compared_line_by_line(machine: str, stem: str, old: str, new
 def test_all_golden_programs_are_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of shipped machines, but for samples that have a configuration of their own."""
     monkeypatch.chdir(ROOT)
-    configured = {path.stem for path in SAMPLES.glob("svg/*.toml")}
+    configured = {path.stem for path in SAMPLES.glob("*/*.toml")}
     for path in sorted(p for name in shipped() for p in (GOLDEN / name).glob("*.*")):
         if path.stem not in configured:
             copy = tmp_path / path.relative_to(GOLDEN)

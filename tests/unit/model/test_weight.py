@@ -84,6 +84,7 @@ def test_rounds_plates_and_outlines() -> None:
     assert weight_of(Part("Z", profile("C", 175, 60, 1.5, 1.5, 3), 1000.0, SOURCE)) is None
 
 
+@pytest.mark.third_party
 def test_what_offices_write_in_their_headers() -> None:
     """The kg/m of real files, which come from the tables of their programs."""
     seen = 0

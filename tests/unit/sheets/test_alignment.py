@@ -6,7 +6,9 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.model.part import Contour, Part
-from beamcam.posts import Job, Request, post_of
+from beamcam.model.request import Request
+from beamcam.pipeline import whole_job
+from beamcam.posts import post_of
 from tests.unit.sheets.parts import contour, drawing, lines, table
 
 MACHINES = {
@@ -42,10 +44,10 @@ def broken(count: int, dash: float, gap: float) -> list[Contour]:
 def read_back(made: Part, wanted: Part, name: str) -> tuple[Diagnostic, ...]:
     """Errors of the program of one drawing where another was wanted."""
     post, machine = post_of(MACHINES[name]), MACHINES[name]
-    job = Job((made,), machine)
+    job = whole_job(Request((made,), machine))
     plan = post.plan(job)
     written = post.emit(post.motion(plan, machine, "JOB"), job)
-    return errors_in(post.verify(written, Request((wanted,), machine)))
+    return errors_in(post.verify(written, whole_job(Request((wanted,), machine))))
 
 
 def assert_seen(few: Part, many: Part, name: str) -> None:

@@ -19,8 +19,8 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
 from beamcam.model.hatch import hatched
 from beamcam.model.part import Contour, Part
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.posts import Request
 from beamcam.verify.sheets.hatch import hatch_faults
 from beamcam.verify.sheets.need import need_of
 from tests.conftest import SAMPLES

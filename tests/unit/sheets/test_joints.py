@@ -12,7 +12,7 @@ from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import box, contour, drawing, lines, table
 from tests.unit.sheets.spikes import Spike, cut
 
-MACHINE = table("plate-linuxcnc")
+MACHINE = table("plate-linuxcnc", allow_open=True)
 KERF = 1.9  #: of 8 mm of steel
 KINDS = ("line", "arc", "quadratic", "cubic")
 

@@ -13,8 +13,8 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
 from beamcam.model.part import Part
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.posts import Request
 from beamcam.readers import read
 
 GRBL = load_machine("laser-grbl")

@@ -15,8 +15,8 @@ from beamcam.errors import PlanError
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.posts import Request
 from beamcam.readers import read
 from tests.unit.sheets.parts import box, circle, contour, drawing
 from tests.unit.sheets.test_tabs import PART, STROKE, WORD
@@ -186,7 +186,7 @@ def test_a_path_that_comes_by_its_start_is_no_overcut() -> None:
     text = f"""<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="80mm"
     viewBox="0 0 80 80"><g fill="none" stroke="red">{drawn}</g></svg>"""
     parts = read(text.encode(), "t.svg").parts
-    machine = with_torch(load("plate-linuxcnc"), {"red": "cut"}, thickness=3.0)
+    machine = with_torch(load("plate-linuxcnc"), {"red": "cut"}, thickness=3.0, allow_open=True)
     posted = post(parts, machine)
     assert "plan-open-cut" in {d.code for d in posted.remarks}
     assert posted.text.count("M3 S1") == 1

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.errors import PlanError
-from beamcam.geometry.curves import Bezier, BSpline, Line, signed_area
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Line, signed_area
 from beamcam.machine import load
 from beamcam.model.part import Bend, Bevel, Contour, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import SheetPlan
@@ -235,6 +235,8 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
      "plan-kerf-machine", "a side of 0.283 mm at x 40.100, y 20.100"),
     ((drawing(SQUARE),), {"kerf_by": "machine", "lead": "line", "tabs": 2},
      "plan-kerf-tabs", "found 2 bridges"),
+    ((drawing(contour(lines((0.25, 0), (80, 0), (80, 50), (0, 50), (0, 0), closed=False))),), {},
+     "plan-open-kerf", "x 0.250, y 0.000 to x 0.000, y 0.000, 0.250 mm apart; expected it closed"),
 ]  # fmt: skip
 
 
@@ -282,28 +284,32 @@ def test_a_bar_is_no_sheet() -> None:
         plan_sheet((part,), table())
 
 
+LEFT_OPEN: dict[str, object] = {"allow_open": True}
+#: A box whose outline is open by a quarter of a millimetre.
+NEARLY = contour(lines((0.25, 0), (80, 0), (80, 50), (0, 50), (0, 0), closed=False))
 REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
     (drawing(SQUARE, thickness=None), {}, {"plan-thickness-assumed"}),
-    (drawing(OPEN), {}, {"plan-open-cut"}),
-    (drawing(*(contour(lines((9.0 * k, 0), (9.0 * k, 8), closed=False)) for k in range(12))), {},
-     {"plan-open-cut", "plan-open-cuts"}),
-    (drawing(OPEN, contour(lines((50, 50.2), (0, 0.2), closed=False))), {},
+    (drawing(OPEN), LEFT_OPEN, {"plan-open-cut"}),
+    (drawing(*(contour(lines((9.0 * k, 0), (9.0 * k, 8), closed=False)) for k in range(12))),
+     LEFT_OPEN, {"plan-open-cut", "plan-open-cuts"}),
+    (drawing(OPEN, contour(lines((50, 50.2), (0, 0.2), closed=False))), LEFT_OPEN,
      {"plan-open-cut", "plan-gap"}),
-    (drawing(*(contour((Line((20.0, 20.0), end),)) for end in ((0, 0), (40, 0), (20, 50)))), {},
-     {"plan-open-cut", "plan-junction"}),
+    (drawing(*(contour((Line((20.0, 20.0), end),)) for end in ((0, 0), (40, 0), (20, 50)))),
+     LEFT_OPEN, {"plan-open-cut", "plan-junction"}),
     (drawing(SQUARE, SQUARE), {}, {"plan-overlap"}),
     (drawing(SPIKED), {"kerf_by": "none"}, {"plan-common-edge"}),
     (drawing(contour((THERE_AND_BACK,))), {"kerf_by": "none"}, {"plan-doubles-back"}),
-    (drawing(contour(lines((0, 0), (40, 0), (20, 0), (20, 20), closed=False))), {},
+    (drawing(contour(lines((0, 0), (40, 0), (20, 0), (20, 20), closed=False))), LEFT_OPEN,
      {"plan-open-cut", "plan-overlap"}),
     (drawing(NOTCHED), {}, {"plan-left-in-corner"}),
-    (drawing(contour(lines((0, 0), (40, 0)))), {}, {"plan-open-cut", "plan-overlap"}),
+    (drawing(contour(lines((0, 0), (40, 0)))), LEFT_OPEN, {"plan-open-cut", "plan-overlap"}),
     (drawing(SQUARE, SPECK), {}, {"plan-tiny"}),
     (drawing(SQUARE, contour(box(50, 10, 20, 20))), {"kerf_by": "none"},
      {"plan-common-edge"}),
     (drawing(*(contour(box(9.0 * k, 9.0 * k, 10, 10)) for k in range(23))), {"kerf_by": "none"},
      {"plan-crossing-on-line", "plan-crossings-on-line"}),
     (drawing(SQUARE, contour(circle(25, 25, 4.0))), {}, {"plan-lead"}),
+    (drawing(NEARLY), {"gap": 0.3}, {"plan-gaps-closed"}),
 ]  # fmt: skip
 
 
@@ -322,7 +328,8 @@ def test_what_is_too_small_is_told_once_and_the_rest_posts() -> None:
 def test_a_side_without_length_is_nothing() -> None:
     sides = list(box(0.1, 0.1, 50, 40))
     sides.insert(0, Line((0.1, 0.1), (0.1 + 1e-16, 0.1)))
-    (op,) = plan_sheet((drawing(contour(tuple(sides))),), table(kerf_by="none")).operations
+    machine = table(kerf_by="none", start="nearest")
+    (op,) = plan_sheet((drawing(contour(tuple(sides))),), machine).operations
     assert op.closed
     assert len(op.passes[0].curves) == 4
 
@@ -355,15 +362,30 @@ def test_an_open_contour_says_how_far_its_ends_are_apart() -> None:
     """Of an arrowhead whose ends nearly meet, and what would join them."""
     head = lines((0, 0), (20, 8), (0, 16), (5, 8), (0.3, 0.4), closed=False)
     (said,) = [
-        str(one) for one in post((drawing(contour(head)),), table()).remarks
+        str(one) for one in post((drawing(contour(head)),), table(allow_open=True)).remarks
         if one.code == "plan-gap"
     ]  # fmt: skip
     assert "found a gap of 0.5000 mm at x 0.000, y 0.000" in said
     assert said.endswith("or a larger torch.gap in the machine file")
     far = lines((0, 0), (20, 8), (0, 16), (5, 8), (3, 4), closed=False)
-    (said,) = [str(one) for one in post((drawing(contour(far)),), table()).remarks]
+    (said,) = [str(one) for one in post((drawing(contour(far)),), table(allow_open=True)).remarks]
     assert "plan-open-cut" in said
     assert "5.000 mm apart; it is cut on its line" in said
+
+
+@pytest.mark.parametrize("gap", [0.1, 0.25, 0.6])
+def test_an_outline_that_is_open_by_a_hair_is_refused_or_joined(gap: float) -> None:
+    """A hole in it never becomes an outline; `--gap` joins the ends, which is told."""
+    ends = lines((gap, 0), (80, 0), (80, 50), (0, 50), (0, 0), closed=False)
+    part = drawing(contour(ends), contour(circle(40, 25, 16)))
+    with pytest.raises(PlanError, match=f"{gap:.3f} mm apart.*--gap {gap:g} joins its ends"):
+        post((part,), table())
+    joined = post((part,), table(gap=gap))
+    assert [one.code for one in joined.remarks] == ["plan-gaps-closed"]
+    hole = next(op for op in joined.plan.operations if op.features == ((0, 1),))
+    assert {c.radius for c in hole.passes[0].curves if isinstance(c, Arc)} == {8.0 - 1.5 / 2}
+    opened = post((part,), table(allow_open=True))
+    assert {one.code for one in opened.remarks} >= {"plan-open-cut"}
 
 
 def test_every_rule_has_a_case() -> None:

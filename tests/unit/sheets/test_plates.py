@@ -13,10 +13,10 @@ from shapely import Polygon
 from beamcam.errors import MachineError, PlanError
 from beamcam.machine import load, shipped
 from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Profile, Slot
+from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.planning.contours import rules
 from beamcam.planning.left_out import BY_HAND
-from beamcam.posts import Request
 from beamcam.report.hand_list import hand_rows
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.head import head_of

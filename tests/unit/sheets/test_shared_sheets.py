@@ -14,9 +14,10 @@ from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc
 from beamcam.model.part import Hole, Part, Profile, TextMark
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.planning.sheet_rows import places_of, sheet_jobs
-from beamcam.posts import Request
+from beamcam.planning.jobs import shares_of
+from beamcam.planning.sheet_rows import places_of
 from tests.conftest import SAMPLES
 from tests.unit.sheets.parts import NESTED, S, contour, drawing, table
 
@@ -42,14 +43,15 @@ SIZES = st.tuples(st.integers(20, 400), st.integers(20, 300))
 def test_parts_lie_apart_and_on_the_sheet_each_once(sizes: list[tuple[int, int]]) -> None:
     machine = table(length=1000.0, width=500.0)
     parts = [sized(x, y, mark=f"P{k}") for k, (x, y) in enumerate(sizes)]
-    jobs = sheet_jobs(parts, machine, None, ())
-    assert [part for job in jobs for part in job.parts] == parts
-    for job in jobs:
+    shares = shares_of(Request(tuple(parts), machine))
+    assert [place for share in shares for place in share.pieces] == [*range(len(parts))]
+    for share in shares:
+        there = [parts[place] for place in share.pieces]
         boxes = [
             rectangle(x, y, x + part.length, y + part.profile.height)
-            for part, (x, y) in zip(job.parts, places_of(job.parts, machine, ()), strict=True)
+            for part, (x, y) in zip(there, places_of(there, machine, ()), strict=True)
         ]
-        assert len(boxes) == len(job.parts)
+        assert len(boxes) == len(there)
         assert all(rectangle(10, 10, 990, 490).covers(one) for one in boxes)
         for k, one in enumerate(boxes):
             assert all(one.distance(other) >= 10.0 - 1e-9 for other in boxes[:k])
@@ -88,7 +90,6 @@ def test_each_part_is_compared_at_its_place(name: str) -> None:
 
 def test_tables_without_g_code_share_sheets_too() -> None:
     one = drawing(contour((Arc((20, 20), 15, 0.0, 360.0),), "#ff0000"), thickness=3.0)
-    one = replace(one, grade="acrylic")
     for name in ("table-simotion", "laser-stepper"):
         machine = table(name)
         machine = replace(machine, torch=replace(machine.torch, colours={"red": "cut"}))
@@ -101,7 +102,7 @@ def test_tables_without_g_code_share_sheets_too() -> None:
 def test_a_part_that_no_sheet_holds_is_refused_as_it_is() -> None:
     machine = table(length=300.0, width=200.0)
     parts = (sized(100, 100), sized(900, 50))
-    assert [len(job.parts) for job in sheet_jobs(parts, machine, None, ())] == [1, 1]
+    assert [share.pieces for share in shares_of(Request(parts, machine))] == [(0,), (1,)]
     with pytest.raises(PlanError, match="found a sheet of 9"):
         post([parts[1]], machine)
 

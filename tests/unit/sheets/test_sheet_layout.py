@@ -12,8 +12,8 @@ from beamcam.errors import PlanError
 from beamcam.machine import load as load_machine
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Hole, Slot, TextMark
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.posts import Request
 from tests.unit.sheets.parts import S, contour, lines, plate
 
 GRBL = load_machine("laser-grbl")

@@ -13,9 +13,10 @@ from beamcam.geometry.curves import Curve
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Part
-from beamcam.pipeline import post
+from beamcam.model.request import Request
+from beamcam.pipeline import post, whole_job
 from beamcam.planning.contours.direction import stretch
-from beamcam.posts import Job, post_of
+from beamcam.posts import post_of
 from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
@@ -92,9 +93,9 @@ def test_whatever_is_planned_is_found_right(
 def cut_again(machine: Machine, part: Part, cuts: list[tuple[float, float]]) -> str:
     """The program with the bridges of its last contour from and up to these lengths along it."""
     whole = replace(machine, torch=replace(machine.torch, tabs=0))  # type: ignore[type-var]
-    job = Job((part,), machine)
+    job = whole_job(Request((part,), machine))
     row = post_of(machine)
-    plan, closed = row.plan(job), row.plan(Job((part,), whole)).operations[-1]  # type: ignore[union-attr]
+    plan, closed = row.plan(job), row.plan(whole_job(Request((part,), whole))).operations[-1]  # type: ignore[union-attr]
     curves = closed.passes[0].curves  # type: ignore[union-attr]
     lengths = [curve.length for curve in curves]
     bounds = [0.0, *(end for cut in cuts for end in cut), sum(lengths)]

@@ -19,11 +19,12 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
+from beamcam.model.request import Request
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
 from beamcam.planning.by_hand import REASONS
+from beamcam.planning.by_hand import TEXT_MOVED as PLAN_MOVED
 from beamcam.planning.lettering import Lettered, place_text
 from beamcam.planning.lettering_room import Room
-from beamcam.posts import Request
 from tests.letters import Lines, read
 from tests.unit.sheets.parts import S, box, circle, contour, drawing, plate
 
@@ -380,8 +381,8 @@ def test_a_plan_that_tells_another_place_is_refused(
         made = row.plan(job)  # type: ignore[arg-type]
         kept = [said for said in made.remarks if said.code != "plan-text-moved"]
         (said,) = (said for said in made.remarks if said.code == "plan-text-moved")
-        other = re.sub(r"at x \S+,", "at x 12.0,", said.message, count=1)
-        told = [replace(said, message=other)] if tell else []
+        elsewhere = PLAN_MOVED.at(said.source, **{**dict(said.values), "x": "12.0"})
+        told = [elsewhere] if tell else []
         return replace(made, remarks=(*kept, *told))
 
     monkeypatch.setattr(pipeline, "post_of", lambda machine: replace(row, plan=plan))

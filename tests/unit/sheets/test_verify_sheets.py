@@ -117,7 +117,8 @@ def test_words_of_codesys() -> None:
 
 def test_a_circle_of_cubics_is_two_arcs() -> None:
     part = drawing(contour(cubic_circle(40, 60, 25)))
-    text = post((part,), table("plate-linuxcnc", kerf_by="none", lead="none")).text
+    machine = table("plate-linuxcnc", kerf_by="none", lead="none", start="nearest")
+    text = post((part,), machine).text
     assert len(re.findall(r"^G[23] ", text, re.M)) == 2
     assert "G1 " not in text
 
@@ -278,7 +279,7 @@ def shifted_arcs(text: str, name: str) -> str:
 
 @pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys", "laser-grbl"])
 def test_an_arc_that_does_not_fit(name: str) -> None:
-    machine = table(name, material="wood")
+    machine = table(name, start="nearest")
     text = shifted_arcs(post((NESTED,), machine).text, name)
     assert "verify-sheet-arc" in {s.code for s in verify_sheet(text, (NESTED,), machine)}
 
@@ -358,6 +359,8 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-crowded", "verify-sheet-settings", "verify-sheet-turn", "verify-sheet-hatch",
         "verify-sheet-other", "verify-sheet-overcut", "verify-sheet-tab-width",
         "verify-sheet-tab-place", "verify-sheet-hatch-way", "verify-sheet-radius",
+        "verify-sheet-corner", "verify-sheet-direction", "verify-sheet-restart",
+        "verify-sheet-laid",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
@@ -456,7 +459,7 @@ def test_a_small_hole_is_told_from_the_hatch_across_it(
     hatch = [
         contour(some, line=3 + k) for k, some in enumerate(chords(15, 15, radius, pitch, offset))
     ]
-    machine = table("plate-linuxcnc")
+    machine = table("plate-linuxcnc", allow_open=True)
     text = post((drawing(*hole, *hatch, thickness=8.0),), machine).text
     more = drawing(*hole, *hatch, contour(circle(22, 15, 3), line=99), thickness=8.0)
     assert "verify-sheet-missing" in {said.code for said in verify_sheet(text, (more,), machine)}

@@ -6,6 +6,8 @@ import threading
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
+from tests.runs import HANG_S
+
 
 class Server:
     """A server on the loopback, on a port that the system chooses where none is said."""
@@ -31,11 +33,11 @@ class Server:
 
     def __enter__(self) -> "Server":
         self.thread.start()
-        assert self.ready.wait(10)
+        assert self.ready.wait(HANG_S)
         return self
 
     def __exit__(self, *_: object) -> None:
-        asyncio.run_coroutine_threadsafe(self.server.shutdown(), self.loop).result(10)
+        asyncio.run_coroutine_threadsafe(self.server.shutdown(), self.loop).result(HANG_S)
         self.loop.call_soon_threadsafe(self.loop.stop)
-        self.thread.join(10)
+        self.thread.join(HANG_S)
         self.loop.close()

@@ -4,8 +4,8 @@ import os
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -16,13 +16,14 @@ from msgspec.structs import replace
 
 from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
+from beamcam.interrupts import Asked
 from beamcam.machine.modbus import Modbus
 from beamcam.simulate.bars import bar_trace
 from beamcam.simulate.registers import check_range, register_count, registers, shown
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
 from tests.conftest import ROOT
-from tests.runs import interrupted
+from tests.runs import HANG_S, interrupted, wait_until
 from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import BEAM, PART, PROGRAM
 
@@ -161,63 +162,67 @@ def test_the_command_sends(server: Server, tmp_path: Path) -> None:
     assert read_back(server.port)[AXES] == 13
 
 
-def served(rows: Sequence[TraceRow], modbus: Modbus) -> tuple[threading.Thread, int]:
-    """The controller in a thread, and its port; it ends with its rows."""
+@contextmanager
+def served(rows: Iterable[TraceRow], modbus: Modbus) -> Iterator[int]:
+    """The controller in a thread: its port. It ends when it is asked to."""
     from beamcam.simulate.controller import serve
 
     ports: list[int] = []
-    ready = threading.Event()
+    ready, asked = threading.Event(), Asked()
 
     def tell(_host: str, port: int) -> None:
         ports.append(port)
         ready.set()
 
     thread = threading.Thread(
-        target=serve, args=(rows, modbus, "127.0.0.1", 0, 1.0, tell, False), daemon=True
+        target=serve, args=(rows, modbus, "127.0.0.1", 0, 1.0, tell, True, asked), daemon=True
     )
     thread.start()
-    assert ready.wait(10)
-    return thread, ports[0]
+    assert ready.wait(HANG_S)
+    try:
+        yield ports[0]
+    finally:
+        asked.hear()
+        thread.join(HANG_S)
+        assert not thread.is_alive()
 
 
 def test_the_controller_shows_its_axes_while_they_move() -> None:
-    rows = [TraceRow(k * 0.05, k, (float(k), -k / 2), State(2)) for k in range(20)]
+    def row(k: int) -> TraceRow:
+        return TraceRow(k * 0.02, k, (float(k), -k / 2), State(2))
+
     modbus = Modbus(scale=0.5, first=3)
-    thread, port = served(rows, modbus)
-    client = ModbusTcpClient("127.0.0.1", port=port)
-    assert client.connect()
-    seen = []
-    while thread.is_alive() and len(seen) < 6:
-        answer = client.read_input_registers(3, count=8)
-        if answer.isError():
-            break
-        seen.append(shown(answer.registers, modbus, 2))
-        assert answer.registers == registers(rows[seen[-1].line], modbus)
-        time.sleep(0.08)
-    assert client.write_registers(3, [9]).isError()  # nobody moves it from outside
-    client.close()
-    thread.join(10)
-    lines = [one.line for one in seen]
-    assert lines == sorted(lines)
-    assert len(set(lines)) >= 3
+    seen: list[int] = []
+    with served(map(row, range(30_000)), modbus) as port:  # ten minutes
+        client = ModbusTcpClient("127.0.0.1", port=port)
+        assert client.connect()
+
+        def has_moved() -> bool:
+            answer = client.read_input_registers(3, count=8)
+            seen.append(shown(answer.registers, modbus, 2).line)
+            assert answer.registers == registers(row(seen[-1]), modbus)
+            return len(set(seen)) >= 3
+
+        wait_until(has_moved)
+        assert client.write_registers(3, [9]).isError()  # nobody moves it from outside
+        client.close()
+    assert seen == sorted(seen)
 
 
 @pytest.mark.parametrize("order", ["high-first", "low-first"])
 def test_another_library_reads_the_floats_of_the_controller(order: str) -> None:
     """The words of a pair as pymodbus takes them: its "little" begins with the low word."""
     row = TraceRow(0.0, 3, tuple(k + 0.1 for k in range(9)), State())
-    last = replace(row, time_s=0.4)
     modbus = Modbus(values="float", word_order=order, first=10)  # type: ignore[arg-type]
-    thread, port = served([row, last], modbus)
-    client = ModbusTcpClient("127.0.0.1", port=port)
-    assert client.connect()
-    for axis, place in enumerate(row.positions):
-        answer = client.read_holding_registers(10 + 2 * axis, count=2)
-        words = "big" if order == "high-first" else "little"
-        found = client.convert_from_registers(answer.registers, client.DATATYPE.FLOAT32, words)
-        assert found == pytest.approx(place, abs=1e-6)
-    client.close()
-    thread.join(10)
+    with served([row], modbus) as port:
+        client = ModbusTcpClient("127.0.0.1", port=port)
+        assert client.connect()
+        for axis, place in enumerate(row.positions):
+            answer = client.read_holding_registers(10 + 2 * axis, count=2)
+            words = "big" if order == "high-first" else "little"
+            found = client.convert_from_registers(answer.registers, client.DATATYPE.FLOAT32, words)
+            assert found == pytest.approx(place, abs=1e-6)
+        client.close()
 
 
 def test_the_controller_holds_its_end_until_ctrl_c(tmp_path: Path) -> None:
@@ -233,8 +238,8 @@ def test_the_controller_holds_its_end_until_ctrl_c(tmp_path: Path) -> None:
         assert process.stderr is not None
         while f"at 127.0.0.1:{port}; Ctrl-C ends it" not in (line := process.stderr.readline()):
             assert line, "it ended"
-        time.sleep(0.3)
-        assert read_back(port)[AXES:] == registers(course()[-1], BEAM.modbus)[AXES:]
+        end = registers(course()[-1], BEAM.modbus)[AXES:]
+        wait_until(lambda: read_back(port)[AXES:] == end, process)
         taken = CliRunner().invoke(main, [words[0], str(tmp_path / words[1]), *words[2:]])
         assert taken.exit_code == 1
         assert "error simulate-port: found" in taken.stderr

@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from typing import Any
 from urllib.request import urlopen
@@ -18,7 +17,7 @@ from beamcam.commands.monitor import Reader
 from beamcam.simulate.state import State
 from beamcam.simulate.trace import TraceRow
 from tests.conftest import ROOT
-from tests.runs import interrupted
+from tests.runs import interrupted, wait_until
 from tests.unit.verify.programs import BEAM
 
 pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
@@ -61,10 +60,7 @@ def test_the_page_follows_a_controller_until_ctrl_c() -> None:
             assert "http://" not in html.replace("http://www.w3.org", "")
             assert shown(page)["positions"][:2] == [1000.0, 1.5]
             send([row(1234.0)], BEAM.modbus, LOOPBACK, controller.port)
-            until = time.monotonic() + 5
-            while shown(page)["positions"][0] != 1234.0:
-                assert time.monotonic() < until
-                time.sleep(0.02)
+            wait_until(lambda: shown(page)["positions"][0] == 1234.0, process)
             said = shown(page)
             assert (said["line"], said["state"]["spindle"], said["fault"]) == (7, 2, "")
             interrupted(process)
@@ -93,11 +89,14 @@ def test_a_lost_connection_is_told_and_tried_again() -> None:
         threading.Thread(target=reader.run, daemon=True).start()
 
     def said(wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-        until = time.monotonic() + 10
-        while not wanted(last := dict(json.loads(reader.as_json()))):
-            assert time.monotonic() < until, last
-            time.sleep(0.02)
-        return last
+        found: list[dict[str, Any]] = []
+
+        def has_come() -> bool:
+            found.append(dict(json.loads(reader.as_json())))
+            return wanted(found[-1])
+
+        wait_until(has_come)
+        return found[-1]
 
     lost = said(lambda last: bool(last["fault"]))
     assert "expected a controller that shows its axes" in lost["fault"]

@@ -31,7 +31,7 @@ def test_units_of_two_jobs_lie_beside_each_other_and_are_known_again(tmp_path: P
     assert (tmp_path / "one.st").read_text().startswith("(* ===== UNIT unit_one =")
     how = ("--machine", "table-simotion")
     assert run("post", samples / "one.json", "-o", golden / "one.st", *how)[0] == 0
-    code, said = run("check", tmp_path, "--samples", samples)
+    code, said = run("check", golden, "--samples", samples)
     assert code == 0, said
     assert "1 of 1" in said
 

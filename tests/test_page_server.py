@@ -1,0 +1,99 @@
+"""The server of a page: hosts of its own only, a bound on callers, and none that stays."""
+
+import http.client
+import socket
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from beamcam.commands import page_server
+from beamcam.commands.page_server import MOST_CALLERS, PageServer, is_own_host
+
+LOOPBACK = "127.0.0.1"
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    with PageServer((LOOPBACK, 0), {"/": ("text/plain", lambda: b"here")}) as made:
+        thread = threading.Thread(target=made.serve_forever, args=(0.02,), daemon=True)
+        thread.start()
+        yield made
+        made.shutdown()
+    thread.join(5)
+
+
+def asked(server: PageServer, path: str = "/", host: str | None = None) -> tuple[int, bytes]:
+    caller = http.client.HTTPConnection(LOOPBACK, server.server_port, timeout=5)
+    caller.putrequest("GET", path, skip_host=host is not None)
+    if host:
+        caller.putheader("Host", host)
+    caller.endheaders()
+    answer = caller.getresponse()
+    found = answer.status, answer.read()
+    caller.close()
+    return found
+
+
+def test_only_its_own_hosts_are_answered(server: PageServer) -> None:
+    assert asked(server) == (200, b"here")
+    assert asked(server, host=f"localhost:{server.server_port}") == (200, b"here")
+    assert asked(server, "/etc/passwd")[0] == 404
+    for host in ("", "evil.example", f"evil.example:{server.server_port}", f"{LOOPBACK}:1",
+                 f"localhost.evil.example:{server.server_port}"):  # fmt: skip
+        status, body = asked(server, host=host)
+        assert (status, b"here" in body) == (421, False), host
+
+
+@pytest.mark.parametrize(
+    ("named", "bound", "own"),
+    [
+        ("127.0.0.1:80", "127.0.0.1", True), ("127.0.0.1", "127.0.0.1", True),
+        ("[::1]", "127.0.0.1", True), ("LOCALHOST.", "localhost", True),
+        ("hall-1", "hall-1", True), ("hall-2", "hall-1", False), ("hall-1:81", "hall-1", False),
+        ("192.168.0.5", "0.0.0.0", True), ("[fe80::1]", "0.0.0.0", True),
+        (socket.gethostname(), "0.0.0.0", True), ("evil.example", "0.0.0.0", False),
+        ("192.168.0.5", "192.168.0.5", True), ("localhost", "192.168.0.5", False),
+        (None, "127.0.0.1", False), ("", "0.0.0.0", False), ("a:b:c", "0.0.0.0", False),
+    ],
+)  # fmt: skip
+def test_hosts(named: str | None, bound: str, own: bool) -> None:
+    assert is_own_host(named, bound, 80) is own
+
+
+def test_callers_who_say_nothing_are_few_and_soon_ended(
+    server: PageServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(page_server, "ANSWERED_S", 0.5)
+    before = threading.active_count()
+    silent = [socket.create_connection((LOOPBACK, server.server_port), 5) for _ in range(60)]
+    for caller in silent:
+        caller.sendall(b"GET / HTTP/1.1\r\n")
+    end = time.monotonic() + 10
+    most = 0
+    while time.monotonic() < end:
+        most = max(most, threading.active_count() - before)
+        try:
+            if asked(server) == (200, b"here"):
+                break
+        except (OSError, http.client.HTTPException):
+            time.sleep(0.05)
+    else:
+        raise AssertionError("no room again")
+    assert 0 < most <= MOST_CALLERS
+    for caller in silent:
+        caller.close()
+
+
+def test_a_caller_who_drips_is_ended(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page_server, "ANSWERED_S", 0.3)
+    with socket.create_connection((LOOPBACK, server.server_port), 5) as caller:
+        begun = time.monotonic()
+        while time.monotonic() - begun < 10:
+            try:
+                caller.sendall(b"G")
+            except OSError:
+                break
+            time.sleep(0.05)
+        assert time.monotonic() - begun < 5

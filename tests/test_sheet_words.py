@@ -1,0 +1,148 @@
+"""Every word that a table's controller knows, put into every state of the programs of a table.
+
+Each is refused by one of the codes of its row in `verify/sheets/owners.py`, or the row says why it
+is harmless; then the head goes the same way, with its tools on where they were.
+"""
+
+import re
+from collections.abc import Iterator
+from fnmatch import fnmatchcase
+
+import pytest
+from msgspec import Struct
+
+from beamcam.controllers import interpreter_of, table_events
+from beamcam.controllers.events import Compensation, Move, Pause, Switch
+from beamcam.errors import Severity
+from beamcam.machine import Machine
+from beamcam.pipeline import post
+from beamcam.verify.owners import owner_of
+from beamcam.verify.sheets import verify_sheet
+from beamcam.verify.sheets.owners import OWNERS
+from tests.unit.sheets.parts import box, circle, contour, drawing, lines, table
+
+PART = drawing(
+    contour(box(0, 0, 60, 40), line=1), contour(circle(30, 20, 16), line=2),
+    contour(lines((45, 10), (55, 14), closed=False), "#0000ff", line=3),
+)  # fmt: skip
+#: The shipped tables that run G-code, each with the options that give it other words.
+SET_UPS: list[tuple[str, dict[str, object]]] = [
+    ("plate-linuxcnc", {}), ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}),
+    ("plate-oxyfuel", {"thickness": 10.0}), ("plate-codesys", {}),
+    ("plate-codesys", {"kerf_by": "machine", "lead": "line"}), ("laser-grbl", {"material": "wood"}),
+]  # fmt: skip
+#: Usual and absurd values of what a word carries.
+VALUES = {
+    **dict.fromkeys("XY", ("0", "333", "-50", "99999")), **dict.fromkeys("IJ", ("0", "5", "99999")),
+    **dict.fromkeys("PTQ", ("0", "0.01", "1", "-1", "9999")), "R": ("0", "5", "-5", "9999"),
+    "K": ("0", "90"), "D": ("0", "2", "-2", "9999"), "S": ("0", "1", "500", "99999"),
+    "$": ("0", "1", "2", "9"), "F": ("0", "1", "2300", "-5", "99999999"),
+    "E": ("0", "1000", "5", "99999"), **dict.fromkeys("HZ", ("0", "1", "-5", "9999")),
+}  # fmt: skip
+#: M words that neither move a head nor switch its tool: coolant, stops, overrides.
+IDLE = {0, 1, 6, 7, 8, 9, 48, 49, 50, 51, 52, 53, 60}
+PATH = frozenset(("G0", "G1", "G2", "G3", "G6", "G8", "G9"))
+NEEDS = {"G2": "I5 J0", "G3": "I5 J0", "G6": "I5 J5", "G8": "I5 J0 K0 R0.5", "G9": "I5 J0 K0 R0.5",
+         "G81": "R1", "G82": "P1 R1", "G83": "Q1 R1", "G73": "Q1 R1"}  # fmt: skip
+MOVE = re.compile(r"^(?:N\d+ )?G0?[0-9] ?X")
+
+
+class Put(Struct, frozen=True):
+    """A block, and the word and letter whose row it asks for."""
+
+    word: str
+    letter: str
+    block: str
+
+
+def blocks(machine: Machine) -> Iterator[Put]:
+    """Every word by itself, and with each thing that it carries at each of its values."""
+    known = interpreter_of(machine, "").vocabulary()
+    for word, letters in known.items():
+        if word in ("other", "choose", "change"):
+            continue
+        if word in ("F", "S", "T"):
+            yield from (Put(word, "", f"{word}{value}") for value in VALUES[word])
+            continue
+        yield Put(word, "", word)
+        own = sorted(letter for letter in letters if not letter.startswith("{"))
+        for letter in own:
+            for value in VALUES[letter[0]]:
+                said = f"{letter}{value}"
+                more = NEEDS.get(word, "")
+                if letter[0] in "IJKRPQ" and word in NEEDS:
+                    more = " ".join(w for w in more.split() if w[0] != letter[0])
+                place = "X333 Y333" if word in NEEDS and letter not in "XY" else ""
+                if letter in ("E", "E-", "F") and word in PATH and not place:
+                    place = "X333 Y333"
+                yield Put(word, letter, " ".join(w for w in (word, place, more, said) if w))
+
+
+def places(text: str) -> dict[str, int]:
+    """Where a block is put: before these lines of a program, by the state that holds there."""
+    found = text.split("\n")
+    moves = [k for k, line in enumerate(found) if MOVE.match(line)]
+    cuts = [
+        k
+        for k, line in enumerate(found)
+        if re.match(r"^(N\d+ )?(M0?3(?: S1)?|M4 S\d+ F\d+)$", line)
+    ]
+    start = cuts[1]
+    first = next(k for k in moves if k > start)
+    end = next(k for k in range(first, len(found)) if re.match(r"^(N\d+ )?M0?5$", found[k]))
+    last = next(
+        k for k in reversed(range(len(found))) if re.match(r"^(N\d+ )?M0?(2|30)$", found[k])
+    )
+    return {
+        "before the first move": moves[0], "before the tool starts": start,
+        "as it pierces": start + 1, "before the first move with the tool on": first,
+        "in mid contour": first + 1, "before the tool stops": end, "behind the stop": end + 1,
+        "before the end": last, "behind the end": last + 1,
+    }  # fmt: skip
+
+
+def work(text: str, machine: Machine) -> list[tuple[object, ...]]:
+    """What the head does: its moves with the tool on, and each word that starts or stops one."""
+    found: list[tuple[object, ...]] = []
+    on = False
+    for event in table_events(text, machine)[0]:
+        if isinstance(event, Move) and on:
+            if event.start != event.end or event.curve is not None:
+                found.append((event.start, event.end, event.curve, event.rapid, event.feed_mm_min))
+        elif isinstance(event, Switch) and event.number not in IDLE:
+            was, on = on, event.number not in (2, 5, 15, 30)
+            if on or was:
+                found.append(event.said)
+        elif isinstance(event, Pause) and on and event.seconds:
+            found.append(("pause", event.seconds))
+        elif isinstance(event, Compensation) and on:
+            found.append((event.side, event.radius))
+    return found
+
+
+@pytest.mark.parametrize(("name", "values"), SET_UPS)
+def test_each_word_in_each_state_is_refused_or_harmless(
+    name: str, values: dict[str, object]
+) -> None:
+    machine = table(name, **values)
+    rows = OWNERS["sheet", machine.controller]  # type: ignore[index]
+    text = post((PART,), machine).text
+    before, done = text.split("\n"), work(text, machine)
+    wrong: list[str] = []
+    count = 0
+    for put in blocks(machine):
+        owner = owner_of(put.word, put.letter, rows)
+        for state, k in places(text).items():
+            changed = "\n".join([*before[:k], put.block, *before[k:]])
+            said = verify_sheet(changed, (PART,), machine)
+            codes = {one.code for one in said if one.severity is Severity.ERROR}
+            count += 1
+            if codes:
+                if not any(fnmatchcase(c, p) for c in codes for p in owner.refused_by):
+                    wrong.append(f"{put.block} {state}: {sorted(codes)}, of its row none")
+            elif not owner.harmless:
+                wrong.append(f"{put.block} {state}: passes, and nothing says why")
+            elif work(changed, machine) != done:
+                wrong.append(f"{put.block} {state}: passes, and the head does something else")
+    assert count > 500
+    assert not wrong, "\n".join(wrong)
