@@ -8,6 +8,8 @@ import random
 import re
 from collections.abc import Callable, Sequence
 
+from benchmarks.order_faults import ORDER_FAULTS, SEEN_BY_PARTS
+
 Fault = Callable[[list[str], random.Random], list[str] | None]
 
 _FEED = re.compile(r" F([\d.]+)")
@@ -38,7 +40,9 @@ def _feed_times(factor: float) -> Fault:
 
 
 def feed_removed(lines: list[str], rng: random.Random) -> list[str] | None:
-    at = _picked(lines, rng, _FEED.pattern)
+    """Along a path the feed goes on."""
+    led = [i for i in range(1, len(lines)) if " G01 " in lines[i - 1] and " G01 " in lines[i]]
+    at = _picked(["" if i in led else line for i, line in enumerate(lines)], rng, _FEED.pattern)
     return None if at is None else [*lines[:at], _FEED.sub("", lines[at]), *lines[at + 1 :]]
 
 
@@ -98,5 +102,6 @@ FAULTS: tuple[Fault, ...] = (
     _word_removed(r" M0[34]\b", "start_removed"), _word_removed(r" M0[78]\b", "coolant_removed"),
     _word_removed(r" M09\b", "coolant_stays_on"), _word_removed(r" M05\b", "stop_removed"),
     _word_removed(r" M30\b", "end_removed"), _word_removed(r" M06\b", "tool_change_removed"),
+    *ORDER_FAULTS,
 )  # fmt: skip
-NEED_PARTS = frozenset({"feed_x2", "rapid_onto_steel"})
+NEED_PARTS = frozenset({"feed_x2", "rapid_onto_steel", *SEEN_BY_PARTS})

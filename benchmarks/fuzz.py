@@ -6,8 +6,11 @@ program or in a `BeamcamError`; a crash is any other exception, a hang more than
 time, a burst more than 1 GB of memory. Each worker is a process of its own, whose time and memory
 the system bounds; where it knows no such bounds (Windows) the parent looks at the clock. What took
 too long or too much is tried again alone, in a process that did nothing before: that counts.
+With --commands each input goes through two commands instead, chosen at random, as a shell would
+call them; programs and configurations are then damaged too.
 
     python benchmarks/fuzz.py [--inputs 100000] [--seed 1] [--jobs 2] [--formats dstv,json]
+    python benchmarks/fuzz.py --commands --inputs 50000 --jobs 1
     python benchmarks/fuzz.py --seed 1 --only 4711 --keep FOLDER
 
 The same seed gives the same inputs. --keep writes each input that did not hold into FOLDER, and
@@ -32,19 +35,51 @@ from msgspec import Struct
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from benchmarks import doors
 from benchmarks.damage import damaged
 from benchmarks.script import arguments, at_least, start
-from benchmarks.uses import HELD, SUFFIXES, work
+from benchmarks.uses import HELD, work
 
 ROOT = Path(__file__).resolve().parent.parent
 FORMATS = ("dstv", "dxf", "svg", "ifc", "json", "toml")
+OF_COMMANDS = (*FORMATS, "program", "config")
 MOST_S = 5.0  #: of processor time that an input may take
 MOST_BYTES = 1 << 30  #: that it may take beyond what a worker has before
 PATIENCE = 6.0  #: times `MOST_S` after which a worker that does not answer is ended
 LARGEST_SAMPLE = 60_000  #: bytes; larger ones would only make each step slower
 
+PROGRAMS = (".gcode", ".ngc", ".nc", ".st", ".cnc")
+CONFIGURATION = b"""\
+machine = "beamline"
+stock_lengths = [6000, 12000]
+allow_skips = ["cope"]
+strict = false
+job = "NIGHT"
+jobs = 1
+name = "{mark}_{quantity}{suffix}"
+flat = false
+quantity = "file"
+[machines]
+beam = ["beamline", "beamline-pusher"]
+sheet = "plate-linuxcnc"
+[tolerances]
+merge = 0.1
+[sheet]
+thickness = 8
+kerf = 1.2
+lead = "line"
+lead_in = 3
+copies = [2, 3]
+[limits]
+pieces = 1000
+[map]
+red = "cut"
+ENGRAVE = { process = "engrave", speed = 300 }
+"""
+
 BOUNDS = ("hang", "memory")
 FAULTS = ("crash", *BOUNDS)
+WARM = 8  #: times that each format goes through commands before the first input
 FEW = 5  #: inputs of one fault that are named
 
 
@@ -67,8 +102,13 @@ def samples(kind: str) -> list[bytes]:
     """The files that are damaged, in the order of their names."""
     if kind == "toml":
         paths = sorted((ROOT / "beamcam" / "machines").glob("*.toml"))
+    elif kind == "program":
+        found = (ROOT / "tests" / "golden").rglob("*.*")
+        paths = sorted(path for path in found if path.suffix in PROGRAMS)
+    elif kind == "config":
+        return [CONFIGURATION]
     else:
-        found = (ROOT / "samples").rglob(f"*{SUFFIXES[kind]}")
+        found = (ROOT / "samples").rglob(f"*{doors.SUFFIXES[kind]}")
         paths = sorted(path for path in found if "bad" not in path.parts)
     return [data for path in paths if len(data := path.read_bytes()) <= LARGEST_SAMPLE]
 
@@ -83,24 +123,27 @@ def input_of(index: int, seed: int, files: dict[str, list[bytes]]) -> tuple[str,
 # --- workers --------------------------------------------------------------------------------------
 
 
-def serve(pipe: "Connection[Any, Any]", seed: int, kinds: tuple[str, ...]) -> None:
+def serve(
+    pipe: "Connection[Any, Any]", seed: int, kinds: tuple[str, ...], by_commands: bool
+) -> None:
     """Take numbers of inputs and give outcomes, until the pipe is closed."""
     files = {kind: samples(kind) for kind in kinds}
-    _warm_up(files)
+    _warm_up(files, by_commands)
     _bound_memory()
     with suppress(EOFError, OSError):
         while True:
-            pipe.send(one(pipe.recv(), seed, files))
+            pipe.send(one(pipe.recv(), seed, files, by_commands))
 
 
-def one(index: int, seed: int, files: dict[str, list[bytes]]) -> Outcome:
+def one(index: int, seed: int, files: dict[str, list[bytes]], by_commands: bool = False) -> Outcome:
     """What becomes of one input, in this process."""
+    use = doors.go_through if by_commands else work
     kind, data = input_of(index, seed, files)
     outcome = Outcome(index, kind, "")
     begun = time.process_time()
     try:
         with _bounded_time():
-            outcome.how, outcome.place = work(kind, data, random.Random(f"{seed} {index} machine"))
+            outcome.how, outcome.place = use(kind, data, random.Random(f"{seed} {index} machine"))
     except Hang as hang:
         outcome.how, outcome.place = "hang", _place(hang)
     except MemoryError as error:
@@ -115,11 +158,15 @@ def one(index: int, seed: int, files: dict[str, list[bytes]]) -> Outcome:
     return outcome
 
 
-def _warm_up(files: dict[str, list[bytes]]) -> None:
+def _warm_up(files: dict[str, list[bytes]], by_commands: bool) -> None:
     """Load what the work needs, so that no input pays for it."""
     for kind, found in files.items():
         with suppress(Exception):
-            work(kind, found[0], random.Random(1))
+            if by_commands:
+                for seed in range(WARM):
+                    doors.go_through(kind, found[0], random.Random(seed))
+            else:
+                work(kind, found[0], random.Random(1))
 
 
 def _place(error: BaseException) -> str:
@@ -182,14 +229,14 @@ def processor_s(process: int | None) -> float:
 class Worker:
     """A process with one input at a time; one that does not answer is ended and begun anew."""
 
-    def __init__(self, seed: int, kinds: tuple[str, ...]) -> None:
-        self._arguments = (seed, kinds)
+    def __init__(self, seed: int, kinds: tuple[str, ...], by_commands: bool) -> None:
+        self._arguments = (seed, kinds, by_commands)
         self._begin()
 
     def _begin(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, other = context.Pipe()
-        self._process = context.Process(target=serve, args=(other, *self._arguments), daemon=True)
+        self._process = context.Process(target=serve, args=(other, *self._arguments))
         self._process.start()
         other.close()
         self.index: int | None = None
@@ -237,10 +284,12 @@ class Worker:
         self.pipe.close()
 
 
-def outcomes(indices: range, seed: int, jobs: int, kinds: tuple[str, ...]) -> Iterator[Outcome]:
+def outcomes(
+    indices: range, seed: int, jobs: int, kinds: tuple[str, ...], by_commands: bool = False
+) -> Iterator[Outcome]:
     """What becomes of each input, in the order in which they are done."""
     waiting = deque(indices)
-    workers = [Worker(seed, kinds) for _ in range(min(jobs, len(indices)))]
+    workers = [Worker(seed, kinds, by_commands) for _ in range(min(jobs, len(indices)))]
     try:
         while waiting or any(worker.index is not None for worker in workers):
             for worker in workers:
@@ -257,10 +306,12 @@ def outcomes(indices: range, seed: int, jobs: int, kinds: tuple[str, ...]) -> It
             worker.end()
 
 
-def tried_again(found: list[Outcome], seed: int, kinds: tuple[str, ...]) -> list[Outcome]:
+def tried_again(
+    found: list[Outcome], seed: int, kinds: tuple[str, ...], by_commands: bool = False
+) -> list[Outcome]:
     """The outcomes, those of too much time or memory as they are of the input alone."""
     return [
-        next(outcomes(range(one.index, one.index + 1), seed, 1, kinds))
+        next(outcomes(range(one.index, one.index + 1), seed, 1, kinds, by_commands))
         if one.how in BOUNDS
         else one
         for one in found
@@ -301,7 +352,7 @@ def faults(found: list[Outcome]) -> Iterator[str]:
 
 def _kinds(text: str) -> tuple[str, ...]:
     kinds = tuple(text.split(","))
-    if not set(kinds) <= set(FORMATS):
+    if not set(kinds) <= set(OF_COMMANDS):
         raise ValueError(text)
     return kinds
 
@@ -311,7 +362,8 @@ def main() -> None:
     parser.add_argument("--inputs", type=at_least(1), default=100_000, help="default 100000")
     parser.add_argument("--seed", type=at_least(0), default=1, help="default 1")
     parser.add_argument("--jobs", type=at_least(1), default=2, help="worker processes, default 2")
-    parser.add_argument("--formats", type=_kinds, default=FORMATS, help=",".join(FORMATS))
+    parser.add_argument("--formats", type=_kinds, help=",".join(OF_COMMANDS))
+    parser.add_argument("--commands", action="store_true", help="go through the commands")
     parser.add_argument("--only", type=at_least(0), help="the number of one input")
     parser.add_argument(
         "--keep",
@@ -319,15 +371,20 @@ def main() -> None:
         help="folder for inputs that did not hold",
     )
     asked = parser.parse_args()
+    known = OF_COMMANDS if asked.commands else FORMATS
+    asked.formats = asked.formats or known
+    if not set(asked.formats) <= set(known):
+        parser.error("programs and configurations go through --commands")
     numbers = range(asked.inputs) if asked.only is None else range(asked.only, asked.only + 1)
     found: list[Outcome] = []
     keep = _keeper(asked.keep, asked.seed, asked.formats)
     with suppress(KeyboardInterrupt):  # the table then counts what was done
-        for outcome in outcomes(numbers, asked.seed, asked.jobs, asked.formats):
+        done = outcomes(numbers, asked.seed, asked.jobs, asked.formats, asked.commands)
+        for outcome in done:
             found.append(outcome)
             if outcome.place or asked.only is not None:
                 keep(outcome.index)
-    found = tried_again(found, asked.seed, asked.formats)
+    found = tried_again(found, asked.seed, asked.formats, asked.commands)
     print("\n".join((*table(found, asked.formats), *faults(found))))
     if any(outcome.how in FAULTS for outcome in found):
         sys.exit(1)
@@ -342,7 +399,7 @@ def _keeper(folder: Path | None, seed: int, kinds: tuple[str, ...]) -> Callable[
 
     def keep(index: int) -> None:
         kind, data = input_of(index, seed, files)
-        (folder / f"{seed}-{index}{SUFFIXES[kind]}").write_bytes(data)
+        (folder / f"{seed}-{index}{doors.SUFFIXES[kind]}").write_bytes(data)
 
     return keep
 

@@ -15,8 +15,9 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
+from beamcam.model.request import Job
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.posts import Job, post_of
+from beamcam.posts import post_of
 
 ROOT = Path(__file__).resolve().parent.parent
 SKIPS = ("cope", "slot")

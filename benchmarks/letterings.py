@@ -17,10 +17,10 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError, Source, VerifyError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile, TextMark
+from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.planning import lettering
 from beamcam.planning.lettering import Lettered
-from beamcam.posts import Request
 
 #: Machines of samples that are told their texts.
 TOLD = Path(__file__).parents[1] / "samples" / "machines"

@@ -18,10 +18,12 @@ from beamcam import pipeline
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
+from beamcam.machine.saw import SawSection
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import DrillOp, Operation, Outcome, PathOp, Plan, SawOp
+from beamcam.model.request import Job, Request
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import Job, post_of
+from beamcam.posts import post_of
 
 SOURCE = Source("liar.nc1", 1)
 PROFILES = (
@@ -150,14 +152,43 @@ def unheld(machine: Machine, profile: Profile) -> Iterator[tuple[str, Job, Plan]
         # A trim cut in front of the bar is beyond the stop.
         value = {"max_bar": None, "front_trim": layout.front_trim / 2}.get(key, 0.0)
         loose = replace(layout, **{key: value})  # type: ignore[arg-type]
-        job = Job(parts, replace(machine, layout=loose))
-        plan = plan_of(replace(job, bar=too_long))
+        request = Request(parts, machine)
+        blind = replace(request, machine=replace(machine, layout=loose))
+        plan = plan_of(pipeline.whole_job(blind, too_long))
         assert isinstance(plan, Plan)
         if not getattr(layout, key):
             continue
-        yield f"without {key}", replace(job, machine=machine, bar=plan.bar.length), plan
+        yield f"without {key}", pipeline.whole_job(request, plan.bar.length), plan
         if key in ("dead_zone", "end_trim"):
-            yield f"without {key}, bar not given", replace(job, machine=machine), plan
+            yield f"without {key}, bar not given", pipeline.whole_job(request), plan
+
+
+def unmade(machine: Machine, profile: Profile) -> Iterator[tuple[str, Job, Plan]]:
+    """Parts that a machine's file rules out, planned as if it did not: each with its job.
+
+    The planner knows a machine that takes what this one does not.
+    """
+    request = Request(parts(machine.name, profile), machine)
+    plan = post_of(machine).plan(pipeline.whole_job(request, 6000.0))
+    assert isinstance(plan, Plan)
+    saw, drill = machine.needed(machine.saw, "bar"), machine.needed(machine.drill, "bar")
+    layout = machine.needed(machine.layout, "bar")
+    low, narrow = profile.height - 1.0, profile.width - 1.0
+    reach = SawSection(max_angle=90.0, max_height=low, max_width=profile.width)
+    others = tuple(code for code in layout.profiles if code != profile.code)
+    tools = tuple(
+        replace(t, diameters=tuple(d for d in t.diameters if d != 22.0)) if t.kind == "drill" else t
+        for t in machine.tools
+    )
+    for lie, strict in (
+        ("without saw.max_height", replace(machine, saw=replace(saw, max_height=low))),
+        ("without saw.max_width", replace(machine, saw=replace(saw, max_width=narrow))),
+        ("without saw.max_sections", replace(machine, saw=replace(saw, max_sections=(reach,)))),
+        ("without drill.max_height", replace(machine, drill=replace(drill, max_height=low))),
+        ("without layout.profiles", replace(machine, layout=replace(layout, profiles=others))),
+        ("without tools", replace(machine, tools=tools)),
+    ):
+        yield lie, pipeline.whole_job(replace(request, machine=strict), 6000.0), plan
 
 
 def _of_piece(op: Operation, piece: int) -> bool:
@@ -172,17 +203,18 @@ def told(machines: tuple[str, ...], every: int = 1) -> Lies:
         machine = load(name)
         row = post_of(machine)
         for profile in PROFILES:
-            for lie, job, false in unheld(machine, profile):
+            for lie, job, false in (*unheld(machine, profile), *unmade(machine, profile)):
                 result.made[lie] += 1
                 if _is_refused(false, job):
                     result.caught[lie] += 1
                 else:
                     result.missed.append((name, lie))
             for skips in ((), SKIP_NAMES):
-                job = Job(parts(name, profile), machine, bar=6000.0, skips=tuple(skips))
+                request = Request(parts(name, profile), machine, tuple(skips))
+                job = pipeline.whole_job(request, 6000.0)
                 plan = row.plan(job)
                 assert isinstance(plan, Plan)
-                truth = pipeline.post(job.parts, machine, bar=job.bar, skips=job.skips).text
+                truth = pipeline.post(job.parts, machine, bar=job.bar, skips=job.request.skips).text
                 known: dict[str, bool] = {}
                 for lie, false in lies(plan):
                     count += 1
@@ -196,7 +228,7 @@ def _tell(
 ) -> None:
     """Post a false plan; what is known of a text already is not asked again."""
     row = post_of(job.machine)
-    program = row.motion(false, job.machine, job.name)
+    program = row.motion(false, job.machine, job.request.name)
     text = row.emit(program, job)
     assert isinstance(text, str)
     if _bare(text) == _bare(truth):
@@ -219,7 +251,7 @@ def _is_refused(false: Plan, job: Job) -> bool:
     row = replace(post_of(job.machine), plan=lambda _: false)
     with patch.object(pipeline, "post_of", lambda _: row):
         try:
-            pipeline.post(job.parts, job.machine, bar=job.bar, skips=job.skips)
+            pipeline.post(job.parts, job.machine, bar=job.bar, skips=job.request.skips)
         except VerifyError:
             return True
         except PlanError as error:

@@ -1,10 +1,11 @@
 """Makes a building model as Tekla writes it: rolled members, fittings, holes, property sets.
 
-    python benchmarks/make_model.py OUT.ifc [MEMBERS]
+    python benchmarks/make_model.py OUT.ifc [MEMBERS] [--bent N]
 
 Sections are the catalogue's. A piece stands in the building three times on average, each time
 written anew. A member has 2 fittings, 0 to 12 holes in rows, and 4 property sets of 25 values,
-which is what real exports have: two records in five are no geometry.
+which is what real exports have: two records in five are no geometry. N bent accessories (Breps that
+are no members) may stand beside them.
 """
 
 import sys
@@ -15,6 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from beamcam.model.catalogue import sections  # noqa: E402
+from benchmarks.bent_accessories import add_bent, bent  # noqa: E402
 from benchmarks.script import arguments, at_least, start  # noqa: E402
 from tests.property.ifc_builder import HoleSpec, Member, Writer, walls  # noqa: E402
 
@@ -80,8 +82,8 @@ class Tekla(Writer):
         return f"IFCPROPERTYSINGLEVALUE('{name}',$,{value},$)"
 
 
-def model(count: int, seed: str = "tekla") -> str:
-    """The text of a model of `count` members."""
+def model(count: int, seed: str = "tekla", bents: int = 0) -> str:
+    """The text of a model of `count` members and so many bent accessories."""
     random = Random(seed)
     writer = Tekla("csg", random)
     pieces = [piece(random, i) for i in range(max(1, count // 3))]
@@ -89,6 +91,9 @@ def model(count: int, seed: str = "tekla") -> str:
         member = random.choice(pieces)
         writer.add(member)
         writer.describe(member, f"#{len(writer.step.lines)}")
+    for i in range(bents):
+        placement = writer.step.add(f"IFCLOCALPLACEMENT($,{writer.step.world})")
+        add_bent(writer.step, placement, bent(random), f"S{i}")
     return writer.step.text()
 
 
@@ -96,8 +101,10 @@ def main() -> None:
     parser = arguments(__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("members", nargs="?", type=at_least(1), default=3000, help="default 3000")
+    parser.add_argument("--bent", type=int, default=0, metavar="N", help="bent accessories")
     asked = parser.parse_args()
-    asked.out.write_text(model(asked.members), encoding="utf-8")
+    text = model(asked.members, bents=asked.bent)
+    asked.out.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

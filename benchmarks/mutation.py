@@ -5,7 +5,8 @@ doubled and swapped, signs flipped, digits changed, words exchanged, spindles, t
 and angles replaced. `outcome` tells, in a way that shares nothing with the read-back, whether what
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
 look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
-make the part but break a tool (`faults`), plans that lie (`liars`, `sheet_liars`), and texts that
+make the part but break a tool (`faults`), plans that lie (`liars`, `sheet_liars`), jobs
+that are not what was asked for (`asked_liars`), and texts that
 are not the part's (`letterings`) have to be refused too.
 
     python benchmarks/mutation.py [--mutants 2500] [--seed 1]
@@ -31,10 +32,12 @@ from beamcam.planning.rules import SKIP_NAMES
 from beamcam.verify.bars import verify
 from beamcam.verify.by_hand import BY_HAND
 from beamcam.verify.left_out import LEFT_OUT
+from benchmarks.asked_liars import told as told_of_jobs
 from benchmarks.faults import FAULTS
 from benchmarks.heads import counted
 from benchmarks.letterings import lettered_otherwise
-from benchmarks.liars import told
+from benchmarks.liars import PROFILES, told
+from benchmarks.liars import parts as parts_of_lies
 from benchmarks.mutants import FACES, MUTATIONS, REWRITES
 from benchmarks.script import arguments, at_least, start
 from benchmarks.sheet_liars import told as told_of_sheets
@@ -87,6 +90,14 @@ def cases(machines: Sequence[str] = MACHINES) -> Iterator[Case]:
             length = max(6000.0, 500 + sum(p.length + 20 for p in parts))
             posted = post(parts, machine, bar=length, skips=SKIP_NAMES)
             yield Case(f"{name} {'+'.join(bar)}", posted.text, parts, machine, length)
+
+
+def all_kinds() -> Case:
+    """A program with every kind of work, which `outcome` does not tell apart but `faults` break."""
+    machine = load(MACHINES[-1])
+    parts = parts_of_lies(machine.name, PROFILES[0])
+    posted = post(parts, machine, bar=6000.0)
+    return Case(f"{machine.name} all kinds", posted.text, parts, machine, 6000.0)
 
 
 # What a program makes, told in the simplest way
@@ -174,7 +185,7 @@ def faults(each: int, seed: int, programs: Sequence[Case] | None = None) -> Faul
     """Every fault of the process, `each` times in every program that it is possible in."""
     rng = random.Random(seed)
     result = FaultScore(Counter(), Counter(), Counter(), [])
-    for case in programs if programs is not None else cases():
+    for case in programs if programs is not None else [*cases(), all_kinds()]:
         lines = case.text.split("\n")
         for fault in FAULTS:
             for _ in range(each):
@@ -270,7 +281,9 @@ def main() -> None:
     print(f"{caught_letterings.total()} of {letterings.total()} wrong letterings refused")
     sheets = told_of_sheets()
     print(f"{sum(sheets.caught.values())} of {sum(sheets.made.values())} lies about sheets caught")
-    for missed in (*broken.missed[:5], *lied.missed[:5], *sheets.missed[:5]):
+    jobs = told_of_jobs()
+    print(f"{sum(jobs.caught.values())} of {sum(jobs.made.values())} lies about the job caught")
+    for missed in (*jobs.missed[:5], *broken.missed[:5], *lied.missed[:5], *sheets.missed[:5]):
         print("missed:", *missed)
     for name, mutation, text in result.missed[:5]:
         print(f"\nmissed: {name}, {mutation}")

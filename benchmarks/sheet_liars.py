@@ -26,9 +26,10 @@ from beamcam.machine.torch import LookSettings, Torch
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Contour, Hole, Part, Process, Profile, Slot, TextMark
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
+from beamcam.model.request import Job, Request
 from beamcam.planning.contours.direction import stretch
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import Job, Written, post_of
+from beamcam.posts import Written, post_of
 from benchmarks.liars import REASONS, Lies
 
 SOURCE = Source("liar.dxf", 1)
@@ -292,7 +293,7 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
 
     for name, values in machines:
         shown = _shown(name, values)
-        machine = with_torch(load(name), colours=COLOURS, **values)  # type: ignore[arg-type]
+        machine = with_torch(load(name), colours=COLOURS, allow_open=True, **values)  # type: ignore[arg-type]
         assert machine.torch is not None
         is_filled = any(own.hatch for own in machine.torch.settings.values())
         for part in (filled(),) if is_filled else (drawing(), plate()):
@@ -316,7 +317,7 @@ def told(machines: Sequence[tuple[str, dict[str, object]]] = MACHINES, every: in
 
 def _planned(part: Part, machine: Machine) -> tuple[Job, SheetPlan]:
     """The job of a part and its plan."""
-    job = Job((part,), machine, skips=tuple(SKIP_NAMES))
+    job = pipeline.whole_job(Request((part,), machine, SKIP_NAMES))
     plan = post_of(machine).plan(job)
     assert isinstance(plan, SheetPlan)
     return job, plan
@@ -339,7 +340,7 @@ def _out_of_radius(job: Job) -> Iterator[tuple[str, bool]]:
         row = replace(true, motion=lambda plan, _, name: true.motion(plan, machine, name))
         with patch.object(pipeline, "post_of", lambda _, row=row: row):
             try:
-                pipeline.post(job.parts, strict, skips=job.skips)
+                pipeline.post(job.parts, strict, skips=job.request.skips)
             except VerifyError as error:
                 yield (
                     f"arc too {name}",
@@ -356,7 +357,7 @@ def _shown(name: str, values: dict[str, object]) -> str:
 def _text(plan: SheetPlan, job: Job) -> str | bytes:
     """What stands in the file of a plan."""
     row = post_of(job.machine)
-    written: Written = row.emit(row.motion(plan, job.machine, job.name), job)
+    written: Written = row.emit(row.motion(plan, job.machine, job.request.name), job)
     return written if isinstance(written, str) else b"".join(written())
 
 
@@ -365,7 +366,7 @@ def _is_refused(false: SheetPlan, job: Job) -> bool:
     row = replace(post_of(job.machine), plan=lambda _: false)
     with patch.object(pipeline, "post_of", lambda _: row):
         try:
-            pipeline.post(job.parts, job.machine, skips=job.skips)
+            pipeline.post(job.parts, job.machine, skips=job.request.skips)
         except VerifyError:
             return True
         except PlanError as error:
