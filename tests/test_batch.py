@@ -227,7 +227,7 @@ def test_bars_sheets_and_models_go_to_their_machines(tmp_path: Path) -> None:
     }  # fmt: skip
     for name in names:
         (folder / Path(name).name).write_bytes((SAMPLES / name).read_bytes())
-    how = ("--bar", "12000", "--thickness", "4", "--map", "blue=cut")
+    how = ("--bar", "12000", "--thickness", "4", "--map", "blue=cut", "--allow-open")
     said = tmp_path / "r.json"
     result = batch(folder, "-o", tmp_path / "out", *how, "--jobs", 2, "--report", said)
     assert counts(result) == (6, 0, 0, 0)

@@ -3,13 +3,13 @@
 import http.client
 import socket
 import threading
-import time
 from collections.abc import Iterator
 
 import pytest
 
 from beamcam.commands import page_server
 from beamcam.commands.page_server import MOST_CALLERS, PageServer, is_own_host
+from tests.runs import wait_until
 
 LOOPBACK = "127.0.0.1"
 
@@ -65,35 +65,39 @@ def test_hosts(named: str | None, bound: str, own: bool) -> None:
 def test_callers_who_say_nothing_are_few_and_soon_ended(
     server: PageServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(page_server, "ANSWERED_S", 0.5)
-    before = threading.active_count()
-    silent = [socket.create_connection((LOOPBACK, server.server_port), 5) for _ in range(60)]
-    for caller in silent:
-        caller.sendall(b"GET / HTTP/1.1\r\n")
-    end = time.monotonic() + 10
-    most = 0
-    while time.monotonic() < end:
-        most = max(most, threading.active_count() - before)
-        try:
-            if asked(server) == (200, b"here"):
-                break
-        except (OSError, http.client.HTTPException):
-            time.sleep(0.05)
-    else:
-        raise AssertionError("no room again")
-    assert 0 < most <= MOST_CALLERS
+    monkeypatch.setattr(page_server, "ANSWERED_S", 1000.0)
+    silent = []
+    for wanted in range(1, MOST_CALLERS + 1):
+        silent.append(socket.create_connection((LOOPBACK, server.server_port), 5))
+        silent[-1].sendall(b"GET / HTTP/1.1\r\n")
+        wait_until(lambda wanted=wanted: len(server.callers) == wanted)  # type: ignore[misc]
+    assert not is_answered(server)  # one too many
+    assert len(server.callers) == MOST_CALLERS
+    monkeypatch.setattr(page_server, "ANSWERED_S", 0.0)
+    wait_until(lambda: not server.callers)
+    monkeypatch.setattr(page_server, "ANSWERED_S", 1000.0)
+    assert is_answered(server)
     for caller in silent:
         caller.close()
+
+
+def is_answered(server: PageServer) -> bool:
+    try:
+        return asked(server) == (200, b"here")
+    except (OSError, http.client.HTTPException):
+        return False
 
 
 def test_a_caller_who_drips_is_ended(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(page_server, "ANSWERED_S", 0.3)
     with socket.create_connection((LOOPBACK, server.server_port), 5) as caller:
-        begun = time.monotonic()
-        while time.monotonic() - begun < 10:
-            try:
-                caller.sendall(b"G")
-            except OSError:
-                break
-            time.sleep(0.05)
-        assert time.monotonic() - begun < 5
+        wait_until(lambda: is_ended(caller))
+
+
+def is_ended(caller: socket.socket) -> bool:
+    """Whether a letter more cannot be sent."""
+    try:
+        caller.sendall(b"G")
+    except OSError:
+        return True
+    return False

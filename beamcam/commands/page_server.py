@@ -27,7 +27,7 @@ class PageServer(ThreadingHTTPServer):
     daemon_threads = True
 
     def __init__(self, address: tuple[str, int], pages: Pages) -> None:
-        self._callers: dict[Any, float] = {}  #: connection -> when it came
+        self.callers: dict[Any, float] = {}  #: connection -> when it came
         self._lock = threading.Lock()
         super().__init__(address, _handler(pages, address[0]))
 
@@ -35,9 +35,9 @@ class PageServer(ThreadingHTTPServer):
         """A thread for the caller; one too many is turned away, one that is slow ended."""
         self.end_slow()
         with self._lock:
-            is_welcome = len(self._callers) < MOST_CALLERS
+            is_welcome = len(self.callers) < MOST_CALLERS
             if is_welcome:
-                self._callers[request] = monotonic()
+                self.callers[request] = monotonic()
         if is_welcome:
             super().process_request(request, client_address)
         else:
@@ -46,7 +46,7 @@ class PageServer(ThreadingHTTPServer):
     def shutdown_request(self, request: Any) -> None:
         """The end of a caller's connection."""
         with self._lock:
-            self._callers.pop(request, None)
+            self.callers.pop(request, None)
         super().shutdown_request(request)
 
     def service_actions(self) -> None:
@@ -56,7 +56,7 @@ class PageServer(ThreadingHTTPServer):
     def end_slow(self) -> None:
         """End callers who take too long; a letter a second would keep a thread for ever."""
         with self._lock:
-            slow = [r for r, since in self._callers.items() if monotonic() - since > ANSWERED_S]
+            slow = [r for r, since in self.callers.items() if monotonic() - since > ANSWERED_S]
         for request in slow:
             try:
                 request.shutdown(socket.SHUT_RDWR)

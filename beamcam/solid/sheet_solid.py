@@ -19,6 +19,7 @@ from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
+from beamcam.machine.materials import is_row_for
 from beamcam.machine.torch import Torch, TorchRow
 from beamcam.solid.kernel import CHORD, facets
 from beamcam.solid.rules import NO_SOLID
@@ -209,13 +210,11 @@ def rows_for(torch: Torch, thickness: float, material: str) -> list[TorchRow]:
 
     With the speeds and powers of colours and layers as rows of their own.
     """
-    from fnmatch import fnmatchcase
-
     from msgspec.structs import replace
 
     rows: dict[str, TorchRow] = {}
     for row in torch.rows:
-        if thickness <= row.up_to and fnmatchcase(material.upper(), row.material.upper()):
+        if thickness <= row.up_to and is_row_for(row.material, material):
             rows.setdefault(row.process, row)
     more = [
         replace(

@@ -60,7 +60,10 @@ def test_a_phone_needs_no_scrolling_sideways(browser: Browser, page: Path) -> No
 
 def test_the_head_stays_and_the_totals_hold(browser: Browser, page: Path) -> None:
     browser.open(page)
-    browser.run("document.body.style.minHeight = '3000px'; window.scrollTo(0, 260)")
+    browser.run(
+        "document.body.style.minHeight = '3000px';"
+        "document.querySelector('#files tbody').scrollIntoView()"
+    )
     tops = browser.run(
         "return ['header', '#files thead th'].map((s) => document.querySelector(s)"
         ".getBoundingClientRect().top)"

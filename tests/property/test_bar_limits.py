@@ -102,6 +102,8 @@ def test_every_bar_that_a_machine_cannot_hold_is_refused() -> None:
     assert set(lies.made) == {
         *(f"without {key}" for key in (
             "min_part", "front_trim", "dead_zone", "end_trim", "min_bar_left", "max_bar",
+            "saw.max_width", "saw.max_height", "saw.max_sections", "drill.max_height", "tools",
+            "layout.profiles",
         )),
         "without dead_zone, bar not given", "without end_trim, bar not given",
     }  # fmt: skip

@@ -28,11 +28,14 @@ def is_turned(area: float, is_hole: bool, torch: Torch) -> bool:
     return (area > 0.0) != wanted
 
 
-def begun(curves: Curves, torch: Torch, here: Point) -> Curves:
-    """A closed contour from where the machine begins it, the head being at `here`."""
+def begun(curves: Curves, torch: Torch, here: Point, is_pierced: bool = True) -> Curves:
+    """A closed contour from where the machine begins it, the head being at `here`.
+
+    What is only marked is not pierced: no line of it is divided.
+    """
     if torch.start == "drawn":
         return curves
-    if torch.start == "straight":
+    if torch.start == "straight" and is_pierced:
         return _from_longest(curves)
     if len(curves) == 1:
         (curve,) = curves

@@ -31,6 +31,7 @@ from beamcam.planning.contours.tabs import stretches_of, wants_tabs
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 
 SHOWN_OPEN = 10  #: open contours are named one by one up to so many
+MOST_GAP = 2.0  #: mm between ends that may be meant to meet
 
 
 def operations_of(
@@ -48,7 +49,7 @@ def operations_of(
     fence = moved(shapes, shift) if any(kerfs) else None
     ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch, share)
     said += common
-    ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, torch)]
+    ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, kerfs, torch)]
     if torch.kerf_by == "machine":
         led, more = _by_machine(ways, torch, fence or ready)
     else:
@@ -100,8 +101,13 @@ def _by_machine(
     return found, said
 
 
-def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shape]]:
-    """The shapes by index in order of work, each with its direction."""
+def _in_order(
+    shapes: Sequence[Shape], kerfs: Sequence[float], torch: Torch
+) -> Iterator[tuple[int, Shape]]:
+    """The shapes by index in order of work, each with its direction and its start.
+
+    Those that the controller compensates get their start with their entry.
+    """
     here: Point = (0.0, 0.0)
     fixed = [is_one_way(s, torch) for s in shapes]
     for index, turned in order(shapes, ranks=[rank(s, torch) for s in shapes], fixed=fixed):
@@ -109,7 +115,10 @@ def _in_order(shapes: Sequence[Shape], torch: Torch) -> Iterator[tuple[int, Shap
         if shape.closed:
             if shape.process == "cut" and is_turned(shape.area, shape.is_hole, torch):
                 shape = replace(shape, curves=reversed_chain(shape.curves), area=-shape.area)
-            shape = replace(shape, curves=begun(shape.curves, torch, here))
+            is_pierced = shape.process == "cut" and not (
+                torch.kerf_by == "machine" and kerfs[index]
+            )
+            shape = replace(shape, curves=begun(shape.curves, torch, here, is_pierced))
         elif turned and not fixed[index]:
             shape = replace(shape, curves=reversed_chain(shape.curves))
         yield index, shape
@@ -151,9 +160,11 @@ def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:
         apart = hypot(x1 - x0, y1 - y0)
         places = {"x0": f"{x0:.3f}", "y0": f"{y0:.3f}", "x1": f"{x1:.3f}", "y1": f"{y1:.3f}"}
         if kerf:
-            gap = f"{ceil(apart * 100) / 100:g}"
+            how = "--allow-open cuts it on its line"
+            if apart <= MOST_GAP:
+                how = f"--gap {ceil(apart * 100) / 100:g} joins its ends, {how}"
             yield rules.OPEN_KERF.at(
-                shape.source, apart=f"{apart:.3f}", kerf=f"{kerf:g}", gap=gap, **places
+                shape.source, apart=f"{apart:.3f}", kerf=f"{kerf:g}", how=how, **places
             )
         else:
             yield rules.OPEN_CUT.at(shape.source, apart=f"{apart:.3f}", **places)

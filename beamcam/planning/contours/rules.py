@@ -235,8 +235,7 @@ OPEN_KERF = Rule(
     "plan-open-kerf",
     _E,
     "found an open contour to cut from x {x0}, y {y0} to x {x1}, y {y1}, {apart} mm apart; "
-    "expected it closed, as a kerf of {kerf} mm is compensated; --gap {gap} joins its ends, "
-    "--allow-open cuts it on its line",
+    "expected it closed, as a kerf of {kerf} mm is compensated; {how}",
     "An open line has no side that the part lies on, and what it seems to enclose would be cut on "
     "the wrong one.",
 )

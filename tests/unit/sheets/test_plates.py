@@ -17,6 +17,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.planning.contours import rules
 from beamcam.planning.left_out import BY_HAND
+from beamcam.planning.rules import BEVEL_NOISE
 from beamcam.report.hand_list import hand_rows
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.head import head_of
@@ -87,7 +88,7 @@ def test_bevels_are_cut_square_and_listed_edge_by_edge() -> None:
     part = plate(bevelled(Bevel(0, 45.0, 2.0), Bevel(2, -30.0, 4.0), Bevel(1, 0.4, 0.0)))
     made = posted(part)
     assert [(o.how, o.by, o.left) for o in made.plan.outcomes] == [("made", "cut", "bevel")]
-    assert [d.code for d in made.remarks] == [rules.NOISE.code, BY_HAND.code]
+    assert [d.code for d in made.remarks] == [BEVEL_NOISE.code, BY_HAND.code]
     rows = [
         (r["kind"], r["angle"], r["land"], r["length"], r["path"]) for r in hand_rows(made.plan)
     ]
@@ -109,7 +110,7 @@ def test_noise_is_told_once_and_cut_square() -> None:
     part = plate(bevelled(Bevel(0, 0.4, 0.0), Bevel(1, -0.9, 6.0)))
     for policy in ("refuse", "square"):
         made = posted(part, bevel=policy)
-        assert [d.code for d in made.remarks] == [rules.NOISE.code]
+        assert [d.code for d in made.remarks] == [BEVEL_NOISE.code]
         assert "2 bevel(s) of at most 0.9 degrees" in made.remarks[0].message
         assert [o.how for o in made.plan.outcomes] == ["made"]
         assert codes_of(made.text, part, bevel=policy) == set()

@@ -22,7 +22,8 @@ def limited(machine: Machine, **values: float) -> Machine:
 
 
 def machine_of(name: str) -> Machine:
-    return table(name, material="wood", kerf_by="none", lead="none")
+    material = "wood" if name == "laser-grbl" else "mild steel"
+    return table(name, material=material, kerf_by="none", lead="none")
 
 
 @settings(deadline=None, max_examples=15)

@@ -28,8 +28,15 @@ def part(name: str) -> Part:
 
 
 @cache
+def steel_part(name: str) -> Part:
+    """The part in what the torch has data of; some samples are acrylic, for the laser."""
+    return replace(part(name), grade="S235")
+
+
+@cache
 def plan(name: str, machine: str) -> SheetPlan:
-    return plan_sheet([part(name)], load(machine))
+    own = load(machine)
+    return plan_sheet([part(name) if own.stepper else steel_part(name)], own)
 
 
 def table_machine(**changes: object) -> Machine:

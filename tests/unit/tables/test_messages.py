@@ -22,7 +22,7 @@ from beamcam.verify.st import verify_triggers
 from beamcam.verify.steps import rules as steps_rules
 from beamcam.verify.steps import verify_table
 
-from .shop import part, plan, program, table_machine
+from .shop import part, plan, program, steel_part, table_machine
 
 # -- trigger programs -----------------------------------------------------------------------
 
@@ -74,7 +74,7 @@ def test_what_is_said_of_a_program(style: str, find: str, put: str, says: str) -
     switch = text.partition("kind := USINT#1")[0].count("\n") - 1
     places = {"line": line, "block": line - 2, "speed": line - 3, "array": line - 1,
               "switch": switch}  # fmt: skip
-    said = verify_triggers(changed, [part("shield")], table_machine(), (), "a.st")
+    said = verify_triggers(changed, [steel_part("shield")], table_machine(), (), "a.st")
     message, _, contour = str(said[0]).partition(", beside the contour of ")
     assert message == f"a.st:{says.format(**places)}"
     # What is wrong with an operation, or in its block, is told with the contour that is nearest.

@@ -28,14 +28,14 @@ from beamcam.verify.st.execution import Execution
 from tests.unit.sheets.parts import circle, contour, drawing
 
 from .plant import DONE, Plant, units_of
-from .shop import NAMES, part, program, table_machine, triggers
+from .shop import NAMES, program, steel_part, table_machine, triggers
 
 STYLES = ("chain", "table")
 
 
 def codes(text: str, name: str = "shield", machine: Machine | None = None) -> set[str]:
     machine = machine or table_machine()
-    return {d.code for d in verify_triggers(text, [part(name)], machine, (), "a.st")}
+    return {d.code for d in verify_triggers(text, [steel_part(name)], machine, (), "a.st")}
 
 
 @pytest.mark.parametrize("style", STYLES)
@@ -44,7 +44,7 @@ def codes(text: str, name: str = "shield", machine: Machine | None = None) -> se
 def test_every_sample_makes_its_part(name: str, path_objects: bool, style: str) -> None:
     machine = table_machine(path_objects=path_objects)
     text = program(name, style, machine)
-    assert verify_triggers(text, [part(name)], machine, (), "a.st") == ()
+    assert verify_triggers(text, [steel_part(name)], machine, (), "a.st") == ()
     assert verify_triggers(text, [], machine, (), "a.st") == ()
     assert ("_movePathCircular(" in text) is path_objects
     assert text.isascii()
@@ -180,7 +180,7 @@ def test_a_changed_byte_of_the_fixed_part_is_refused_by_name(data: st.DataObject
     )
     if changed.replace("\r\n", "\n") == text or changed == text:
         return
-    (said,) = verify_triggers(changed, [part("shield")], table_machine(), (), "a.st")
+    (said,) = verify_triggers(changed, [steel_part("shield")], table_machine(), (), "a.st")
     assert said.code == "st-runtime"
 
 
@@ -188,7 +188,7 @@ def test_a_changed_line_of_the_fixed_part_is_told() -> None:
     text = program("shield", "chain").replace("IF fault <> INT#0", "IF fault <> INT#1")
     text = text.replace("(fault <> INT#0)", "(fault <> INT#9)")
     line = text[: text.index("INT#9")].count("\n") + 1
-    (said,) = verify_triggers(text, [part("shield")], table_machine(), (), "a.st")
+    (said,) = verify_triggers(text, [steel_part("shield")], table_machine(), (), "a.st")
     assert str(said).startswith(
         f"a.st:{line}: error st-runtime: found 'IF (fault <> INT#9) AND (workState <> INT#4) THEN' "
         "in the fixed part of the program; expected 'IF (fault <> INT#0) AND"
@@ -329,7 +329,7 @@ def test_an_arc_that_is_too_long_for_its_chords_is_refused() -> None:
     assert arc is not None
     flat = text.replace(text[arc.start() :].split("middleX := ")[1].split(");")[0],
                         f"{arc[1]}, middleY := {arc[2]}", 1)  # fmt: skip
-    said = verify_triggers(flat, [part("rounded-rectangle")], machine, (), "a.st")
+    said = verify_triggers(flat, [steel_part("rounded-rectangle")], machine, (), "a.st")
     assert any(line in d.message for d in said)
 
 
@@ -351,7 +351,7 @@ def test_names_of_the_library_are_written_and_read_as_the_machine_calls_them(sty
                  "axis.positioningState.actualPosition - axis."):  # fmt: skip
         assert name in text
     assert not re.search(r"\b(pathObject|X_Y|_homing|control|basicMotion)\b", text)
-    assert verify_triggers(text, [part("shield")], machine, (), "a.st") == ()
+    assert verify_triggers(text, [steel_part("shield")], machine, (), "a.st") == ()
     assert codes(text, machine=table_machine(path_objects=True)) == {"st-runtime"}
 
 

@@ -203,7 +203,7 @@ def test_check_of_a_part_that_is_refused(golden: Path) -> None:
 
 
 def test_check_of_nothing(tmp_path: Path) -> None:
-    assert check(tmp_path).exit_code == 2
+    assert check(tmp_path).exit_code == 1
     (tmp_path / "beamline").mkdir()
     (tmp_path / "beamline" / "nobody.gcode").write_text("M30\n")
     done = check(tmp_path)
