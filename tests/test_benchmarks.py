@@ -17,7 +17,8 @@ BENCHMARKS = ROOT / "benchmarks"
 #: Are there to be imported.
 OTHERS = (
     "asked_liars", "bent_accessories", "damage", "doors", "faults", "heads", "ifc_anyhow",
-    "ifc_families", "letterings", "liars", "mutants", "order_faults", "script", "sheet_liars", "uses",
+    "ifc_families", "letterings", "liars", "mutants", "order_faults", "script",
+    "sheet_liars", "uses",
 )  # fmt: skip
 SCRIPTS = sorted(path.name for path in BENCHMARKS.glob("*.py") if path.stem not in OTHERS)
 
