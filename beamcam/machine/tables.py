@@ -44,6 +44,7 @@ class Triggers(Keys, frozen=True):
     in_position: Positive = 0.005  #: a set position this near to its end has arrived
     standstill: Positive = 0.0001  #: largest move per cycle of an axis at rest
     arrival_window: Positive = 0.26  #: of an actual position about its set position; encoder counts
+    following_lag_s: Positive = 0.05  #: by which an actual position may trail its set position
     counts_per_turn: PositiveCount = 512  #: of the encoder
     travel_per_turn: Positive = 65.0  #: of an axis, for a turn of its encoder
     cycles_per_chord: Positive = 3.0  #: that a chord takes at least; the feed is reduced for it

@@ -60,7 +60,7 @@ def _values(t: Triggers) -> dict[str, str]:
     """What stands for each name of one word in the shipped text."""
     numbers = (
         "in_position", "standstill", "arrival_window", "acceleration", "homing_mm_s", "back_off",
-        "cycle_s", "max_homing_s", "max_late_s",
+        "cycle_s", "max_homing_s", "max_late_s", "following_lag_s",
     )  # fmt: skip
     return {
         "axis_x": t.axes[0],

@@ -77,6 +77,7 @@ class Plant(CuttingTable):
         self.script, self.jitter = dict(script or {}), jitter
         self.count = 0
         self.frozen: dict[str, float] = {}  #: axes whose encoder tells one place for ever
+        self.astray: dict[str, float] = {}  #: axes whose encoder is out by so much
         self.homed_anew = False
         self.met: set[int] = set()  #: axes that ran against their low switches in this homing
         self.late = False  #: whether an axis takes up a command a cycle later
@@ -94,6 +95,7 @@ class Plant(CuttingTable):
         for axis in self.axes:
             told = (round(axis.position / pitch) + self.jitter()) * pitch
             axis.lag = self.frozen.get(axis.name, told) - axis.position
+            axis.lag += self.astray.get(axis.name, 0.0)
         if self.path is not None and any(not a.enabled or a.error for a in self.axes):
             self.path.stop()
         taken, self.taken = self.taken, []
@@ -214,7 +216,16 @@ def freeze(index: int) -> Deed:
 
     def deed(plant: Plant) -> None:
         axis: Axis = plant.axes[index]
-        plant.frozen[axis.name] = axis.actual + 1.0
+        plant.frozen[axis.name] = axis.actual
+
+    return deed
+
+
+def displace(index: int, by: float) -> Deed:
+    """An encoder tells a place so far from the true one."""
+
+    def deed(plant: Plant) -> None:
+        plant.astray[plant.axes[index].name] = by
 
     return deed
 
@@ -228,3 +239,4 @@ def mend(plant: Plant) -> None:
     """What was broken is whole again; errors remain to be acknowledged."""
     plant.closed.clear()
     plant.frozen.clear()
+    plant.astray.clear()

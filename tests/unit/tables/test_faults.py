@@ -21,6 +21,7 @@ from .plant import (
     alarm_that_stays,
     close,
     disable,
+    displace,
     fault_task,
     freeze,
     loaded,
@@ -169,9 +170,9 @@ def test_an_operation_that_does_not_arrive_is_a_fault(
 ) -> None:
     one = plant(style, path_objects)
     one.press_start()
-    while not one.tool_on:
+    while not one.tool_on or one.still:
         one.cycle()
-    freeze(index)(one)
+    displace(index, 0.4)(one)  # beyond the window of arrival, within that of following
     since = one.clock_s
     one.run_until(FAULT)
     triggers = one.triggers
@@ -181,6 +182,45 @@ def test_an_operation_that_does_not_arrive_is_a_fault(
     assert not one.tool_on
     one.wait(STOPPED_S)
     assert one.still
+
+
+@pytest.mark.parametrize("index", [0, 1])
+@pytest.mark.parametrize("cycle", range(0, 100, 10))
+def test_an_axis_that_sticks_stops_the_torch_in_the_second_cycle_beyond_its_window(
+    index: int, cycle: int
+) -> None:
+    """At ten moments of the cut. An axis that is not to move yet strays once it is to."""
+    one = plant()
+    one.press_start()
+    while not one.tool_on:
+        one.cycle()
+    for _ in range(cycle):
+        one.cycle()
+    freeze(index)(one)
+    axis = one.axes[index]
+    window = one.triggers.arrival_window + 8 * one.triggers.following_lag_s
+    beyond = 0
+    while one.tool_on:
+        one.cycle()
+        beyond += abs(axis.actual - axis.position) > window
+    assert (beyond, one.value("faultNumber")) == (2, 7)
+    # Two cycles at 8 mm/s, and the jitter of the last count.
+    assert abs(axis.actual - axis.position) <= window + 2 * 8 * 0.025 + one.triggers.count
+
+
+def test_one_disturbed_reading_stops_nothing_and_two_do() -> None:
+    for cycles, state in ((1, WORK), (2, FAULT)):
+        one = plant()
+        one.press_start()
+        while not one.tool_on or one.still:
+            one.cycle()
+        displace(0, 2.0)(one)
+        for _ in range(cycles):
+            one.cycle()
+        mend(one)
+        one.cycle()
+        assert one.value("workState") == state
+        assert one.value("faultNumber") == (7 if state == FAULT else 0)
 
 
 @pytest.mark.parametrize("index", [0, 2])
