@@ -22,6 +22,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from math import pi
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -45,6 +46,7 @@ BARS = ("beamline", "beamline-annex", "beamline-pusher")
 SHEETS = ("plate-linuxcnc", "plate-codesys", "plate-oxyfuel", "laser-grbl")
 SUFFIXES = (".nc", ".nc1", ".json", ".dxf", ".svg", ".ifc")
 MEMBERS = 12  #: of a building model, at most
+NEAR = 0.1  #: mm; real files round places by as much
 TRIES = 60  #: for each mutant, until one is there
 SOURCE = Source("random", 1)
 
@@ -187,7 +189,9 @@ def depth(case: Case, rng: Random) -> str | None:
     stroke = rng.choice(strokes)
     axis = "Z" if stroke[2] == "2" else "Y"
     bottom = re.search(rf"{axis}(-?\d+\.?\d*)", stroke[4])
-    if bottom is None:
+    if bottom is None or any(isinstance(f, Slot) for f in case.part.features):
+        # An entry that is drilled too shallow is milled through: the part is as it should be, and
+        # the order of work is the read-back's to ask.
         return None
     profile = case.part.profile
     wall = profile.web_thickness if axis == "Z" else profile.flange_thickness
@@ -249,7 +253,8 @@ def is_its_image(case: Case) -> bool:
     """Whether the part is its own mirror image, by moments of its solid that a turn keeps.
 
     What a mirror changes of a bar is the sign of the third moment xyz about its middle, and of
-    which ends and sides are heavier; a plate shows it in its own plane, v on top.
+    which ends and sides are heavier; a plate shows it in its own plane, v on top. Holes that are
+    where their images are, within `NEAR`, make no other part.
     """
     from beamcam.solid.part_solid import part_solid
 
@@ -265,7 +270,9 @@ def is_its_image(case: Case) -> bool:
     image = image.translate((middle[0], -middle[1], -middle[2]))
     turns = [(0, 0, 0), (0, 0, 180), (0, 0, 90), (0, 0, 270)] if flat else [
         (a, b, 0) for a in (0, 90, 180, 270) for b in (0, 180)]  # fmt: skip
-    return any((body - image.rotate(turn)).volume() < 50.0 for turn in turns)
+    alike = 50.0 + NEAR * (case.part.profile.web_thickness or 0.0) * sum(
+        pi * hole.diameter for hole in case.part.holes)  # fmt: skip
+    return any((body - image.rotate(turn)).volume() < alike for turn in turns)
 
 
 def kerf_side(case: Case, rng: Random) -> str | None:
