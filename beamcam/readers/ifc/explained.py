@@ -28,7 +28,9 @@ KERNEL_SLACK = 0.13  #: mm, half of what the kernel's facets may be off
 SHOWN = 3  #: lumps that a message names
 LEVEL_REACH = 0.15  #: thicknesses of a wall that a level may lie inside it
 LEAN_REACH = 2.0  #: thicknesses of a wall that an edge may lean through it
-GROSS = 0.005  #: share of a volume from which on it is an error that no lump explains, or leans
+#: Share of a volume from which on it is an error that no lump explains it, that it leans, or that
+#: it is of a root fillet.
+GROSS = 0.005
 
 
 class UnexplainedRegions(Struct, frozen=True):
@@ -44,6 +46,9 @@ class UnexplainedRegions(Struct, frozen=True):
         """The diagnostics of it."""
         if self.lumps:
             return (rules.UNEXPLAINED.at(source, found=_told(self.lumps)),)
+        if sum(one.volume for one in self.fillets) > GROSS * self.volume > 0.0:
+            share = f"{100 * GROSS:g}"
+            return (rules.ROOT_CUT.at(source, found=_told(self.fillets), share=share),)
         said = [
             rule.at(source, found=_told(found))
             for rule, found in ((rules.ROOT_FILLET, self.fillets), (rules.LEANING, self.leaning))

@@ -349,6 +349,9 @@ class Members(Struct):
         grades = grades_apart(material, data)
         if grades is not None:
             self.taken.said.append(rules.GRADE.at(source, found=grades[0], expected=grades[1]))
+        if section.lips:
+            areas = f"{section.area / 100:.2f}", f"{(section.area - section.lips) / 100:.2f}"
+            self.taken.said.append(rules.LIPS.at(source, found=areas[0], expected=areas[1]))
         return Part(
             mark=mark,
             profile=replace(bare, name=label),

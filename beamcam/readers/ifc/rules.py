@@ -187,6 +187,21 @@ ROOT_FILLET = Rule(
     "found {found} in the model; a contour on a flange or web cannot say how the fillet is cut",
     "The fillet between web and flange is cut otherwise in the model than the walls beside it.",
 )
+ROOT_CUT = Rule(
+    "ifc-root-cut",
+    _E,
+    "found {found} in the model; a contour on a flange or web cannot say how the fillet is cut, "
+    "expected less than {share} % of the member",
+    "So much of the fillet between web and flange is cut otherwise than the walls beside it, as by "
+    "a groove along them. --force takes the part without that cut.",
+)
+LIPS = Rule(
+    "ifc-lips",
+    _N,
+    "found a channel of {found} cm2 with lips in the model; the part holds its height, width, wall "
+    "and radius, {expected} cm2",
+    "The lips count in the weight. No hole, cut or text is held against them.",
+)
 LEANING = Rule(
     "ifc-leaning-edge",
     _W,
@@ -256,8 +271,8 @@ RULES = (
     SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, OTHER_CLASSES, CURVED, TAPERED,
     GEOMETRY, SECTION, ODD_CUT, OUTLINE, PROFILE_NAME, GRADE, LENGTH, WEIGHT, WEIGHT_NEAR,
     NET_VOLUME, CUTOUT, KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED,
-    SECTION_AREA, KINKED, ROOT_FILLET, LEANING, VOLUME, VOLUME_OFF, PIECES, BOLT_HOLES,
-    BOLT_AIR, BOLT_SHANK, BOLTS, BOLT_SKEW, PROJECTION,
+    SECTION_AREA, KINKED, ROOT_FILLET, ROOT_CUT, LIPS, LEANING, VOLUME, VOLUME_OFF, PIECES,
+    BOLT_HOLES, BOLT_AIR, BOLT_SHANK, BOLTS, BOLT_SKEW, PROJECTION,
 )  # fmt: skip
 
 

@@ -58,6 +58,14 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
         )
 
     @property
+    def lips(self) -> float:
+        """Area of a channel's lips in mm2, which its measures do not give; 0 of other sections."""
+        if self.code != "C":
+            return 0.0
+        sizes = self.height, self.width, self.flange_thickness, self.web_thickness, self.radius
+        return max(0.0, self.area - area_by_measures("C", *sizes))
+
+    @property
     def points(self) -> tuple[SectionPoint, ...]:
         """The corners of a special section's outline, from its zero point (PR)."""
         found = []

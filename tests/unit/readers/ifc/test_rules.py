@@ -171,6 +171,24 @@ def beside_the_web() -> bytes:
     return m.data
 
 
+def grooved() -> bytes:
+    """A groove along each fillet, as deep as the fillet is."""
+    m = Small()
+    body = m.extruded(m.ipe300(), 2000.0)
+    for y, z in ((7.5, 135.0), (7.5, -135.0), (-7.5, 135.0), (-7.5, -135.0)):
+        place = m.step.axes((0, y, z), (1, 0, 0), (0, 1, 0))
+        body = m.minus(body, m.extruded(m.box(8, 8), 2000.0, place))
+    m.element(body)
+    return m.data
+
+
+def with_lips() -> bytes:
+    m = Small()
+    profile = m.add(f"IFCCSHAPEPROFILEDEF(.AREA.,$,{m.flat},200.,75.,2.5,20.,4.,$)")
+    m.element(m.extruded(profile, 2000.0))
+    return m.data
+
+
 def saddled() -> bytes:
     """A square tube that meets a round one."""
     m = Small()
@@ -230,12 +248,14 @@ CHECKED: dict[str, Callable[[], bytes]] = {
     "ifc-section-area": sloped,
     "ifc-outline": bow,
     "ifc-root-fillet": beside_the_web,
+    "ifc-root-cut": grooved,
     "ifc-leaning-edge": saddled,
     "ifc-volume": elliptic,
 }
 CASES: dict[str, Callable[[], bytes]] = {
     **CHECKED,
     "ifc-kinked": bent,
+    "ifc-lips": with_lips,
     "ifc-other-classes": with_a_slab,
     "ifc-weight-near": lambda: stated(NetWeight="IFCMASSMEASURE(88.4)"),
     "ifc-net-volume": of_another_volume,
