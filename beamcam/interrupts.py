@@ -48,7 +48,7 @@ class Asked:
             seconds -= LOOK_S
 
 
-NEVER = Asked()  #: for work that nobody ends
+NEVER = Asked()  #: for work that is not interrupted
 
 
 @contextmanager

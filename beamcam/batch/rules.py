@@ -12,7 +12,7 @@ LOOP = Rule(
     "batch-loop",
     Severity.WARNING,
     "found a link back to {found}, which is not followed",
-    "A link to a parent folder would be followed without end, or to files that nobody named.",
+    "Following it would never end, or would post files outside the inputs.",
 )
 FOLDER = Rule(
     "batch-folder",
@@ -45,7 +45,7 @@ LINK = Rule(
     Severity.ERROR,
     "found {found!r}, which leads out of the folder of the outputs by a link, to {to!r}; expected "
     "a place in the folder, remove the link",
-    "Whoever makes the link would choose which file is written over.",
+    "Writing through such a link would overwrite a file outside the folder.",
 )
 NOT_OURS = Rule(
     "batch-not-ours",

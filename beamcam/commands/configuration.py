@@ -39,7 +39,7 @@ def checked(files: ConfigFiles, trust: Sequence[str] = ()) -> Config:
 def checked_again(files: ConfigFiles, trust: Sequence[str]) -> Config:
     """The configuration of a batch by the files that its record names.
 
-    Raises ConfigError where one that it followed in full is nobody's own.
+    Raises ConfigError if a file that it followed in full is not trusted.
     """
     for path in files.own:
         if not_followed(_loaded(path)):
@@ -48,7 +48,7 @@ def checked_again(files: ConfigFiles, trust: Sequence[str]) -> Config:
 
 
 def refuse_strange(path: str, trust: Sequence[str]) -> None:
-    """Raises ConfigError for a file that a record names and that is nobody's own."""
+    """Raises ConfigError for a file that a record names and that is not trusted."""
     if not (is_ones_own_place(path) or is_in(path, trust)):
         folder = os.path.dirname(path) or os.curdir
         raise ConfigError(rules.NOT_REPEATED.at(Source(path), found=path, folder=folder))

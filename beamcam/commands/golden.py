@@ -26,7 +26,7 @@ class Checked(Struct, frozen=True):
 
     path: str
     #: "bytes" is another text that means the same, "missing" one without its sample; "unknown" are
-    #: all programs of a folder of which nobody knows what they are made from
+    #: all programs of a folder whose sources are not known
     result: Result
     differences: tuple[Difference, ...] = ()
     messages: tuple[Message, ...] = ()

@@ -58,7 +58,7 @@ def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
 def settled_again(asked: Mapping[str, Any], files: ConfigFiles, machine: str | None) -> Config:
     """The same by the files that the record of a batch names, and its machine if that is a file.
 
-    --config goes before these files. Raises ConfigError where one of them is nobody's own.
+    --config goes before these files. Raises ConfigError if one of them is not trusted.
     """
     from beamcam.commands.configuration import checked, checked_again, refuse_strange
 
@@ -282,7 +282,7 @@ def machines_of_stock(
 
 
 def _told(name: str, machine: Machine, config: Config) -> Machine:
-    """The machine; --verbose says whose it is, and what is nobody's own is said in any case."""
+    """The machine; --verbose says whose file it is, and an untrusted one is always reported."""
     voice = running_voice()
     if voice is not None and (voice.verbose or name.endswith(".toml")):
         from beamcam.commands.provenance import settings_line, strange

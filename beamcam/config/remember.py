@@ -17,7 +17,7 @@ KEY = "trust"
 def remember(folders: Sequence[str]) -> str:
     """Add folders to those that the user's own configuration trusts, and give its path.
 
-    What else stands in the file stays as it is. Raises ConfigError for a file that is none, and
+    The rest of the file is kept. Raises ConfigError for a file that is no configuration, and
     OSError.
     """
     path = os.path.join(user_folder(), CONFIG_NAME)

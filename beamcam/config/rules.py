@@ -62,8 +62,8 @@ NOT_REPEATED = Rule(
     "found {found!r} in the record of a batch, which lies in another folder than yours; expected "
     "one in the folder of the command, above it, or among the user's own. If it is yours, accept "
     "it by --trust {folder}",
-    "A record is a file of the folder that is checked. Whoever made that folder would choose the "
-    "machine that its programs are compared by.",
+    "The record lies in the folder that is checked. If it were followed, the folder's author would "
+    "choose the machine that its programs are compared by.",
 )
 
 RULES = (

@@ -1,8 +1,8 @@
 """What is taken of a configuration that came with the parts.
 
-Whoever sends parts says what they are: how many, how thick, what a colour means, what they are
-called. Which machine makes them, what may be left out, where the work goes and what is strict is
-the shop's to say.
+The sender of parts says what they are: how many, how thick, what a colour means, what they are
+called. The shop decides which machine makes them, what may be left out, where programs are written
+and how strict the run is.
 """
 
 import os
