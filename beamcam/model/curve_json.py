@@ -6,6 +6,8 @@ weights `{"bezier": {"points", "weights"}}`), `{"bspline": {"degree", "control",
 "weights"}}`, `{"newton": [[x, y], ...]}`. By hand also `{"polygon": [[x, y], ...]}`, `{"circle":
 {"centre", "radius"}}` and `{"tangent_arc": {"from", "to", "radius", "side"}}`: the arc of at most
 180 degrees through two tangency points, its centre left or right of the way from one to the other.
+`{"tangent_circle": {"to": [curve, curve], "radius", "near": [x, y]}}` is the circle that touches
+two curves, and without a radius the one that touches three.
 
 A formula is `{"function": {"y": "20 + 5 * sin(x / 10)", "from": 0, "to": 62.8}}`, a graph, or
 `{"function": {"x": "30 * cos(t)", "y": "30 * sin(t)", "t": [0, "2 * pi"]}}`, a way.
@@ -25,6 +27,12 @@ from beamcam.geometry.curves import (
     arc_through,
 )
 from beamcam.geometry.newton import newton_through
+from beamcam.geometry.tangent_circles import (
+    Circle,
+    NoTangentCircle,
+    nearest_circle,
+    tangent_circles,
+)
 from beamcam.model.function_json import curves_of_function_form
 from beamcam.model.json_object import JSON_KEY_UNKNOWN, Place
 from beamcam.model.part_forms import (
@@ -34,7 +42,9 @@ from beamcam.model.part_forms import (
     CurveForm,
     EllipseForm,
     SplineForm,
+    TangentCircleForm,
     TangentForm,
+    TouchedForm,
 )
 
 JSON_CURVE = Rule(
@@ -43,6 +53,20 @@ JSON_CURVE = Rule(
     "found a {kind} without a shape ({found}); expected values that agree with each other",
     "The values of a curve contradict each other, so its shape is not known.",
 )
+JSON_NO_TANGENT = Rule(
+    "json-no-tangent",
+    Severity.ERROR,
+    "found {found}; expected curves that a circle touches",
+    "No circle touches the curves, or endlessly many do, so none is meant.",
+)
+JSON_TANGENT_CHOICE = Rule(
+    "json-tangent-choice",
+    Severity.ERROR,
+    "found {count} circles that touch, {circles}; expected `near`, a point whose nearest centre is "
+    "the one that is meant",
+    "Which of several circles is meant only the drawing knows.",
+)
+CURVE_RULES = (JSON_CURVE, JSON_NO_TANGENT, JSON_TANGENT_CHOICE)
 
 
 def curve_to_json(curve: Curve) -> dict[str, Any]:
@@ -142,7 +166,36 @@ def _curve(form: CurveForm, place: Place) -> Curve:
         case CurveForm(tangent_arc=TangentForm() as tangent):
             radius = tangent.radius if tangent.side == "left" else -tangent.radius
             return arc_through(tangent.start, tangent.end, radius)
+        case CurveForm(tangent_circle=TangentCircleForm() as tangents):
+            touching = _tangent_circle(tangents, place)
+            return Arc(touching.centre, touching.radius, 0.0, 360.0)
     raise AssertionError("a form of one kind")
+
+
+def _tangent_circle(form: TangentCircleForm, place: Place) -> Circle:
+    """The circle that is meant of those that touch."""
+    touched = [_touched(one, place.at("to", k)) for k, one in enumerate(form.to)]
+    try:
+        found = tangent_circles(touched, form.radius)
+    except NoTangentCircle as error:
+        raise place.fault(JSON_NO_TANGENT, found=error) from None
+    if form.near is None and len(found) == 1:
+        return found[0]
+    chosen = None if form.near is None else nearest_circle(found, form.near)
+    if chosen is None:
+        circles = ", ".join(
+            f"({c.centre[0]:.3f}, {c.centre[1]:.3f}) radius {c.radius:.3f}" for c in found
+        )
+        raise place.fault(JSON_TANGENT_CHOICE, count=len(found), circles=circles)
+    return chosen
+
+
+def _touched(form: TouchedForm, place: Place) -> Line | Arc:
+    """The curve that a circle touches."""
+    same = CurveForm(line=form.line, arc=form.arc, circle=form.circle)
+    (curve,) = curves_of(same, place)
+    assert isinstance(curve, Line | Arc)
+    return curve
 
 
 def _sweep(sweep: float, place: Place) -> float:

@@ -88,6 +88,23 @@ class TangentForm(Keys, frozen=True):
     side: Literal["left", "right"]  #: of the way on which its centre lies
 
 
+class TouchedForm(Keys, frozen=True):
+    """A curve that a circle touches: an object of one key. A line is meant beyond its ends, an arc
+    as its whole circle."""
+
+    line: tuple[Point, ...] | None = None
+    arc: ArcForm | None = None
+    circle: CircleForm | None = None
+
+
+class TangentCircleForm(Keys, frozen=True):
+    """The circle that touches two curves and has a radius, or that touches three."""
+
+    to: tuple[TouchedForm, ...]
+    radius: Positive | None = None
+    near: Point | None = None  #: of several, the one whose centre is nearest to it
+
+
 class FunctionForm(Keys, frozen=True):
     """A graph, y of x between two ends, or the way of a point, x and y of t."""
 
@@ -111,6 +128,7 @@ class CurveForm(Keys, frozen=True):
     polygon: Polygon | None = None  #: closed, turned as its kind asks for
     circle: CircleForm | None = None
     tangent_arc: TangentForm | None = None
+    tangent_circle: TangentCircleForm | None = None
     function: FunctionForm | None = None
 
 

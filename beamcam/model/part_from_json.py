@@ -11,7 +11,7 @@ from msgspec.structs import asdict
 from beamcam.errors import Rule, Severity, Source
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
-from beamcam.model.curve_json import JSON_CURVE, curves_of
+from beamcam.model.curve_json import CURVE_RULES, curves_of
 from beamcam.model.function_json import JSON_EXPRESSION
 from beamcam.model.json_object import JSON_OBJECT_RULES, Place, record_of, show
 from beamcam.model.part import (
@@ -69,7 +69,7 @@ JSON_INDEX = Rule(
 
 JSON_PART_RULES = (
     *JSON_OBJECT_RULES,
-    JSON_CURVE,
+    *CURVE_RULES,
     JSON_EXPRESSION,
     JSON_SCHEMA,
     JSON_FACE,
@@ -200,7 +200,9 @@ def _contour(form: ContourForm, place: Place, source: Source) -> Contour:
     found = _each(form.curves, place.at("curves"))
     curves = tuple(curve for one, below in found for curve in curves_of(one, below))
     # Shorthands have no direction of their own.
-    drawn = all(one.polygon or one.circle or one.function for one in form.curves)
+    drawn = all(
+        one.polygon or one.circle or one.tangent_circle or one.function for one in form.curves
+    )
     if drawn and form.kind != "open" and _is_closed(curves):
         curves = _turned_as(curves, form.kind, form.face)
     for key in ("bevels", "notches"):

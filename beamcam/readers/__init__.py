@@ -65,6 +65,8 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     if not data or data.isspace():
         return Reading("unknown", (), (rules.EMPTY.at(Source(name)),))
     suffix = os.path.splitext(name)[1].lower()
+    if corel := _coreldraw(data, suffix):
+        return Reading("unknown", (), (rules.CORELDRAW.at(Source(name), found=corel),))
     for known in FORMATS:
         if suffix in known.suffixes:
             return _read_as(known, data, name, options)
@@ -73,6 +75,21 @@ def read(data: bytes, name: str, **options: object) -> Reading:
             return _read_as(known, data, name, options)
     known_suffixes = ", ".join(s for f in FORMATS for s in f.suffixes)
     return Reading("unknown", (), (rules.UNKNOWN_FORMAT.at(Source(name), expected=known_suffixes),))
+
+
+def _coreldraw(data: bytes, suffix: str) -> str:
+    """What tells that bytes are a CorelDRAW file, to refuse it by name; empty if they are none.
+
+    Versions 3 to X3 are RIFF files of the form `CDR`, later ones zip archives that hold
+    `content/riffData.cdr`. Of older ones and of damage only the suffix tells.
+    """
+    if data[:4] == b"RIFF" and data[8:11].upper() == b"CDR":
+        return "RIFF " + data[8:12].decode("ascii", "replace")
+    if data[:4] == b"PK\3\4" and b"content/riffData.cdr" in data:
+        return "an archive with content/riffData.cdr"
+    if suffix == ".cdr" and not any(known.looks_like(data) for known in FORMATS):
+        return suffix
+    return ""
 
 
 def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object]) -> Reading:

@@ -14,6 +14,12 @@ UNKNOWN_FORMAT = Rule(
     "found content of no known format; expected a file of one of {expected}",
     "The suffix is not known and the content looks like none of the formats.",
 )
+CORELDRAW = Rule(
+    "read-coreldraw",
+    Severity.ERROR,
+    "found a CorelDRAW file ({found}); expected a drawing as SVG or DXF: export it as SVG",
+    "CDR is a closed format; CorelDRAW writes SVG and DXF.",
+)
 UNREADABLE = Rule(
     "read-file",
     Severity.ERROR,
@@ -63,6 +69,7 @@ NODES_LOST = Rule(
 RULES = (
     EMPTY,
     UNKNOWN_FORMAT,
+    CORELDRAW,
     UNREADABLE,
     FOLDER,
     NOT_A_FILE,

@@ -228,6 +228,22 @@ FLAWED_CURVES = [
         {"tangent_arc": {"from": [0, 0], "to": [10, 0], "radius": 2, "side": "left"}},
         *("json-curve", AT + ".tangent_arc"),
     ),
+    ({"tangent_circle": {"to": [{"line": [[0, 0], [9, 0]]}, {"line": [[0, 4], [9, 4]]}],
+                         "radius": 2}},
+     "json-no-tangent", AT + ".tangent_circle"),
+    ({"tangent_circle": {"to": [{"line": [[0, 0], [9, 0]]}], "radius": 2}},
+     "json-no-tangent", AT + ".tangent_circle"),
+    ({"tangent_circle": {"to": [{"line": [[0, 0], [9, 0]]}, {"line": [[0, 0], [0, 9]]}],
+                         "radius": 2}},
+     "json-tangent-choice", AT + ".tangent_circle"),
+    ({"tangent_circle": {"to": [{"line": [[0, 0], [9, 0]]}, {"line": [[0, 0], [0, 9]]}],
+                         "radius": 2, "near": [0, 0]}},
+     "json-tangent-choice", AT + ".tangent_circle"),
+    ({"tangent_circle": {"to": [{"line": [[0, 0], [9, 0]]}, {"newton": [[0, 0], [0, 9]]}],
+                         "radius": 2}},
+     "json-key-unknown", AT + ".tangent_circle.to[1].newton"),
+    ({"tangent_circle": {"to": [{"line": [[0, 0], [9, 0]]}, {}], "radius": 2}},
+     "json-value", AT + ".tangent_circle.to[1]"),
     (
         {"tangent_arc": {"from": [0, 0], "to": [10, 0], "radius": 20, "side": "up"}},
         *("json-value", AT + ".tangent_arc.side"),
@@ -307,6 +323,75 @@ def test_unknown_key_names_the_nearest():
 def test_every_code_is_met():
     met = {code for _, code, *_ in FLAWED} | {code for _, code, _ in FLAWED_CURVES}
     assert {rule.code for rule in RULES} == met | {"json-index"}
+
+
+LINE_X = {"line": [[0, 0], [10, 0]]}
+LINE_Y = {"line": [[0, 0], [0, 10]]}
+#: Two curves and a radius, or three; a point nearby; the centre and radius that follow by hand.
+TANGENT_CIRCLES = [
+    ([LINE_X, LINE_Y], 3, [9, 9], (3, 3, 3)),
+    ([LINE_X, LINE_Y], 3, [-1, 9], (-3, 3, 3)),
+    # 5 above the line and 5 outside a circle of 3 about (0, 10): 8^2 - 5^2 = 39 off to the side
+    ([LINE_X, {"circle": {"centre": [0, 10], "radius": 3}}], 5, [7, 5], (sqrt(39), 5, 5)),
+    # circles of 4 about (0, 0) and (6, 0), from outside with radius 1: centres 5 off both
+    ([{"circle": {"centre": [0, 0], "radius": 4}},
+      {"arc": {"centre": [6, 0], "radius": 4, "start": 10, "sweep": -40}}], 1, [3, 9], (3, 4, 1)),
+    # the circle in a triangle of sides 3, 4 and 5, and the one outside its long side
+    ([LINE_X, LINE_Y, {"line": [[4, 0], [0, 3]]}], None, [1, 1], (1, 1, 1)),
+    ([LINE_X, LINE_Y, {"line": [[4, 0], [0, 3]]}], None, [5, 5], (6, 6, 6)),
+    # the only one of its kind needs no point
+    ([LINE_X, {"circle": {"centre": [0, 10], "radius": 2}}], 4, None, (0, 4, 4)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("touched", "radius", "near", "expected"), TANGENT_CIRCLES)
+def test_tangent_circles(touched, radius, near, expected):
+    said = {"to": touched, "radius": radius, "near": near}
+    contour = curves_of({"tangent_circle": {k: v for k, v in said.items() if v}}, kind="inner")
+    (circle,) = contour.curves
+    assert (*circle.centre, circle.radius) == pytest.approx(expected)
+    assert abs(circle.sweep_deg) == 360
+    assert signed_area(contour.curves) < 0
+    assert contour.closed
+
+
+def test_all_tangent_circles_are_named():
+    curve = {"tangent_circle": {"to": [LINE_X, LINE_Y], "radius": 2}}
+    (diagnostic,) = read_value(flawed_curve(**curve)).diagnostics
+    assert diagnostic.message.startswith(
+        "found 4 circles that touch, (-2.000, -2.000) radius 2.000, (-2.000, 2.000) radius 2.000, "
+        "(2.000, -2.000) radius 2.000, (2.000, 2.000) radius 2.000; expected `near`"
+    )
+
+
+#: Curves that no circle touches, or endlessly many, and what the message calls the case.
+DEGENERATE = [
+    ([LINE_X, {"line": [[20, 0], [30, 0]]}], 2, "the same line twice"),
+    ([LINE_X, {"line": [[0, 4], [1, 4]]}], 2, "parallel lines a diameter apart"),
+    ([LINE_X, {"line": [[0, 4], [1, 4]]}], 3, "parallel lines, between which no circle of"),
+    ([LINE_X, {"line": [[5, 5], [5, 5]]}], 3, "a line without a length"),
+    ([{"circle": {"centre": [0, 0], "radius": r}} for r in (2, 2)], 1, "the same circle twice"),
+    ([{"circle": {"centre": [0, 0], "radius": r}} for r in (2, 4)], 1, "with endlessly many betw"),
+    ([{"circle": {"centre": [0, 0], "radius": r}} for r in (2, 4)], 9, "concentric circles, betw"),
+    ([LINE_X, {"circle": {"centre": [0, 90], "radius": 2}}], 5, "too far apart"),
+    ([LINE_X, {"line": [[0, 4], [1, 4]]}, {"line": [[0, 9], [1, 9]]}], None, "parallel lines, be"),
+    ([LINE_X, LINE_Y, {"line": [[0, 0], [1, 9]]}], None, "three lines through one point"),
+    ([{"circle": {"centre": [0, 0], "radius": r}} for r in (1, 2, 4)], None, "concentric circles"),
+    ([LINE_X, *({"circle": {"centre": [0, r], "radius": r}} for r in (1, 2))], None,
+     "at one point"),
+    ([{"circle": {"centre": [0, 0], "radius": r}} for r in (1, 9)] + [{"line": [[30, 0], [30, 1]]}],
+     None, "within or across each other"),
+    ([LINE_X, LINE_Y], None, "2 curves without a radius, where there have to be 3"),
+    ([LINE_X, LINE_Y, LINE_X], 2, "3 curves with a radius, where there have to be 2"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("touched", "radius", "name"), DEGENERATE)
+def test_degenerate_tangents_are_refused_by_name(touched, radius, name):
+    said = {"to": touched} if radius is None else {"to": touched, "radius": radius}
+    (diagnostic,) = read_value(flawed_curve(tangent_circle=said)).diagnostics
+    assert diagnostic.code == "json-no-tangent"
+    assert name in diagnostic.message
 
 
 def test_a_function_is_followed():
