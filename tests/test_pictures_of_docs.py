@@ -25,7 +25,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("name", DRAW.PICTURES)
+@pytest.mark.parametrize("name", [*DRAW.PICTURES, DRAW.FACES])
 def test_a_picture_is_as_the_samples_give_it(name: str, drawn: Path, golden: Golden) -> None:
     text = (drawn / name).read_text(encoding="utf-8")
     assert ElementTree.fromstring(text).tag.endswith("svg")
@@ -43,5 +43,5 @@ def _kept(name: str) -> str:
 def test_each_picture_stands_in_the_readme_or_a_page() -> None:
     pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
-    assert {p.name for p in FOLDER.glob("*.svg")} >= set(DRAW.PICTURES)
-    assert all(f"pictures/{name})" in text for name in DRAW.PICTURES)
+    assert {p.name for p in FOLDER.glob("*.svg")} >= {*DRAW.PICTURES, DRAW.FACES}
+    assert all(f"pictures/{name})" in text for name in (*DRAW.PICTURES, DRAW.FACES))

@@ -10,12 +10,14 @@ from itertools import pairwise
 from typing import Literal
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.machine.absent import text_x
 from beamcam.machine.machine import Machine
+from beamcam.model.faces import face_title, runs_down
 from beamcam.model.part import Profile
+from beamcam.pictures.features import lettering
 from beamcam.pictures.labels import Labels
-from beamcam.pictures.part import FACE_NAMES
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, Unit, shown
 from beamcam.pictures.styles import TOOL_COLOURS
 from beamcam.pictures.views import (
@@ -140,11 +142,11 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
     lines = _head(bar, unit)
     views = tuple(
         View(
-            face, f"{face}   {FACE_NAMES.get(face, '')}",
+            face, face_title(face, bar.profile.code),
             (0.0, 0.0, bar.drawn_end, max(bar.profile.face_width(face), 1.0)),
             tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
                   | {round(t.points[0][0] - drill_x, 3) for t in made.paths if t.face == face}),
-            tuple({round(b.y, 3) for b in made.bores if b.face == face}),
+            tuple({round(b.y, 3) for b in made.bores if b.face == face}), runs_down(face),
         )
         for face in faces
     )  # fmt: skip
@@ -311,10 +313,8 @@ def _radius(bore: Bore, frame: Frame) -> float:
 def _written(op: ToldText, number: int, bar: BarMade, frame: Frame) -> Text:
     """A text as it is read, in the picture's own letters."""
     x = op.x - text_x(bar.machine)
-    at = frame.at(x, op.y)
     tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
-    size = max(op.height * frame.scale * 1.35, 5.0)
-    return Text("text", at, op.text, size, "start", op.angle, None, tip, op.line)
+    return lettering("text", replace(op, x=x), frame, tip, op.line)
 
 
 def _noun(bore: Bore) -> str:

@@ -19,10 +19,11 @@ from msgspec.structs import replace
 from beamcam.diff.differ import Pair, made_pairs, part_pairs
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import join_boxes
+from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import Face, Part
 from beamcam.pictures.bar import BarMade
-from beamcam.pictures.features import feature_shapes
-from beamcam.pictures.part import FACE_NAMES, end_lines, face_of, faces_of, view_of
+from beamcam.pictures.features import feature_shapes, lettering
+from beamcam.pictures.part import end_lines, face_of, faces_of, view_of
 from beamcam.pictures.program import ReadProgram, bar_made
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text
 from beamcam.pictures.views import (
@@ -157,9 +158,10 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
     drill = a.machine.drill.x if a.machine.drill else 0.0
     pairs = list(made_pairs(a.made, b.made, a.machine.format.resolution))
     views = tuple(
-        View(f, f"{f}   {FACE_NAMES[f]}",
+        View(f, face_title(f, a.profile.code),
              (0.0, 0.0, end, max(a.profile.face_width(f), b.profile.face_width(f)) or width),
-             _changed_places((p for p in pairs if getattr(p.a or p.b, "face", "") == f), drill))
+             _changed_places((p for p in pairs if getattr(p.a or p.b, "face", "") == f), drill),
+             down=runs_down(f))
         for f in faces
     )  # fmt: skip
     lines = _names(a.name, a.sha256, b.name, b.sha256)
@@ -170,7 +172,7 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
         size = frame.all(((0.0, 0.0), (end, 0.0), (end, view.box[3]), (0.0, view.box[3])))
         drawn.append(Polyline("same stock-outline", size, True))
         drawn += _cuts(a, b, view.name, frame)
-        shifted = Frame(frame.scale, frame.left - drill * frame.scale, frame.base)
+        shifted = replace(frame, left=frame.left - drill * frame.scale)
         for pair in _rising(pairs):
             thing = pair.a or pair.b
             if isinstance(thing, Bore | MachinedPath | ToldText) and thing.face == view.name:
@@ -206,8 +208,7 @@ def _made_shapes(thing: Bore | MachinedPath | ToldText, frame: Frame) -> Iterato
         tip = f"{thing.kind} {thing.diameter:g} at machine x {thing.x:g}, y {thing.y:g}"
         yield Circle("hole", frame.at(thing.x, thing.y), radius, tip, thing.line)
     elif isinstance(thing, ToldText):
-        at, size = frame.at(thing.x, thing.y), max(thing.height * frame.scale * 1.35, 5.0)
-        yield Text("text", at, thing.text, size, "start", thing.angle, line=thing.line)
+        yield lettering("text", thing, frame, line=thing.line)
     else:
         yield Polyline("trail", frame.all(thing.points), False, thing.kind, thing.line)
 

@@ -6,6 +6,7 @@ from math import hypot
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.model.part import (
+    MIRRORED_FACES,
     Bend,
     Camber,
     Contour,
@@ -15,7 +16,9 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
+from beamcam.pictures.labels import CAPITAL
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Shape, Text
+from beamcam.verify.bars.machined_features import ToldText
 
 CHORD_PIXELS = 0.02  #: of the chords that stand for curves
 CROSS = 5.0  #: half of the cross of a mark, pixels
@@ -37,15 +40,30 @@ def feature_shapes(feature: Feature, frame: Frame) -> Iterator[Shape]:
         case Contour():
             yield _contour(feature, frame)
         case TextMark():
-            letters = max(feature.height * frame.scale * 1.35, 5.0)
             tip = f"text {feature.face} at x {feature.x:g}, y {feature.y:g}"
-            at = frame.at(feature.x, feature.y)
-            yield Text("text", at, feature.text, letters, "start", feature.angle, None, tip)
+            yield lettering("text", feature, frame, tip)
         case Bend():
             tip = f"bend of {feature.angle:g} degrees"
             yield Polyline("bend", frame.all((feature.start, feature.end)), False, tip)
         case Camber():
             yield from cross("bend", frame.at(feature.x, feature.y), "camber")
+
+
+def lettering(
+    classes: str, told: TextMark | ToldText, frame: Frame, tip: str = "", line: int = 0
+) -> Text:
+    """A text where it stands on its face, to be read.
+
+    On h, which is drawn through the web, it would stand as mirror writing below its base line; it
+    fills the same place there and runs the same way.
+    """
+    size = max(told.height * frame.scale * 1.35, 5.0)
+    x, y = frame.at(told.x, told.y)
+    turn = -told.angle if frame.down else told.angle
+    if told.face in MIRRORED_FACES and not frame.down:
+        c, s = unit_vector(turn)
+        x, y = x + CAPITAL * size * s, y + CAPITAL * size * c
+    return Text(classes, (x, y), told.text, size, "start", turn, None, tip, line)
 
 
 def _hole(hole: Hole, frame: Frame) -> Iterator[Circle]:

@@ -1,6 +1,6 @@
 """The picture of a part: its faces unfolded in true proportions, dimensioned along x.
 
-h  web from behind     faces lie one above the other as DSTV draws them; the ends are cut as
+h  web, through it     faces lie one above the other as they unfold (`faces`); the ends are cut as
 o  top flange          the part's mitres say
 v  web
 u  bottom flange
@@ -14,6 +14,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import join_boxes
 from beamcam.model.colour import process_of
+from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import (
     Camber,
     Contour,
@@ -43,7 +44,6 @@ from beamcam.pictures.views import (
     titles,
 )
 
-FACE_NAMES = {"h": "web from behind", "o": "top flange", "v": "web", "u": "bottom flange"}
 FACES_OF = {"I": "ovu", "U": "ovu", "C": "ovu", "T": "ov", "L": "vu", "M": "hovu", "B": "v"}
 SMALL = (150.0, 60.0)  #: pixels of a small picture
 MAX_SMALL_SHAPES = 120
@@ -156,10 +156,8 @@ def view_of(part: Part, face: Face) -> View:
     box = join_boxes(boxes) or (0.0, 0.0, part.length or 100.0, 100.0)
     if box[3] - box[1] < 1.0:
         box = (box[0], box[1] - 5.0, box[2], box[3] + 5.0)
-    title = f"{face}   {FACE_NAMES.get(face, 'plane')}"
-    if part.profile.code == "B":
-        title = f"{face}   {'front' if face == 'v' else 'back'}"
-    return View(face, title, box, tuple(places), tuple(heights))
+    title = face_title(face, part.profile.code)
+    return View(face, title, box, tuple(places), tuple(heights), runs_down(face))
 
 
 def _edges(contour: Contour, around: Box) -> Iterator[float]:

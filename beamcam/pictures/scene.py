@@ -65,10 +65,12 @@ class Frame(Struct, frozen=True):
     scale: float  #: pixels in a millimetre
     left: float  #: of mm x 0
     base: float  #: of mm y 0
+    down: bool = False  #: whether y runs down the paper, as on a flange seen from above
 
     def at(self, x: float, y: float) -> Point:
         """The place of a point."""
-        return self.left + x * self.scale, self.base - y * self.scale
+        rise = -y if self.down else y
+        return self.left + x * self.scale, self.base - rise * self.scale
 
     def all(self, points: Sequence[Sequence[float]]) -> tuple[Point, ...]:
         """The places of points."""

@@ -1,9 +1,9 @@
 """Views of faces stacked on one paper, at one scale, with room for their dimensions.
 
 heading
-o  top flange     [==============]
+o  top flange     [==============]   y = 0 is its upper edge, away from the web's front
                    |   |     |       figures of x, each at its line
-v  web            [==============]
+v  web            [==============]   y = 0 is its lower edge
                    ...
 footing
 """
@@ -34,6 +34,17 @@ class View(Struct, frozen=True):
     box: Box
     places: tuple[float, ...] = ()
     heights: tuple[float, ...] = ()  #: places along y
+    down: bool = False  #: whether y runs down the paper
+
+    @property
+    def top(self) -> float:
+        """The y of the box's upper edge on the paper."""
+        return self.box[1] if self.down else self.box[3]
+
+    @property
+    def bottom(self) -> float:
+        """The y of the box's lower edge on the paper."""
+        return self.box[3] if self.down else self.box[1]
 
 
 class Paper(Struct, frozen=True):
@@ -58,7 +69,8 @@ def laid_out(views: Sequence[View], top: float) -> Paper:
     y = top
     for view in views:
         y += TITLE + (view.box[3] - view.box[1]) * scale
-        frames[view.name] = Frame(scale, left, y + view.box[1] * scale)
+        base = y - view.bottom * scale if view.down else y + view.bottom * scale
+        frames[view.name] = Frame(scale, left, base, view.down)
         y += (FIGURES if view.places else 0.0) + GAP
     return Paper(frames, top, y, scale)
 
@@ -78,7 +90,7 @@ def head_height(lines: Sequence[str]) -> float:
 def titles(views: Sequence[View], paper: Paper) -> Iterator[Text]:
     """The names of the views, each above its upper left corner."""
     for view in views:
-        x, y = paper.frames[view.name].at(view.box[0], view.box[3])
+        x, y = paper.frames[view.name].at(view.box[0], view.top)
         yield Text("label", (x, y - 17.0), view.title)
 
 
@@ -88,7 +100,7 @@ def figures(view: View, paper: Paper, unit: Unit, offset: float = 0.0) -> Iterat
     `offset` is taken off the figures, not off the places.
     """
     frame = paper.frames[view.name]
-    base = frame.at(0.0, view.box[1])[1]
+    base = frame.at(0.0, view.bottom)[1]
     places = sorted(set(view.places))
     most = int((WIDTH - 2 * SIDE + 30.0) / FIGURE_SIZE)
     if len(places) > most:
@@ -100,7 +112,7 @@ def figures(view: View, paper: Paper, unit: Unit, offset: float = 0.0) -> Iterat
         place = (label + 3.5, base + 17.0)
         yield Text("figure", place, shown(value, unit), FIGURE_SIZE, "end", 90.0, value)
     left = frame.at(view.box[0], 0.0)[0]
-    ys = sorted(set(view.heights))
+    ys = sorted(set(view.heights), reverse=view.down)
     ideal = [-frame.at(0.0, y)[1] for y in ys]
     for y, at, label in zip(ys, ideal, spread(ideal, FIGURE_SIZE), strict=True):
         yield Polyline("dim", ((left - 2.0, -at), (left - 5.0, -at), (left - 9.0, -label)))

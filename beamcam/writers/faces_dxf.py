@@ -1,12 +1,13 @@
 """The writer of a part as a DXF drawing: each face on layers of its own, one above the other.
 
-    BEHIND   h   |  views are stacked along y with a gap between them, named at their left
+    BEHIND   h   |  views are stacked along y with a gap between them, named above each
     TOP      o   |
     FRONT    v   |  lengths run to the right on all of them
     BOTTOM   u   |
 
-Geometry is written as it stands in the faces' numbers: o and h are seen as DSTV draws them. For
-looking at and for measuring; ezdxf is imported when it is needed.
+Views lie as the faces unfold (`model.faces`): o has its y = 0 at the top, h is drawn through the
+web; the name of a view says so. For looking at and for measuring; ezdxf is imported when it is
+needed.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ import io
 from math import hypot, radians
 from threading import Lock
 from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import (
     Arc,
@@ -29,6 +32,7 @@ from beamcam.geometry.curves import (
     join_boxes,
     unit_vector,
 )
+from beamcam.model.faces import THROUGH, face_title, runs_down
 from beamcam.model.part import Bend, Camber, Contour, Face, Feature, Hole, Part, Slot, TextMark
 
 if TYPE_CHECKING:
@@ -72,6 +76,8 @@ def _drawing(part: Part) -> str:
     shift = 0.0
     for face in _drawn_faces(part):
         features = [f for f in part.features if _face_of(f) == face]
+        if runs_down(face):
+            features = [_upside_down(f) for f in features]
         layer = "FACE_" + face.replace("#", "-")
         for suffix, colour in _COLOURS.items():
             document.layers.add(layer + suffix, color=colour)
@@ -85,6 +91,19 @@ def _drawing(part: Part) -> str:
     stream = io.StringIO()
     document.write(stream)
     return stream.getvalue()
+
+
+def _upside_down(feature: Feature) -> Feature:
+    """A feature as it lies on a view whose y runs down: with y and angles of the other sign."""
+    match feature:
+        case Hole() | Camber():
+            return replace(feature, y=-feature.y)
+        case Slot() | TextMark():
+            return replace(feature, y=-feature.y, angle=-feature.angle)
+        case Contour():
+            down = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
+            return replace(feature, curves=tuple(c.transformed(down) for c in feature.curves))
+    return feature
 
 
 def _face_of(feature: Feature) -> Face | None:
@@ -101,14 +120,15 @@ def _drawn_faces(part: Part) -> list[Face]:
 
 def _label(part: Part, face: Face) -> str:
     cuts = sum(1 for f in part.features if _face_of(f) is None)
-    text = f"{face} {FACE_NAMES.get(face, 'PLANE')}  {part.mark}  {part.profile.name}"
+    seen = f"{part.mark}  {part.profile.name}  {face_title(face, part.profile.code)}"
+    text = f"{face} {FACE_NAMES.get(face, 'PLANE')}  {seen}"
     return text + (f"  {cuts} cutting planes not drawn" if cuts and face == "v" else "")
 
 
 def _box(part: Part, face: Face, features: list[Feature]) -> Box:
     """The box around a view."""
-    width = part.profile.face_width(face) if face in FACE_NAMES else 0.0
-    boxes: list[Box] = [(0.0, 0.0, part.length, width)] if width else []
+    low, high = _edges(part, face)
+    boxes: list[Box] = [(0.0, low, part.length, high)] if high > low else []
     for feature in features:
         match feature:
             case Contour():
@@ -118,6 +138,12 @@ def _box(part: Part, face: Face, features: list[Feature]) -> Box:
             case Bend():
                 boxes += [(*feature.start, *feature.start), (*feature.end, *feature.end)]
     return join_boxes(boxes) or (0.0, 0.0, part.length, 0.0)
+
+
+def _edges(part: Part, face: Face) -> tuple[float, float]:
+    """The lower and the upper edge of a face on its view."""
+    width = part.profile.face_width(face) if face in FACE_NAMES else 0.0
+    return (-width, 0.0) if runs_down(face) else (0.0, width)
 
 
 class _View:
@@ -153,9 +179,9 @@ def _draw_stock(part: Part, face: Face, features: list[Feature], sheet: _View) -
     """The raw rectangle of a face that has no outer contour."""
     if any(isinstance(f, Contour) and f.kind == "outer" for f in features):
         return
-    width = part.profile.face_width(face) if face in FACE_NAMES else 0.0
-    if width:
-        corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
+    low, high = _edges(part, face)
+    if high > low:
+        corners = [(0.0, low), (part.length, low), (part.length, high), (0.0, high)]
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
             sheet.line(a, b)
 
@@ -174,13 +200,18 @@ def _draw(feature: Feature, sheet: _View) -> None:
             for curve in feature.curves:
                 _draw_curve(curve, sheet, suffix)
         case TextMark():
+            from ezdxf.enums import TextEntityAlignment
+
             entity = sheet.space.add_text(
                 feature.text,
                 height=feature.height or 1.0,
                 rotation=feature.angle,
                 dxfattribs=sheet.on("_TEXT"),
             )
-            entity.set_placement(sheet.at((feature.x, feature.y)))
+            # Through the web a text would be mirror writing below its base line.
+            align = "TOP_LEFT" if feature.face == THROUGH else "LEFT"
+            place = sheet.at((feature.x, feature.y))
+            entity.set_placement(place, align=TextEntityAlignment[align])
         case Bend():
             sheet.line(feature.start, feature.end, "_MARKS")
         case Camber():

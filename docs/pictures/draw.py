@@ -10,6 +10,8 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from beamcam.cli import main
+from beamcam.pictures.faces import faces_scene
+from beamcam.pictures.svg import to_svg
 
 ROOT = Path(__file__).resolve().parents[2]
 CHANNEL, TIE = "samples/dstv/channel.nc1", "samples/dstv/tie.nc1"
@@ -29,6 +31,8 @@ PICTURES = {
     "encoder.svg": "simulate {program} --encoder 512/65",
 }
 
+FACES = "faces.svg"  #: has no call: it is drawn from the rules of the faces alone
+
 
 def draw(folder: Path) -> None:
     """All pictures, into a folder."""
@@ -44,6 +48,7 @@ def draw(folder: Path) -> None:
             done = CliRunner().invoke(main, [*words, "-o", str(folder / name)])
             if not (folder / name).exists():
                 raise SystemExit(f"{call}\n{done.output}")
+    (folder / FACES).write_text(to_svg(faces_scene()), encoding="utf-8")
 
 
 def revised(text: str) -> str:
