@@ -12,37 +12,31 @@ from benchmarks import damage, doors, fuzz
 from tests.conftest import ROOT
 
 FILES = {kind: fuzz.samples(kind) for kind in fuzz.FORMATS}
-#: Numbers that did not hold once, and the first ones of a seed that no run before had.
-SEED, FEW = 3, 100
+#: A seed that no run of the benchmark had, and how many of its inputs.
+SEED, FEW = 3, 40
 
 
 @pytest.mark.parametrize("kind", fuzz.FORMATS)
 def test_damaged_inputs_hold(kind: str) -> None:
-    begun = time.process_time()
     for index in range(FEW):
         done = fuzz.one(index, SEED, {kind: FILES[kind]})
         assert done.how in fuzz.HELD, done
-        if time.process_time() - begun > 2.5:
-            break
 
 
 @pytest.mark.parametrize("kind", fuzz.OF_COMMANDS)
 def test_damaged_inputs_hold_in_the_commands(kind: str) -> None:
-    files, begun = {kind: fuzz.samples(kind)}, time.process_time()
-    for index in range(FEW):
+    files = {kind: fuzz.samples(kind)}
+    for index in range(FEW // 2):
         done = fuzz.one(index, SEED, files, by_commands=True)
         assert done.how in fuzz.HELD, done
-        if time.process_time() - begun > 2.5:
-            break
 
 
 @pytest.mark.parametrize("kind", fuzz.OF_COMMANDS)
 def test_each_command_takes_what_is_sound(kind: str, tmp_path: Path) -> None:
     """A line that was misspelt would be refused whatever the input is."""
-    held = set()
-    for seed in range(20):
-        held.add(doors.go_through(kind, fuzz.samples(kind)[0], random.Random(seed))[0])
-    assert "posted" in held
+    sound = fuzz.samples(kind)[0]
+    ways = (doors.go_through(kind, sound, random.Random(seed))[0] for seed in range(20))
+    assert "posted" in ways
 
 
 def test_the_same_seed_gives_the_same_inputs() -> None:

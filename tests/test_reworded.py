@@ -67,16 +67,20 @@ def codes_in(streams: Iterable[object]) -> Iterator[str]:
 def of_all(folder: Path) -> Iterator[tuple[Any, ...]]:
     """What becomes of each sample, posted and read back."""
     for number, (path, more) in enumerate(ASKED):
-        yield path, more, outcome("post", path, *more, "-o", "-", "--json")
         program = folder / f"{number}.program"
-        if outcome("post", path, *more, "-o", str(program), "--json")[0] == 0:
+        posted = outcome("post", path, *more, "-o", str(program), "--json")
+        yield path, more, posted
+        if posted[0] == 0:
+            yield path, more, program.read_bytes()
             yield path, more, outcome("verify", str(program), "--against", path, "--json")
+        program.unlink(missing_ok=True)
 
 
 def test_other_words_decide_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     before = list(of_all(tmp_path))
-    seen = {code for _, _, (_, *streams) in before for code in codes_in(streams)}
+    said = [made for _, _, made in before if isinstance(made, tuple)]
+    seen = {code for _, *streams in said for code in codes_in(streams)}
     assert seen >= {"plan-text-moved", "plan-left-in-corner", "verify-bar-needed", "plan-turned"}
     monkeypatch.setattr(Rule, "at", reworded)
     done = CliRunner().invoke(main, ["post", "samples/bad/slot.nc1", "-o", "-"])

@@ -11,7 +11,7 @@ from beamcam.errors import BeamcamError
 from tests.conftest import SAMPLES
 from tests.runs import part
 
-THREADS, PARTS = 8, 200
+THREADS, PARTS = 8, 96
 BARS = ("beamline", "beamline-annex", "beamline-pusher")
 SHEETS = ("plate-linuxcnc", "plate-codesys", "laser-grbl")
 
@@ -26,7 +26,7 @@ def hasty() -> Iterator[None]:
 
 
 def inputs() -> list[tuple[str, bytes, str]]:
-    """Name, bytes and machine of 200 parts: of 21 kinds, with some that are refused."""
+    """Name, bytes and machine of 96 parts: of 21 kinds, with some that are refused."""
     drawn = [(path.name, path.read_bytes()) for path in sorted((SAMPLES / "dstv").glob("*.nc1"))]
     made = [
         (f"P{k}.nc1", part(f"P{k}", 1500.0 + k, 1, (10, 12, 14, 18, 22, 65)[k % 6]).encode())

@@ -60,7 +60,7 @@ def alone(one: Recipe) -> tuple[str, ...]:
 RECIPES = st.tuples(st.sampled_from([*INSIDE, *INSIDE, "copes", "drilled"]), st.integers(0, 3))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.lists(RECIPES, min_size=2, max_size=6), st.sampled_from((1, 2, 3)))
 def test_each_member_is_the_same_alone_and_in_company(recipes: list[Recipe], workers: int) -> None:
     assert rows(recipes, workers) == [alone(one) for one in recipes]

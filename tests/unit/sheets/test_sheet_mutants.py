@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import pytest
 
@@ -70,20 +70,21 @@ def mutants(text: str) -> Iterator[tuple[str, str]]:
         yield f"not at all: {block[0]}", "\n".join([*lines[: first + 1], *lines[last + 1 :]])
 
 
+@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize(("name", "values"), MACHINES)
-def test_every_mutant_is_found(name: str, values: dict[str, object]) -> None:
+def test_every_mutant_is_found(name: str, values: dict[str, object], every: int) -> None:
     machine = table(name, **values)
     text = post((NESTED,), machine).text
     assert not verify_sheet(text, (NESTED,), machine)
     leads = set() if "lead" in values or name == "laser-grbl" else leads_of(text)
     count = 0
-    for what, mutant in mutants(text):
+    for what, mutant in islice(mutants(text), 0, None, every):
         how, _, line = what.partition(" for " if " for " in what else " ")
         if line in leads and how in ("without", "a line"):
             continue  # in the waste: shorter or straight it is as good a lead
         count += 1
         assert verify_sheet(mutant, (NESTED,), machine), what
-    assert count > 100
+    assert count > 100 / every
 
 
 def leads_of(text: str) -> set[str]:

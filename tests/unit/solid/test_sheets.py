@@ -158,10 +158,11 @@ def test_a_cut_on_the_line_is_half_a_kerf_off() -> None:
 @pytest.mark.parametrize("machine", ["plate-linuxcnc", "plate-codesys"])
 def test_the_kerf_on_the_wrong_side(machine: str) -> None:
     made = machine_of(machine, "machine")
-    text = posted(ODD, made)
+    straight = replace(ODD, features=ODD.features[:2])  # turned solids of many facets take long
+    text = posted(straight, made)
     turned = re.sub(r"G4([12])(?=\D)", lambda m: "G42" if m[1] == "1" else "G41", text)
     assert turned != text
-    assert "solid-missing" in codes(turned, made, ODD)
+    assert "solid-missing" in codes(turned, made, straight)
 
 
 def test_pieces_are_counted() -> None:

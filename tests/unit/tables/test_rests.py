@@ -41,7 +41,8 @@ def test_a_rest_at_a_steady_speed_is_refused(thickness: float, ms: float) -> Non
     lines, part = written(thickness)
     assert codes(rested(lines, len(lines) - 1, 0.0), part) == set()
     on = [k for k, line in enumerate(lines) if line.endswith(",1")]
-    ends = [k for k in on if k + 1 not in on or k - 1 not in on]
+    lit = set(on)
+    ends = [k for k in on if k + 1 not in lit or k - 1 not in lit]
     rng = np.random.default_rng(1)
     asked = [k for k in rng.choice(on, 24) if min(abs(k - end) for end in ends) > 1000]
     found = [codes(rested(lines, int(k), ms), part) for k in asked]
