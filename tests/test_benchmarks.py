@@ -116,3 +116,11 @@ def test_a_truth_that_is_untrue_is_seen(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     assert re.search(r"model/part\.py +test_sections\.py::", done.stdout)
     assert done.stdout.endswith("\n1 of 1 seen\n")
+
+
+def test_random_jobs_are_posted(called: Callable[..., tuple[object, str, str]]) -> None:
+    status, out, errors = called("random_jobs.py", "--bars", "6", "--plates", "8", "--seed", "2")
+    assert (status, errors) == (0, "")
+    assert out.startswith("bars: 6 posted (2 beamline, 2 beamline-annex, 2 beamline-pusher)\n")
+    assert "plates: 8 posted (2 plate-linuxcnc, " in out
+    assert out.endswith("refused by the read-back: 0\n")
