@@ -5,14 +5,16 @@ doubled and swapped, signs flipped, digits changed, words exchanged, spindles, t
 and angles replaced. `outcome` tells, in a way that shares nothing with the read-back, whether what
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
 look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
-make the part but break a tool (`faults`), plans that lie (`liars`, `sheet_liars`), jobs
-that are not what was asked for (`asked_liars`), and texts that
-are not the part's (`letterings`) have to be refused too.
+make the part but break a tool (`faults`), that a smaller machine could not run, or that are wrong
+in order, state, limits, leads or direction on a table (`sheet_faults`), plans that lie (`liars`,
+`sheet_liars`), jobs that are not what was asked for (`asked_liars`), and texts that are not the
+part's (`letterings`) have to be refused too.
 
     python benchmarks/mutation.py [--mutants 2500] [--seed 1]
 """
 
 import random
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -21,6 +23,7 @@ from math import radians, tan
 from pathlib import Path
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -40,6 +43,7 @@ from benchmarks.liars import PROFILES, told
 from benchmarks.liars import parts as parts_of_lies
 from benchmarks.mutants import FACES, MUTATIONS, REWRITES
 from benchmarks.script import arguments, at_least, start
+from benchmarks.sheet_faults import told as told_of_tables
 from benchmarks.sheet_liars import told as told_of_sheets
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -204,6 +208,41 @@ def faults(each: int, seed: int, programs: Sequence[Case] | None = None) -> Faul
     return result
 
 
+def beyond_limits(programs: Sequence[Case] | None = None) -> FaultScore:
+    """Every program on a machine that is too small for it, by one limit after the other."""
+    result = FaultScore(Counter(), Counter(), Counter(), [])
+    for case in programs if programs is not None else [*cases(), all_kinds()]:
+        machine, profile = case.machine, case.parts[0].profile
+        saw, drill = machine.needed(machine.saw, "saw"), machine.needed(machine.drill, "drill")
+        smaller = {
+            "height at the saw": replace(machine, saw=replace(saw, max_height=profile.height - 1)),
+            "width at the saw": replace(machine, saw=replace(saw, max_width=profile.width - 1)),
+            "height at the drill": replace(
+                machine, drill=replace(drill, max_height=profile.height - 1)
+            ),
+            "width at the drill": replace(
+                machine, drill=replace(drill, max_width=profile.width - 1)
+            ),
+            "section": replace(
+                machine,
+                sections={k: v for k, v in machine.sections.items() if k != profile.code},
+            ),
+        }
+        if re.search(r" M0[34] K", case.text):  # the annex leaves speeds and feeds to the machine
+            smaller["spindle"] = replace(
+                machine, drill=replace(drill, max_speed_rpm=drill.min_speed_rpm)
+            )
+            smaller["feed"] = replace(machine, drill=replace(drill, max_feed_mm_min=1.0))
+        for limit, small in smaller.items():
+            said = verify(case.text, case.parts, small, SKIP_NAMES, bar=case.bar)
+            caught = any(d.severity is Severity.ERROR for d in said)
+            result.made[limit] += 1
+            result.caught[limit] += caught
+            if not caught:
+                result.missed.append((case.name, limit))
+    return result
+
+
 class Score(Struct):
     """What became of the mutants."""
 
@@ -270,6 +309,16 @@ def main() -> None:
     for name in sorted(broken.made):
         of = f"{broken.caught[name]:5} of {broken.made[name]:5} caught"
         print(f"{name:22} {of}, {broken.alone[name]:5} without the parts")
+    small = beyond_limits()
+    for name, count in small.made.items():
+        print(f"{'limits: ' + name:34} {small.caught[name]:5} of {count:5} caught")
+    tables = told_of_tables(FAULTS_EACH, asked.seed)
+    for name in sorted(tables.made):
+        print(f"{name:34} {tables.caught[name]:5} of {tables.made[name]:5} caught")
+    both = small.caught.total() + tables.caught.total()
+    print(
+        f"{both} of {small.made.total() + tables.made.total()} beyond limits and of tables caught"
+    )
     lied = told(MACHINES)
     print(f"{sum(lied.caught.values())} of {sum(lied.made.values())} lies of the planner caught")
     changed_heads, refused_heads = counted()
@@ -283,7 +332,14 @@ def main() -> None:
     print(f"{sum(sheets.caught.values())} of {sum(sheets.made.values())} lies about sheets caught")
     jobs = told_of_jobs()
     print(f"{sum(jobs.caught.values())} of {sum(jobs.made.values())} lies about the job caught")
-    for missed in (*jobs.missed[:5], *broken.missed[:5], *lied.missed[:5], *sheets.missed[:5]):
+    for missed in (
+        *small.missed[:5],
+        *tables.missed[:5],
+        *jobs.missed[:5],
+        *broken.missed[:5],
+        *lied.missed[:5],
+        *sheets.missed[:5],
+    ):
         print("missed:", *missed)
     for name, mutation, text in result.missed[:5]:
         print(f"\nmissed: {name}, {mutation}")

@@ -107,7 +107,7 @@ def drawing() -> Part:
         contour(lines((10.0, 0.0), (30.0, 0.0), closed=False), "#ff0000"),
         contour(lines((5.0, 5.0), (50.0, 36.0), closed=False), "#00ff00", "notes"),
     )
-    return _part(features, Measures())
+    return part_of(features, Measures())
 
 
 def filled() -> Part:
@@ -119,7 +119,7 @@ def filled() -> Part:
         contour((Arc((44.0, 28.0), 5.0, 0.0, 360.0),), "#ff00ff"),
         contour(lines((32.0, 5.0), (52.0, 5.0), (48.0, 16.0), (32.0, 16.0)), "#0000ff"),
     )
-    return _part(features, Measures())
+    return part_of(features, Measures())
 
 
 def plate() -> Part:
@@ -132,7 +132,7 @@ def plate() -> Part:
                 colour=None),
         TextMark("v", 6.0, 6.0, 0.0, 5.0, "P1", SOURCE),
     )  # fmt: skip
-    return _part(features, None)
+    return part_of(features, None)
 
 
 def across() -> Iterator[tuple[str, Part, Part]]:
@@ -154,10 +154,10 @@ def across() -> Iterator[tuple[str, Part, Part]]:
         ("a line across lines", grid, [*grid, line]),
         ("a broken line joined", dashes, [whole]),
     ):
-        yield name, _part((outline, *few), Measures()), _part((outline, *many), Measures())
+        yield name, part_of((outline, *few), Measures()), part_of((outline, *many), Measures())
 
 
-def _part(features: Sequence[object], measures: Measures | None) -> Part:
+def part_of(features: Sequence[object], measures: Measures | None) -> Part:
     profile = Profile("B", "", 40.0, 0.0, 0.0, 3.0)
     return Part("P1", profile, 60.0, SOURCE, features=tuple(features), measures=measures)  # type: ignore[arg-type]
 

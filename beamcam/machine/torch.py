@@ -21,9 +21,15 @@ class TorchRow(Keys, frozen=True):
     power: NotNegative = 0.0  #: what the words call {power}
     pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
     kerf: NotNegative = 0.0  #: width of the cut
+    pierce_width: NotNegative = 0.0  #: of the hole that piercing burns; 0: twice the kerf
     pierce_height: NotNegative = 0.0  #: of the torch over the sheet as it pierces; 0: not known
     cut_height: NotNegative = 0.0  #: of the torch over the sheet as it cuts; 0: not known
     passes: PositiveCount = 1  #: how often a contour is followed
+
+    @property
+    def pierce_radius(self) -> float:
+        """How far from the part it pierces where there is room, in mm."""
+        return self.pierce_width / 2 or self.kerf
 
 
 class LookSettings(Keys, frozen=True):

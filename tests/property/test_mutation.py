@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from beamcam.diff.differ import diff_programs
 from beamcam.errors import errors_in
 from beamcam.verify.bars import run
+from benchmarks import sheet_faults
 from benchmarks.faults import FAULTS, NEED_PARTS
 from benchmarks.liars import told
 from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle
@@ -17,6 +18,7 @@ from benchmarks.mutation import (
     Case,
     Score,
     all_kinds,
+    beyond_limits,
     cases,
     changed,
     faults,
@@ -24,6 +26,7 @@ from benchmarks.mutation import (
     score,
 )
 from benchmarks.order_faults import SEEN_BY_PARTS
+from benchmarks.sheet_faults import told as faults_of_tables
 
 MUTANTS = 2000
 
@@ -63,6 +66,23 @@ def test_what_breaks_a_tool_is_refused_with_and_without_parts(programs: list[Cas
     assert result.missed == []
     for name, count in result.made.items():
         assert name in NEED_PARTS or result.alone[name] == count, name
+
+
+def test_what_a_smaller_machine_cannot_run_is_refused(programs: list[Case]) -> None:
+    result = beyond_limits([*programs, all_kinds()])
+    assert result.missed == []
+    assert len(result.made) == 7
+    assert result.made["section"] == len(programs) + 1
+
+
+def test_faults_of_tables_are_refused() -> None:
+    """Of each class: order, state, limits, leads, direction."""
+    result = faults_of_tables(1, 7)
+    assert result.missed == []
+    classes = {kind.split(" ")[0] for kind in result.made}
+    assert classes == {*sheet_faults.BY_CLASS, "direction"}
+    names = {kind.split(" ")[1] for kind in result.made} - {"turned"}
+    assert names == {f.__name__ for many in sheet_faults.BY_CLASS.values() for f in many}
 
 
 def test_whatever_the_planner_says_of_a_plan_that_lies_it_is_refused() -> None:

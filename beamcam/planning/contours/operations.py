@@ -53,7 +53,7 @@ def operations_of(
     if torch.kerf_by == "machine":
         led, more = _by_machine(ways, torch, fence or ready)
     else:
-        led, more = _by_offset(ways, torch, fence or ready)
+        led, more = _by_offset(ways, material, torch, fence or ready)
     said += more
     found = [_operation(shape, kerf, material, torch, lead) for (shape, kerf, lead) in led]
     if torch.tabs:
@@ -73,12 +73,14 @@ def operations_of(
 
 
 def _by_offset(
-    ways: Sequence[Way], torch: Torch, fence: Sequence[Shape]
+    ways: Sequence[Way], material: Material, torch: Torch, fence: Sequence[Shape]
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
     """The toolpaths with their leads, and a remark on shortened ones."""
     kerf = max((kerf for _, kerf in ways), default=0.0) if torch.kerf_by == "offset" else 0.0
     overs = [overcut(shape, own, torch) for shape, own in ways]
-    led, said = leads_of([shape for shape, _ in ways], overs, torch, kerf / 2, fence)
+    row = material.row("cut")
+    far = row.pierce_radius if row else 0.0
+    led, said = leads_of([shape for shape, _ in ways], overs, torch, kerf / 2, far, fence)
     return [(*way, led.get(k, NO_LEADS)) for k, way in enumerate(ways)], said
 
 

@@ -114,4 +114,9 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         from beamcam.verify.sheets.band import band_faults
 
         said += band_faults(work, traced)
+    led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
+    if work.half_kerf and led and not work.stepped:
+        from beamcam.verify.sheets.pierces import pierce_faults
+
+        said += pierce_faults(work, traced)
     return traced, said

@@ -146,6 +146,13 @@ LEAD = Rule(
     "found a lead {found} mm from the contour of {contour} at X {x}, Y {y}; expected {expected}",
     "The torch pierces or leaves where the part or its neighbour is.",
 )
+PIERCE = Rule(
+    "verify-sheet-pierce",
+    _E,
+    "found the sheet pierced at X {x}, Y {y}, {found} mm from the contour of {contour}; expected "
+    "at least {expected} mm, as there is room for a lead of {lead} mm",
+    "Piercing burns a wider hole than the cut; it would take a bite out of the edge.",
+)
 ORDER = Rule(
     "verify-sheet-order",
     _E,
@@ -210,5 +217,5 @@ RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING,
     EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN, RESTART, TABS, TAB_WIDTH, TAB_PLACE,
     OVERCUT,
-    LEAD, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
+    LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

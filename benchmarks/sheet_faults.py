@@ -1,0 +1,241 @@
+"""Ways to make a table's program wrong that leave its contours where they are, all to be refused.
+
+By classes: the order of cuts, the state of tool and controller, the limits of the machine, leads,
+and the direction of cuts. Each changes one place of a program at random, or gives None where the
+program has nothing of the kind.
+"""
+
+import random
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+
+from beamcam.errors import Severity, errors_in
+from beamcam.geometry.curves import Arc
+from beamcam.machine import Machine, load
+from beamcam.machine.overlay import with_torch
+from beamcam.model.drawing import Measures
+from beamcam.model.part import Part
+from beamcam.pipeline import post
+from beamcam.planning.rules import SKIP_NAMES
+from beamcam.verify.sheets import verify_sheet
+from benchmarks.liars import Lies
+from benchmarks.sheet_liars import COLOURS, contour, lines, part_of
+
+Lines = list[str]
+Fault = Callable[[Lines, random.Random], Lines | None]
+
+#: Tables that run G-code, with what their programs may have; leads are arcs, unless it says other.
+TABLES: tuple[tuple[str, dict[str, object]], ...] = (
+    ("plate-linuxcnc", {}), ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}),
+    ("plate-linuxcnc", {"tabs": 2}), ("plate-codesys", {}), ("plate-oxyfuel", {"thickness": 10.0}),
+    ("laser-grbl", {"material": "wood", "kerf_by": "offset"}),
+)  # fmt: skip
+TOOL_ON = re.compile(r"^(?:N\d+ )?(?:M0?3(?: S1)?|M4 S\S+(?: F\S+)?)$")
+TOOL_OFF = re.compile(r"^(?:N\d+ )?M0?5$")
+MOVE = re.compile(r"^(?:N\d+ )?G0?([123]) X\S+ Y\S+")
+
+
+def cuts(program: Sequence[str]) -> list[tuple[int, int, int]]:
+    """Lines of each stroke: the rapid that goes there, its first move, and where the tool stops."""
+    found = []
+    rapid = 0
+    on = -1
+    for k, line in enumerate(program):
+        if re.match(r"^(?:N\d+ )?G0?0 X", line):
+            rapid = k
+        elif TOOL_ON.match(line):
+            on = k
+        elif TOOL_OFF.match(line) and on >= 0:
+            first = next(i for i in range(on, k + 1) if i == k or MOVE.match(program[i]))
+            if first < k:
+                found.append((rapid, first, k))
+            on = -1
+    return found
+
+
+def _stroke(program: Lines, chance: random.Random, moves: int = 2) -> tuple[int, int, int] | None:
+    fitting = [cut for cut in cuts(program) if cut[2] - cut[1] >= moves]
+    return chance.choice(fitting) if fitting else None
+
+
+def _put(program: Lines, at: int, *blocks: str) -> Lines:
+    return [*program[:at], *blocks, *program[at:]]
+
+
+def outline_before_its_openings(program: Lines, chance: random.Random) -> Lines | None:
+    """The last stroke, which frees the part, comes first."""
+    each = cuts(program)
+    (first, *_), (last, _, end) = each[0], each[-1]
+    own = program[last : end + 1]
+    return [*program[:first], *own, *program[first:last], *program[end + 1 :]]
+
+
+def dwell_in_mid_cut(program: Lines, chance: random.Random) -> Lines | None:
+    cut = _stroke(program, chance)
+    if cut is None:
+        return None
+    seconds = "G04 T1" if any("G04 T" in line for line in program) else "G4 P1"
+    return _put(program, chance.randint(cut[1] + 1, cut[2] - 1), seconds)
+
+
+def off_and_on_in_mid_cut(program: Lines, chance: random.Random) -> Lines | None:
+    cut = _stroke(program, chance)
+    if cut is None:
+        return None
+    start = next(k for k in reversed(range(cut[1])) if TOOL_ON.match(program[k]))
+    again = [program[cut[2]], *program[start : cut[1]]]
+    return _put(program, chance.randint(cut[1] + 1, cut[2] - 1), *again)
+
+
+def tool_left_on(program: Lines, chance: random.Random) -> Lines | None:
+    cut = _stroke(program, chance)
+    return None if cut is None else [*program[: cut[2]], *program[cut[2] + 1 :]]
+
+
+def compensation_not_asked(program: Lines, chance: random.Random) -> Lines | None:
+    """Another word for it than the program has, or one where it has none."""
+    if any(re.search(r"G4[12]\b", line) for line in program):
+        return None
+    cut = _stroke(program, chance)
+    if cut is None or any(line.startswith("M4 S") for line in program):
+        return None
+    word = "G41 D3" if any("G04 T" in line for line in program) else "G42.1 D2"
+    return _put(program, cut[1], word)
+
+
+def corners_rounded(program: Lines, chance: random.Random) -> Lines | None:
+    """A path that the controller may leave by 5 mm."""
+    at = next((k for k, line in enumerate(program) if "G64 P" in line), None)
+    if at is None:
+        return None
+    return [*program[:at], re.sub(r"G64 P\S+", "G64 P5", program[at]), *program[at + 1 :]]
+
+
+def inches(program: Lines, chance: random.Random) -> Lines | None:
+    at = next((k for k, line in enumerate(program) if re.search(r"\bG21\b", line)), None)
+    if at is None:
+        return None
+    return [*program[:at], program[at].replace("G21", "G20"), *program[at + 1 :]]
+
+
+def off_the_table(program: Lines, chance: random.Random) -> Lines | None:
+    """A rapid by way of a place that lies 10 m beyond the table."""
+    cut = _stroke(program, chance, 1)
+    if cut is None:
+        return None
+    return _put(program, cut[0], re.sub(r"X\S+", "X19999.000", program[cut[0]]))
+
+
+def faster_than_the_axes(program: Lines, chance: random.Random) -> Lines | None:
+    fed = [k for k, line in enumerate(program) if re.search(r" F\d", line)]
+    if not fed:
+        return None
+    at = chance.choice(fed)
+    changed = re.sub(r" F[\d.]+", " F999999", program[at])
+    return [*program[:at], changed, *program[at + 1 :]]
+
+
+def _led(program: Lines, chance: random.Random) -> tuple[int, int, int] | None:
+    """A stroke that begins with an arc or a line into the contour, which is longer than a lead."""
+    return _stroke(program, chance, 4)
+
+
+def pierced_in_the_contour(program: Lines, chance: random.Random) -> Lines | None:
+    """The lead is left out: the rapid goes to where it would end."""
+    cut = _led(program, chance)
+    if cut is None:
+        return None
+    there = re.search(r"X\S+ Y\S+", program[cut[1]])
+    assert there is not None
+    rapid = re.sub(r"X\S+ Y\S+", there[0], program[cut[0]])
+    return [*program[: cut[0]], rapid, *program[cut[0] + 1 : cut[1]], *program[cut[1] + 1 :]]
+
+
+def pierced_in_the_part(program: Lines, chance: random.Random) -> Lines | None:
+    """The pierce is mirrored at the point where the lead meets the contour."""
+    cut = _led(program, chance)
+    if cut is None:
+        return None
+    (px, py), (x, y) = _place(program[cut[0]]), _place(program[cut[1]])
+    there = f"X{2 * x - px:.3f} Y{2 * y - py:.3f}"
+    rapid = re.sub(r"X\S+ Y\S+", there, program[cut[0]])
+    lead = f"G1 X{x:.3f} Y{y:.3f}"
+    feed = re.search(r" F\S+", program[cut[1]])
+    lead = re.match(r"^(N\d+ )?", program[cut[1]])[0] + lead + (feed[0] if feed else "")  # type: ignore[index]
+    return [*program[: cut[0]], rapid, *program[cut[0] + 1 : cut[1]], lead, *program[cut[1] + 1 :]]
+
+
+def _place(line: str) -> tuple[float, float]:
+    found = re.search(r"X(\S+) Y(\S+)", line)
+    assert found is not None
+    return float(found[1]), float(found[2])
+
+
+BY_CLASS: dict[str, tuple[Fault, ...]] = {
+    "order": (outline_before_its_openings,),
+    "state": (dwell_in_mid_cut, off_and_on_in_mid_cut, tool_left_on, compensation_not_asked,
+              corners_rounded, inches),
+    "limits": (off_the_table, faster_than_the_axes),
+    "leads": (pierced_in_the_contour, pierced_in_the_part),
+}  # fmt: skip
+
+
+def sheet() -> Part:
+    """A plate with openings of every kind of corner and a line that is marked."""
+    outline = lines((0.0, 0.0), (160.0, 0.0), (160.0, 100.0), (60.0, 100.0), (0.0, 60.0))
+    window = lines((95.0, 20.0), (145.0, 20.0), (145.0, 70.0), (95.0, 70.0))
+    return part_of(
+        (
+            contour(outline, "#ff0000"),
+            contour((Arc((45.0, 40.0), 22.0, 0.0, 360.0),), "#ff0000"),
+            contour(window, "#ff0000"),
+            contour(lines((105.0, 85.0), (135.0, 85.0), closed=False), "#0000ff"),
+        ),
+        Measures(),
+    )
+
+
+def told(each: int, seed: int) -> Lies:
+    """Every fault, `each` times in the program of every table, and every table's cuts turned."""
+    chance = random.Random(seed)
+    result = Lies(Counter(), Counter(), [])
+    part = sheet()
+
+    def tell(kind: str, where: str, text: str, machine: Machine) -> None:
+        said = verify_sheet(text, (part,), machine, SKIP_NAMES)
+        refused = any(one.severity is Severity.ERROR for one in said)
+        result.made[kind] += 1
+        result.caught[kind] += refused
+        if not refused:
+            result.missed.append((where, kind))
+
+    for name, values in TABLES:
+        where = " ".join([name, *(f"{key}={value}" for key, value in values.items())])
+        ways = {
+            way: with_torch(load(name), colours=COLOURS, allow_open=True, direction=way, **values)  # type: ignore[arg-type]
+            for way in ("climb", "conventional")
+        }
+        for asked, other in (("climb", "conventional"), ("conventional", "climb")):
+            text = _text_of(part, ways[asked])
+            assert not errors_in(verify_sheet(text, (part,), ways[asked], SKIP_NAMES)), where
+            tell("direction turned", where, _text_of(part, ways[other]), ways[asked])
+        for kind, fault, text in _broken(_text_of(part, ways["climb"]), each, chance):
+            tell(f"{kind} {fault}", where, text, ways["climb"])
+    return result
+
+
+def _text_of(part: Part, machine: Machine) -> str:
+    text = post([part], machine, skips=SKIP_NAMES).text
+    assert isinstance(text, str)
+    return text
+
+
+def _broken(text: str, each: int, chance: random.Random) -> Iterator[tuple[str, str, str]]:
+    """Class, name and program of each fault that a program can have."""
+    for kind, faults in BY_CLASS.items():
+        for fault in faults:
+            for _ in range(each):
+                found = fault(text.split("\n"), chance)
+                if found is not None:
+                    yield kind, fault.__name__, "\n".join(found)
