@@ -1,8 +1,9 @@
 """What a grade is made of, so that rows of a cut chart may name a material.
 
-    S355J2, A36, 1.0038, steel     mild steel: unalloyed structural steel up to S460
+    S355J2, A36, 1.0038, MS        mild steel: unalloyed structural steel up to S460
     1.4301, X5CrNi18-10, 304       stainless steel
     EN AW-5754, AlMg3, 6082        aluminium
+    NA, unknown, <unnamed>, -      nothing: what offices write where they know no grade
 
 A grade that is none of these is a material of its own: a row has to name it. High-strength steels
 (S500 and above) are alloyed, and have rows of their own.
@@ -16,7 +17,7 @@ MILD_STEEL, STAINLESS, ALUMINIUM = "mild steel", "stainless steel", "aluminium"
 #: By EN 10025, 10027-2, 10111, 10130, 10088 and 573, DIN 17100, ASTM, JIS, GB; spaces do not count.
 _GRADES = (
     (MILD_STEEL,
-     r"(MILD|STRUCTURAL|CARBON)?STEEL|STAHL|BAUSTAHL"
+     r"(METAL)?(MILD|STRUCTURAL|CARBON)?STEEL(\d+MPA)?|STAHL|BAUSTAHL|MS|CS"
      r"|S(185|195|235|275|355|420|450|460)\D.*|S(185|195|235|275|355|420|450|460)"
      r"|R?S?ST(33|37|44|50|52|60|70).*|(RST|UST)\d\d.*|FE(310|360|430|490|510).*|E(24|28|36).*"
      r"|A(36|53|283|500|501|516|529|572|992|1011)(\D.*)?|A572(42|50|55|60|65)"
@@ -30,13 +31,25 @@ _GRADES = (
      r"ALU(MINI?UM)?|ENAW.*|AL(MG|SI|CU|ZN|99|9).*|3\.\d{4}.*|[1-7]0\d\d(-?[HTOF]\d*)?"
      r"|(5[0-9]|6[0-9]|7[0-9])\d\d(-?[HTOF]\d*)?"),
 )  # fmt: skip
+_NOTHING = re.compile(
+    r"N\.?/?A\.?|NONE|NIL|NULL|UNKNOWN|UNDEFINED|<?UNNAMED>?|DEFAULT|TBD|[?.X*/]*"
+)
 _MATCHERS = tuple((name, re.compile(pattern)) for name, pattern in _GRADES)
 
 
 def material_of(grade: str) -> str:
     """What a grade is made of; the grade itself, without its case, if that is not known."""
-    plain = re.sub(r"[\s_-]", "", grade.upper())
+    plain = _plain(grade)
     return next((name for name, pattern in _MATCHERS if pattern.fullmatch(plain)), grade.casefold())
+
+
+def material_said(grade: str, otherwise: str) -> str:
+    """The grade of a part, or what a sheet is made of otherwise where that says nothing."""
+    return otherwise if _NOTHING.fullmatch(_plain(grade)) else grade
+
+
+def _plain(grade: str) -> str:
+    return re.sub(r"[\s_-]|ASTM", "", grade.upper())
 
 
 def is_row_for(material: str, grade: str) -> bool:

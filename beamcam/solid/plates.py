@@ -17,6 +17,7 @@ from msgspec import Struct
 from beamcam.controllers import table_events
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.machine import Machine
+from beamcam.machine.materials import material_said
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Part
 from beamcam.model.request import Request
@@ -83,7 +84,7 @@ def sheet_faults(text: str, parts: Sequence[Part], request: Request) -> list[Dia
     for plate in plates.values():
         if not plate.pieces:
             raise no_solid(plate.part, "cuts that enclose no piece")
-    rows = rows_for(torch, first.thickness, first.part.grade or torch.material)
+    rows = rows_for(torch, first.thickness, material_said(first.part.grade, torch.material))
     kerf = next((row.kerf for row in rows if row.process == "cut"), None)
     if kerf is None:
         raise no_solid(first.part, f"no cut of {first.thickness:g} mm in the machine's chart")

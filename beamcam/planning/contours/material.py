@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.load import load, shipped
-from beamcam.machine.materials import is_row_for, material_of
+from beamcam.machine.materials import is_row_for, material_of, material_said
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 from beamcam.planning.contours import rules
@@ -50,7 +50,7 @@ class Material:
         said = torch.thickness if own is None else own
         self.is_known = said is not None
         self.thickness = said or 0.0
-        self.material = part.grade or torch.material
+        self.material = material_said(part.grade, torch.material)
         self._torch = torch
         self._is_stepped = is_stepped  #: speeds lie between those of two rows
         self._source = part.source

@@ -12,7 +12,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for
+from beamcam.machine.materials import is_row_for, material_said
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import key_of, process_of
 from beamcam.model.drawing import extent
@@ -302,7 +302,7 @@ def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
 def rows_on(part: Part, torch: Torch) -> list[TorchRow]:
     """The row of each process on the part's sheet, as the machine's file has it."""
     thickness = thickness_of(part, torch)
-    material = part.grade or torch.material
+    material = material_said(part.grade, torch.material)
     found: dict[TorchProcess, TorchRow] = {}
     for row in torch.rows:
         if 0.0 < thickness <= row.up_to and is_row_for(row.material, material):

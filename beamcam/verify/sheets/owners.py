@@ -9,8 +9,8 @@ from beamcam.verify.owners import Language, Owner, Stock
 #: The path with the tool on, compared with the contours.
 _PATH = (
     "verify-sheet-missing", "verify-sheet-extra", "verify-sheet-twice", "verify-sheet-side",
-    "verify-sheet-band", "verify-sheet-lead", "verify-sheet-pierce", "verify-sheet-open", "verify-sheet-restart",
-    "verify-sheet-overcut", "verify-sheet-direction", "verify-sheet-tab*",
+    "verify-sheet-band", "verify-sheet-lead", "verify-sheet-pierce", "verify-sheet-open",
+    "verify-sheet-restart", "verify-sheet-overcut", "verify-sheet-direction", "verify-sheet-tab*",
 )  # fmt: skip
 _MOVED = (
     *_PATH, "verify-sheet-rapid", "verify-sheet-idle", "verify-sheet-area", "verify-sheet-word",

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
+from beamcam.machine.materials import material_said
 from beamcam.machine.torch import Torch
 from beamcam.model.drawing import Measures, extent
 from beamcam.model.moved import moved_feature
@@ -57,4 +58,6 @@ def as_one(
 
 
 def _shown(part: Part, torch: Torch) -> str:
-    return f"{thickness_of(part, torch):.2f} mm {part.grade or torch.material}".rstrip()
+    return (
+        f"{thickness_of(part, torch):.2f} mm {material_said(part.grade, torch.material)}".rstrip()
+    )

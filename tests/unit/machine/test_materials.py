@@ -6,14 +6,14 @@ import pytest
 
 from beamcam.errors import PlanError
 from beamcam.machine import load, shipped
-from beamcam.machine.materials import is_row_for, material_of
+from beamcam.machine.materials import is_row_for, material_of, material_said
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets.need import rows_on
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
 MILD = ("S235JR", "S355J2+N", "S 355", "s275", "S460M", "ST 37-2", "RSt37-2", "Fe 360", "A36",
-        "A992", "A572-50", "1.0038", "1.0577", "Q235B", "SS400", "DC01", "steel",
+        "A992", "ASTM A992", "MS", "Metal - Steel - 345 MPa", "A572-50", "1.0038", "1.0577", "Q235B", "SS400", "DC01", "steel",
         "mild steel")  # fmt: skip
 STAINLESS = ("1.4301", "1.4571", "X5CrNi18-10", "304", "316L", "AISI 304", "stainless steel", "V2A")
 ALUMINIUM = ("EN AW-5754", "AlMg3", "6082-T6", "5083", "3.3535", "aluminium", "aluminum", "alu")
@@ -39,6 +39,14 @@ def test_other_grades_are_materials_of_their_own() -> None:
         assert not is_row_for("mild steel", grade)
     assert is_row_for("S690*", "S690QL")
     assert is_row_for("mild steel", "")
+
+
+def test_what_names_no_grade_is_no_material() -> None:
+    """Real parts of three offices have NA, and one has an unnamed material."""
+    for grade in ("", "NA", "N/A", "n.a.", "none", "Unknown", "<Unnamed>", "-", "?", "xxx"):
+        assert material_said(grade, "wood") == "wood"
+        assert post((plate(grade),), table("plate-linuxcnc")).text
+    assert material_said("S355", "wood") == "S355"
 
 
 def plate(grade: str) -> Part:
