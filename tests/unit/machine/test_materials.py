@@ -13,7 +13,8 @@ from beamcam.verify.sheets.need import rows_on
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
 MILD = ("S235JR", "S355J2+N", "S 355", "s275", "S460M", "ST 37-2", "RSt37-2", "Fe 360", "A36",
-        "A992", "ASTM A992", "MS", "Metal - Steel - 345 MPa", "A572-50", "1.0038", "1.0577", "Q235B", "SS400", "DC01", "steel",
+        "A992", "ASTM A992", "MS", "Metal - Steel - 345 MPa", "A572-50",
+        "1.0038", "1.0577", "Q235B", "SS400", "DC01", "steel",
         "mild steel")  # fmt: skip
 STAINLESS = ("1.4301", "1.4571", "X5CrNi18-10", "304", "316L", "AISI 304", "stainless steel", "V2A")
 ALUMINIUM = ("EN AW-5754", "AlMg3", "6082-T6", "5083", "3.3535", "aluminium", "aluminum", "alu")
