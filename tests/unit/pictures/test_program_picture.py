@@ -62,6 +62,32 @@ def test_a_bar_has_its_cuts_holes_and_parts(name: str, known: bool) -> None:
     assert lines == {bore.line for bore in made.bores}
 
 
+def test_a_width_that_a_program_does_not_say_is_not_drawn() -> None:
+    """The annex says a height twice and K3; its file says that K3 is a U and that it takes no L."""
+    machine = load("beamline-annex")
+    given, alone = (program_of(ANNEX, machine, known=known) for known in (True, False))
+    assert any("UPN200 200 x 75" in text for text in drawn(given).texts)
+    found = drawn(alone).texts
+    assert any("U 200, width not said" in text for text in found)
+    titles = [text for text in found if "flange" in text]
+    assert len(titles) == 2
+    assert all(text.endswith("drawn as far as its holes") for text in titles)
+    lowest = bar_made(given).profile.face_width("o")
+    holes = [b for b in bar_made(alone).made.bores if b.face == "o"]
+    assert max(b.y for b in holes) < bar_made(alone).face_width("o") <= lowest
+
+
+def test_a_number_that_means_two_sections_says_neither() -> None:
+    machine = load("beamline-annex")
+    assert machine.layout is not None
+    both = replace(machine, layout=replace(machine.layout, profiles=("I", "U", "L")))
+    assert (machine.sections_of(3), both.sections_of(3)) == (("U",), ("U", "L"))
+    program = program_of(ANNEX, machine, known=False)
+    other = ReadProgram(program.data, both, program.name)
+    assert bar_made(program).profile.code == "U"
+    assert bar_made(other).profile.code == "SO"
+
+
 def test_tools_have_colours_of_their_own() -> None:
     machine = load("beamline-annex")
     program = program_of(ANNEX, machine)
