@@ -16,13 +16,15 @@ from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.bodies import Body
 from beamcam.machine.formula import Formula
-from beamcam.simulate.bars import bar_trace
+from beamcam.simulate.bars import bar_trace, cell_axes
 from beamcam.simulate.collisions import strikes
 from beamcam.simulate.encoder import Encoder, precision, stair_times
 from beamcam.simulate.limits import run_warnings
+from beamcam.simulate.program import simulate_program
 from beamcam.simulate.state import State
 from beamcam.simulate.text import table_rows
 from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder
+from tests.conftest import BEAM_CELL
 from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import BEAM, PART, PROGRAM
 
@@ -95,6 +97,55 @@ def test_a_strike_has_its_time_its_block_and_its_depth() -> None:
         "by 5.0 mm, until 2.09 s; expected them apart"
     )
     assert strikes(trace, replace(BEAM, bodies=()), SECTION) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "spindle", "left", "right", "meet"),
+    [
+        ("beamline-annex", 13, 100.0, 100.0, True),  # each to the middle of 200
+        ("beamline-annex", 13, 99.9, 100.0, False),
+        ("beamline", 13, 100.0, 100.0, True),
+        ("beamline", 13, 60.0, 140.0, True),  # beyond the middle from one side
+        ("beamline", 13, 25.0, 25.0, False),  # through two flanges
+        ("beamline", 1, 100.0, 100.0, False),  # not at once: the right one has been left there
+    ],
+)
+def test_tips_that_meet_in_the_middle(
+    name: str, spindle: int, left: float, right: float, meet: bool
+) -> None:
+    machine = replace(load(name), bodies=())
+    axes = cell_axes(machine)
+    columns = [
+        next(k for k, axis in enumerate(machine.axes) if axis.name == f"{side} drill horizontal")
+        for side in ("left", "right")
+    ]
+    builder = TraceBuilder(axes, [axis.park for axis in machine.axes])
+    for line, depths in enumerate(((0.0, 0.0), (left, right), (0.0, 0.0), (left, right)), 1):
+        place = [axis.park for axis in machine.axes]
+        for column, depth in zip(columns, depths, strict=True):
+            place[column] = depth
+        builder.add([1.0], [place], (1.0, 1.0), line, State(spindle=spindle))
+    said = run_warnings(builder.trace(), machine, SECTION, "a.gcode")
+    expected = [
+        f"a.gcode:{line}: warning simulate-tips: at {line}.00 s found the tips of left drill "
+        f"horizontal and right drill horizontal {left:g} and {right:g} mm deep from faces 200 mm "
+        "apart; expected them not to meet"
+        for line in (2, 4)
+    ]
+    assert [str(one) for one in said] == (expected if meet else [])
+
+
+@pytest.mark.third_party
+def test_the_annex_drills_to_the_middle_of_its_section() -> None:
+    """Y190 of 380 from both sides, four times, in its blocks 133, 141, 157 and 181."""
+    machine = load("beamline-annex")
+    text = (BEAM_CELL / "annex-a.gcode").read_text()
+    done = simulate_program(text, machine)
+    said = run_warnings(done.trace, machine, done.section, "annex")
+    tips = [one for one in said if one.code == "simulate-tips"]
+    blocks = [text.splitlines()[(one.source.line or 0) - 1].split()[0] for one in tips]
+    assert blocks == ["N134", "N142", "N158", "N182"]
+    assert all("190 and 190 mm deep from faces 380 mm apart" in one.message for one in tips)
 
 
 @pytest.mark.parametrize(
