@@ -4,6 +4,7 @@ from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
+from xml.etree.ElementTree import Element
 
 import pytest
 from msgspec.structs import replace
@@ -99,6 +100,36 @@ def test_tools_have_colours_of_their_own() -> None:
         by_style.setdefault(style, set()).add(bore.diameter)
     assert len(by_style) == len({b.diameter for b in made.bores}) > 1
     assert all(len(found) == 1 for found in by_style.values())
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_a_table_s_program_is_shown_on_its_table(far: bool) -> None:
+    """The shield reaches X 35 and Y 37 of a table of 700 x 700; the picture of it is to scale."""
+    machine = load("table-simotion")
+    program = program_of([SAMPLES / "json" / "shield.json"], machine)
+    if far:
+        assert machine.torch is not None
+        small = replace(machine.torch, length=35.0, width=28.0)
+        program = replace(program, machine=replace(machine, torch=small))
+    found = drawn(program)
+    (limits,), (work,) = found.all("limits"), found.all("work")
+    width, height = (35.0, 28.0) if far else (700.0, 700.0)
+    assert f"table {width:g} x {height:g} mm" in found.texts
+    assert f"X 0 to {width:g}, Y 0 to {height:g} mm" in found.texts
+    assert ("the path leaves it" in found.texts) == far
+    assert ("off" in work.get("class", "").split()) == far
+    (x0, y0), (x1, y1) = ends(limits)
+    (a0, b0), (a1, b1) = ends(work)
+    assert (a0, b0) == pytest.approx((x0, y0), abs=0.02)
+    assert (a1 - a0) / (x1 - x0) == pytest.approx(35.0 / width, abs=0.002)
+    assert (b1 - b0) / (y1 - y0) == pytest.approx(37.0 / height, abs=0.002)
+
+
+def ends(shape: Element) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The lower left and the upper right corner of a shape on the paper."""
+    points = corners(shape)
+    (x0, x1), (y0, y1) = ((min(v), max(v)) for v in zip(*points, strict=True))
+    return (x0, y1), (x1, y0)
 
 
 def test_a_picture_shows_the_program_and_not_its_part() -> None:
