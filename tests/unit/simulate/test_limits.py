@@ -3,6 +3,7 @@
 import json
 from math import floor, hypot
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.cli import main
+from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.bodies import Body
@@ -24,7 +26,7 @@ from beamcam.simulate.program import simulate_program
 from beamcam.simulate.state import State
 from beamcam.simulate.text import table_rows
 from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder
-from tests.conftest import BEAM_CELL
+from tests.conftest import BEAM_CELL, SAMPLES
 from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import BEAM, PART, PROGRAM
 
@@ -197,6 +199,81 @@ def test_the_study_of_a_path() -> None:
     assert (study.corners, study.worst_line, study.moves, study.lost_moves) == (1, 1, 2, 1)
     assert study.max_corner_error == pytest.approx(0.5 * c)
     assert study.smallest_step == pytest.approx(0.25 * c)
+
+
+@pytest.mark.parametrize(
+    ("quadrature", "centred", "count", "read"),
+    [
+        (False, False, 0.126953125, (0.126953125, -0.25390625)),
+        (False, True, 0.126953125, (0.25390625, -0.126953125)),
+        (True, False, 0.03173828125, (0.1904296875, -0.19042968750)),
+        (True, True, 0.03173828125, (0.1904296875, -0.1904296875)),
+    ],
+)
+def test_an_encoder_of_512_or_2048_counts_floored_or_centred(
+    quadrature: bool, centred: bool, count: float, read: tuple[float, float]
+) -> None:
+    """65 / 512 and 65 / 2048 mm, exact in binary; of 0.2 and of -0.18 mm by hand: 1.575 and -1.418
+    counts of the first, 6.302 and -5.671 of the second."""
+    encoder = Encoder(512, 65.0, quadrature, centred)
+    assert encoder.count == count
+    trace = moved((0.2, -0.18), (0.2, -0.18), axes=(TraceAxis("X"), TraceAxis("Y")))
+    assert encoder.read(trace, trace.positions)[0].tolist() == list(read)
+    own = load("table-simotion").triggers
+    assert own is not None
+    own = replace(own, quadrature=quadrature, counted="centre" if centred else "floor")
+    assert (own.count, own.read(0.2), own.read(-0.18)) == (count, *read)
+    trace = moved((-1.0, 0.0), (1.0, 0.0), axes=(TraceAxis("X"), TraceAxis("Y")))
+    off = trace.at(stair_times(trace, encoder)[1:-1])[:, 0] / count
+    assert np.allclose((off + (0.5 if centred else 0.0)) % 1.0 % 0.9999999, 0.0, atol=1e-6)
+
+
+def test_the_machine_s_own_encoder_is_read_and_said(tmp_path: Path) -> None:
+    own, shield = tmp_path / "mine.toml", SAMPLES / "json" / "shield.json"
+    own.write_text('base = "table-simotion"\n[triggers]\nquadrature = true\ncounted = "centre"\n')
+    program, run = str(tmp_path / "s.st"), CliRunner().invoke
+    made = run(main, ["post", str(shield), "--machine", str(own), "-o", program])
+    assert made.exit_code == 0, made.output
+    page, data = tmp_path / "s.html", tmp_path / "s.json"
+    words = ["simulate", program, "--machine", str(own), "--encoder", "machine", "-o"]
+    done = run(main, [*words, str(page)])
+    assert "one count of the encoder is 0.0317 mm" in done.stderr
+    told = "2048 counts in 65 mm (quadrature of 512), the nearest count read"
+    assert told in page.read_text()
+    assert run(main, [*words, str(data)]).exit_code == 0
+    found = json.loads(data.read_text())["encoder"]
+    assert (found["counts_per_turn"], found["quadrature"], found["centred"]) == (2048, True, True)
+    assert found["max_corner_error"] <= hypot(0.0159, 0.0159)
+    same = [*words[:4], "--encoder", "512x4/65/centre", "-o", str(tmp_path / "same.json")]
+    assert run(main, same).exit_code == 0
+    assert (tmp_path / "same.json").read_text() == data.read_text()
+
+
+def test_a_machine_without_an_encoder_has_none_of_its_own(tmp_path: Path) -> None:
+    program = tmp_path / "p.gcode"
+    program.write_text(PROGRAM)
+    words = ["simulate", str(program), "--machine", "beamline", "--encoder", "machine", "-o", "-"]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 2
+    assert "the file of beamline says nothing of encoders" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("window", "quadrature", "counted", "works"),
+    [
+        (0.26, False, "floor", True), (0.05, False, "floor", False),
+        (0.05, True, "floor", True), (0.05, True, "centre", True),
+        (0.01, True, "centre", False),
+    ],
+)  # fmt: skip
+def test_the_trial_of_a_table_is_read_in_counts_of_its_encoder(
+    window: float, quadrature: bool, counted: Literal["floor", "centre"], works: bool
+) -> None:
+    """A line from X 1 to 4: 1 mm is read as 0.889 in counts of 65 / 512, 0.984 of 65 / 2048."""
+    machine = load("table-simotion")
+    assert machine.triggers is not None
+    own = replace(machine.triggers, arrival_window=window, quadrature=quadrature, counted=counted)
+    assert (trial(replace(machine, triggers=own)) == ()) == works
 
 
 def test_the_command_for_a_table_and_its_encoder(tmp_path: Path) -> None:
