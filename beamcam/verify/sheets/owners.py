@@ -113,8 +113,8 @@ _CODESYS = (
     Owner(("G4",), (), (*_WORD, "verify-sheet-end")),
     Owner(("G4",), ("T",), ("verify-sheet-tool", "verify-sheet-end"), _WAITS),
     Owner(("G41", "G42"), (), _MOVED),
-    Owner(("G50", "G53"), (), ("verify-sheet-end",), "takes back what G51 to G55 said; a place that "
-        "is another one then is refused itself"),
+    Owner(("G50", "G53"), (), ("verify-sheet-end",), "takes back what G51 to G55 said; a place "
+        "that is another one then is refused itself"),
     Owner(("G51", "G52"), (), (*_WORD, "verify-sheet-end")),
     Owner(("G51", "G52"), ("D",), (*_WORD, "verify-sheet-corner", "verify-sheet-end"), _AGAIN),
     Owner(("G54", "G55"), (), (*_WORD, "verify-sheet-end")),
