@@ -157,6 +157,16 @@ def quadrant() -> Figures:
     }
 
 
+def room() -> Figures:
+    torch = load("table-simotion").torch
+    assert torch is not None
+    assert torch.length == torch.width
+    return {
+        "mm of the table along X": torch.length,
+        "greatest X of the rounded rectangle": max(x for _, x, _ in points("rounded-rectangle")),
+    }
+
+
 def table(style: str) -> list[list[str]]:
     """The rows of a step table of the small shield."""
     parts, _ = parts_of([read_file(str(SAMPLES / "json" / "shield-small.json"))])
@@ -217,6 +227,7 @@ FIGURES: dict[str, Callable[[], Figures]] = {
     "An arrival that is never read": arrival,
     "A trigger that fires twice": twice,
     "An angle without its quadrant": quadrant,
+    "How large the table is": room,
     "The step frequency of an axis": frequencies,
     "A velocity that begins at once": first_step,
     "The next word of a motor": words,
@@ -279,6 +290,23 @@ def middle() -> Figures:
     }
 
 
+def turned() -> Figures:
+    return {f"{word} in the printed program": printed().count(word) for word in ("M04", "M03")}
+
+
+def ordered() -> Figures:
+    text = printed()
+    cut = list(re.finditer(r"G01 X([\d.]+)\nN\d+ M41", text))[-1]
+    holes = list(re.finditer(r"M40 K13 L14\nN\d+ G01 X([\d.]+)", text))
+    assert cut.end() < holes[-1].start()
+    place = float(holes[-1][1])
+    return {
+        "machine X of the last cut": float(cut[1]),
+        "machine X of holes of M58 behind it in the program": place,
+        "bar x of these": place - 778.56,
+    }
+
+
 def fed() -> Figures:
     return {
         "feed of the saw, mm/s": 2500 / 60,
@@ -290,6 +318,8 @@ PRINTED: dict[str, Callable[[], Figures]] = {
     "M44 is width and height, or the height twice": said_twice,
     "Parts lie a kerf apart, but one does not": kerf,
     "Both flanges are drilled to the middle at once": middle,
+    "The drills turn the wrong way": turned,
+    "A cut comes before holes that lie before it": ordered,
     "Feeds are listed, and the program has none": fed,
 }
 
