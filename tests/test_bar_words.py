@@ -229,11 +229,13 @@ class Tried(Struct):
 
 
 def tried(program: Program, every: int) -> Tried:
-    """Every block in every state. Of a long program each state gets one in `every` of them."""
+    """Every block in every state. Of a long program each state gets one in `every` of them, but
+    each where the program begins: G91 does no harm there alone, before G90."""
     before = makes(program.lines)
     found = Tried([], Counter(), Counter())
     for turn, (index, now) in enumerate(states(program.lines)):
-        for words in [*blocks(program.machine, now)][turn % every :: every]:
+        step = every if index else 1
+        for words in [*blocks(program.machine, now)][turn % step :: step]:
             lines = (*program.lines[: index + 1], words.block, *program.lines[index + 1 :])
             text = "\n".join(lines) + "\n"
             row = owner_of(words.word, words.carries, ROWS)

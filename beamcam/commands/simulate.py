@@ -3,7 +3,7 @@
 import re
 from hashlib import sha256
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -19,6 +19,7 @@ from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.readers.content import shown_name
 
 if TYPE_CHECKING:
+    from beamcam.machine.machine import Machine
     from beamcam.pictures.encoder import Study
     from beamcam.simulate.encoder import Encoder
     from beamcam.simulate.trace import Trace
@@ -40,21 +41,30 @@ class Duration(click.ParamType):  # type: ignore[type-arg]  # older versions tak
         return float(match[1]) * _UNITS_S[match[2]]
 
 
+_ENCODER = re.compile(r"(\d{1,9})(x4)?/(\d{1,6}(?:\.\d{1,6})?)(?:/(floor|centre))?")
+
+
 class EncoderKind(click.ParamType):  # type: ignore[type-arg]
-    """COUNTS/TRAVEL: counts of a turn, and the mm that an axis travels in it."""
+    """COUNTS/TRAVEL: counts of a turn, and the mm that an axis travels in it.
+
+    `x4` behind the counts is quadrature, `/centre` the count that is nearest; `machine` stands for
+    the encoder of the machine's file.
+    """
 
     name = "counts/mm"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[int, float]:
-        counts, _, travel = str(value).partition("/")
-        found = re.fullmatch(r"\d{1,9}", counts), re.fullmatch(r"\d{1,6}(\.\d{1,6})?", travel)
-        if not all(found) or int(counts) == 0 or float(travel) == 0.0:
-            self.fail(
-                f"found {value!r}; expected COUNTS/TRAVEL of a turn such as 512/65", param, ctx
-            )
-        return int(counts), float(travel)
+    ) -> "Encoder | Literal['machine']":
+        from beamcam.simulate.encoder import Encoder
+
+        if value == "machine":
+            return "machine"
+        found = _ENCODER.fullmatch(str(value))
+        if found is None or int(found[1]) == 0 or float(found[3]) == 0.0:
+            expected = "COUNTS/TRAVEL of a turn such as 512/65, 512x4/65/centre, or machine"
+            self.fail(f"found {value!r}; expected {expected}", param, ctx)
+        return Encoder(int(found[1]), float(found[3]), bool(found[2]), found[4] == "centre")
 
 
 @click.command("simulate")
@@ -70,7 +80,8 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 @click.option(
     "--encoder",
     type=EncoderKind(),
-    help="Add encoder readings: counts and travel per turn, such as 512/65.",
+    help="Add encoder readings: counts and travel per turn, such as 512/65 or 512x4/65/centre, or "
+    "`machine`: those of the machine's file.",
 )
 @click.option("--modbus", type=Address(), help="Send the trace to this Modbus TCP server.")
 @click.option(
@@ -88,7 +99,7 @@ def command(
     program: str,
     output: str | None,
     every: float | None,
-    encoder: tuple[int, float] | None,
+    encoder: "Encoder | Literal['machine'] | None",
     modbus: tuple[str, int] | None,
     serve: tuple[str, int] | None,
     pace: float | None,
@@ -135,7 +146,7 @@ def command(
             raise VerifyError(done.diagnostics)
         trace = done.trace
         said = (*done.diagnostics, *run_warnings(trace, machine, done.section, name))
-        reader = _encoder(encoder)
+        reader = _own_encoder(machine) if encoder == "machine" else encoder
         if reader is not None:
             said += (_precision(trace, reader, name),)
         voice.did(f"ran {name} on {machine.name}")
@@ -183,10 +194,16 @@ def command(
         voice.stop(error.diagnostics)
 
 
-def _encoder(asked: tuple[int, float] | None) -> "Encoder | None":
+def _own_encoder(machine: "Machine") -> "Encoder":
+    """The encoder of a machine's file. Raises UsageError where it has none."""
     from beamcam.simulate.encoder import Encoder
 
-    return None if asked is None else Encoder(*asked)
+    own = machine.triggers
+    if own is None:
+        found = f"the file of {machine.name} says nothing of encoders"
+        raise click.UsageError(f"Found --encoder machine, but {found}; expected COUNTS/TRAVEL.")
+    centred = own.counted == "centre"
+    return Encoder(own.counts_per_turn, own.travel_per_turn, own.quadrature, centred)
 
 
 def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:

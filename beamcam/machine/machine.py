@@ -145,6 +145,11 @@ class Machine(MachineFile, frozen=True):
         Diagnostic, ...
     ] = ()  #: on its files, such as keys of an older version; no key of it
 
+    def sections_of(self, number: float) -> tuple[str, ...]:
+        """The DSTV codes that a section's number in a program may mean, of those it takes."""
+        taken = self.sections if self.layout is None else self.layout.profiles
+        return tuple(c for c, own in self.sections.items() if own == number and c in taken)
+
     def needed(self, station: Station | None, what: str) -> Station:
         """A station that a stage works with. Raises TypeError for a machine of another kind."""
         if station is None:

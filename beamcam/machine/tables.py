@@ -1,6 +1,7 @@
 """The controllers of cutting tables that no G-code runs: trigger programs and stepper tables."""
 
 from collections.abc import Mapping
+from math import floor
 from typing import Annotated, Literal
 
 from msgspec import Meta, field
@@ -18,6 +19,9 @@ UNCONFIRMED = (
     "positioningState", "commandPosition", "error", "NO", "_resetAxisError", "errorResetMode",
     "ALL_ERRORS",
 )  # fmt: skip
+
+
+READ_ROUNDING = 1e-9  #: of a count; an axis that stands on a count is at it
 
 
 class Triggers(Keys, frozen=True):
@@ -45,7 +49,10 @@ class Triggers(Keys, frozen=True):
     standstill: Positive = 0.0001  #: largest move per cycle of an axis at rest
     arrival_window: Positive = 0.26  #: of an actual position about its set position; encoder counts
     following_lag_s: Positive = 0.05  #: by which an actual position may trail its set position
-    counts_per_turn: PositiveCount = 512  #: of the encoder
+    counts_per_turn: PositiveCount = 512  #: of the encoder: its pulses
+    quadrature: bool = False  #: whether both edges of both tracks count: four for each pulse
+    #: what is read within a count: its lower end, or the multiple of a count that is nearest
+    counted: Literal["floor", "centre"] = "floor"
     travel_per_turn: Positive = 65.0  #: of an axis, for a turn of its encoder
     cycles_per_chord: Positive = 3.0  #: that a chord takes at least; the feed is reduced for it
     package: str = ""  #: technology package; CAM for axes, PATH for path objects if absent
@@ -64,7 +71,17 @@ class Triggers(Keys, frozen=True):
     @property
     def count(self) -> float:
         """Travel of an encoder's count."""
-        return self.travel_per_turn / self.counts_per_turn
+        return self.travel_per_turn / self.counts_per_turn / (4 if self.quadrature else 1)
+
+    def read(self, position: float) -> float:
+        """What the encoder reads of an axis at a position."""
+        above = 0.0 if self.counted == "floor" else 0.5
+        return floor(position / self.count + above + READ_ROUNDING) * self.count
+
+    @property
+    def least_window(self) -> float:
+        """How far what the encoder reads may be from where an axis at rest is: a count, or half."""
+        return self.count if self.counted == "floor" else self.count / 2
 
 
 #: Forms of a stepper table, by their suffix.

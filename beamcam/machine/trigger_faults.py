@@ -17,8 +17,9 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
     """Each key of a trigger program that contradicts another, or that it cannot have."""
     if triggers.cycle_s < MIN_CYCLE_S:
         yield "triggers.cycle_s", triggers.cycle_s, f"at least {MIN_CYCLE_S:g} s"
-    if triggers.arrival_window < triggers.count:
-        expected = f"a count of the encoder or more, {triggers.count:.4f} mm"
+    if triggers.arrival_window < triggers.least_window:
+        what = "a count" if triggers.counted == "floor" else "half a count"
+        expected = f"{what} of the encoder or more, {triggers.least_window:.4f} mm"
         yield "triggers.arrival_window", triggers.arrival_window, expected
     torch = machine.torch
     # Points are cut off to the decimals of both axes, and count as reached a little before.

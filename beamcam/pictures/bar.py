@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from beamcam.machine.absent import text_x
 from beamcam.machine.machine import Machine
 from beamcam.model.faces import face_title, runs_down
-from beamcam.model.part import Profile
+from beamcam.model.part import Face, Profile
 from beamcam.pictures.features import lettering
 from beamcam.pictures.labels import Labels
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, Unit, shown
@@ -94,6 +94,11 @@ class BarMade(Struct, frozen=True):
         is_long = self.end - self.worked > LONG_REMNANT * self.worked > 0.0
         return self.worked * (1 + BROKEN_REMNANT) if is_long else self.end
 
+    def face_width(self, face: Face) -> float:
+        """Extent of a face across the bar; as far as its holes where the width is not known."""
+        bores = [b.y + b.diameter / 2 for b in self.made.bores if b.face == face]
+        return self.profile.face_width(face) or max([1.0, *bores])
+
     def pieces(self) -> list[Piece]:
         """Trim, parts and remnant, along the bar; kerfs as thick as wedges count as trim."""
         cuts = self.saw_planes
@@ -142,8 +147,7 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
     lines = _head(bar, unit)
     views = tuple(
         View(
-            face, face_title(face, bar.profile.code),
-            (0.0, 0.0, bar.drawn_end, max(bar.profile.face_width(face), 1.0)),
+            face, _title(bar, face), (0.0, 0.0, bar.drawn_end, bar.face_width(face)),
             tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
                   | {round(t.points[0][0] - drill_x, 3) for t in made.paths if t.face == face}),
             tuple({round(b.y, 3) for b in made.bores if b.face == face}), runs_down(face),
@@ -171,7 +175,7 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
     return Scene(bar.name, about, WIDTH, y + 122.0, tuple(drawn))
 
 
-def _faces(bar: BarMade) -> tuple[str, ...]:
+def _faces(bar: BarMade) -> tuple[Face, ...]:
     used = {b.face for b in bar.made.bores} | {t.face for t in bar.made.paths} | {"v"}
     used |= {t.face for t in bar.made.texts}
     used |= {s.face for s in bar.machine.spindles if bar.profile.face_width(s.face)}
@@ -179,10 +183,22 @@ def _faces(bar: BarMade) -> tuple[str, ...]:
 
 
 def _head(bar: BarMade, unit: Unit) -> list[str]:
-    size = f"{bar.profile.name or bar.profile.code} {bar.profile.height:g} x {bar.profile.width:g}"
+    profile = bar.profile
+    size = profile.name or profile.code
+    if profile.height and profile.width:
+        size += f" {profile.height:g} x {profile.width:g}"
+    else:
+        size += f" {profile.height:g}, width" if profile.height else ", size"
+        size += " not said"
     length = "length not said" if bar.bar is None else f"bar {shown(bar.bar, unit)} {unit}"
     parts = [p.mark for p in bar.pieces() if p.kind == "part"]
     return [bar.name, f"{bar.machine.name}, {size}, {length}", "parts: " + ", ".join(parts)]
+
+
+def _title(bar: BarMade, face: Face) -> str:
+    """What a face is, and how far it is drawn where the program does not say its width."""
+    title = face_title(face, bar.profile.code)
+    return title if bar.profile.face_width(face) else f"{title}; drawn as far as its holes"
 
 
 def _edge(
@@ -191,7 +207,7 @@ def _edge(
     """Bar x of an end of a piece at y 0 and at the greatest y; `kerf` is the side of the blade."""
     if plane is None:
         return end, end
-    width = bar.profile.face_width(face)
+    width = bar.face_width(face)
     off = kerf * plane.half_kerf
     return bar.x_on(plane, face, 0.0) + off, bar.x_on(plane, face, width) + off
 

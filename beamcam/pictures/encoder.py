@@ -71,8 +71,7 @@ def encoder_scene(study: Study) -> Scene:
     """The staircase about the worst corner, in plan and over time, and the study's figures."""
     encoder = study.encoder
     lines = [
-        f"{study.name}: encoder of {encoder.counts_per_turn} counts in "
-        f"{encoder.travel_per_turn:g} mm",
+        f"{study.name}: encoder of {encoder.shown}",
         f"{study.machine}; the corner that is read furthest off, a square is a count",
     ]
     top = head_height(lines) + 16.0
@@ -90,8 +89,7 @@ def encoder_scene(study: Study) -> Scene:
     y += 26.0 + LINE * len(study.figures())
     shapes += footing([f"{study.name}   sha-256 {study.sha256}"], y)
     about = (
-        f"program {study.name} as an encoder of {encoder.counts_per_turn} counts in "
-        f"{encoder.travel_per_turn:g} mm reads it; sha-256 {study.sha256}"
+        f"program {study.name} as an encoder of {encoder.shown} reads it; sha-256 {study.sha256}"
     )
     return Scene(f"{study.name}: encoder", about, WIDTH, y + 30.0, tuple(shapes))
 

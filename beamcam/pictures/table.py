@@ -1,7 +1,8 @@
 """The picture of a table's program: the path of the head, coloured by its speed.
 
 Drawn from the trace that the simulator makes of what was read back: where a tool is switched on
-stands a numbered circle, leads lie on a broad band, ways with no tool on are dashed.
+stands a numbered circle, leads lie on a broad band, ways with no tool on are dashed. A small
+picture in the upper right corner shows where the path lies within the limits of the machine.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,7 +17,16 @@ from beamcam.machine.machine import Machine
 from beamcam.pictures.labels import Labels
 from beamcam.pictures.scene import Circle, Frame, Polyline, Scene, Shape, Text, Unit, shown
 from beamcam.pictures.styles import SPEED_COLOURS
-from beamcam.pictures.views import SIDE, WIDTH, View, footing, head_height, heading, laid_out
+from beamcam.pictures.views import (
+    SIDE,
+    TITLE,
+    WIDTH,
+    View,
+    footing,
+    head_height,
+    heading,
+    laid_out,
+)
 from beamcam.recovery.rings import ring_of
 from beamcam.simulate.trace import Trace
 
@@ -25,6 +35,9 @@ MIN_MOVE = 1e-6
 MAX_RINGS = 4000  #: moves of a stroke in which leads are looked for
 MAX_NUMBERS = 400  #: strokes that are numbered
 PIERCE = 2.2  #: radius of the circle where a tool starts
+TABLE_SIDE = 62.0  #: of the picture of the whole table
+TABLE_HEAD = 84.0  #: least height of a heading that it stands in
+Box = tuple[float, float, float, float]  #: least X and Y, greatest X and Y
 
 
 class TableMade(Struct, frozen=True):
@@ -70,7 +83,9 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     box = (float(low[0]), float(low[1]), max(float(high[0]), float(low[0]) + 1.0),
            max(float(high[1]), float(low[1]) + 1.0))  # fmt: skip
     lines = _head(table, len(strokes))
-    paper = laid_out((View("table", "", box),), head_height(lines) - 8.0)
+    limits = _limits(trace)
+    least = TABLE_HEAD if limits else 0.0
+    paper = laid_out((View("table", "", box),), max(head_height(lines) - 8.0, least - TITLE))
     frame = paper.frames["table"]
     speeds = table.speeds_mm_s
     on = np.zeros(len(trace.line), dtype=bool)
@@ -78,6 +93,8 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
         on[a:b] = True
     fastest = float(speeds[on].max(initial=0.0)) or 1.0
     drawn: list[Shape] = [*heading(lines)]
+    if limits:
+        drawn += _overview(table.machine, limits, box, unit)
     drawn.append(Polyline("face table", frame.all(_corners(box)), True))
     drawn += _rapids(trace, on, frame)
     drawn += _leads(trace, strokes, frame)
@@ -106,7 +123,38 @@ def _head(table: TableMade, strokes: int) -> list[str]:
     ]
 
 
-def _corners(box: tuple[float, float, float, float]) -> tuple[tuple[float, float], ...]:
+def _limits(trace: Trace) -> Box | None:
+    """How far the axes go; None where the machine's file does not say it of each."""
+    x, y = trace.axes[:2]
+    if x.min is None or x.max is None or y.min is None or y.max is None:
+        return None
+    return x.min, y.min, x.max, y.max
+
+
+def _overview(machine: Machine, limits: Box, box: Box, unit: Unit) -> Iterator[Shape]:
+    """The table as far as its axes go, and in it the box of the path; red where it leaves it."""
+    inside = all(a <= b for a, b in zip(limits[:2], box[:2], strict=True))
+    inside = inside and all(a >= b for a, b in zip(limits[2:], box[2:], strict=True))
+    low_x, low_y = (min(limits[k], box[k]) for k in (0, 1))
+    high_x, high_y = (max(limits[k], box[k]) for k in (2, 3))
+    scale = TABLE_SIDE / max(high_y - low_y, (high_x - low_x) / 3)
+    left = WIDTH - SIDE - (high_x - low_x) * scale
+    frame = Frame(scale, left - low_x * scale, 14.0 + high_y * scale)
+    (x0, y0, x1, y1), shape = (shown(v, unit) for v in limits), frame.all(_corners(limits))
+    yield Polyline("face limits", shape, True, "the limits of the axes")
+    style = "cut-edge work" if inside else "off work"
+    yield Polyline(style, frame.all(_corners(box)), True, "the box of the path")
+    said = [f"X {x0} to {x1}, Y {y0} to {y1} {unit}"]
+    if machine.torch is not None:
+        torch = machine.torch
+        said.insert(0, f"table {shown(torch.length, unit)} x {shown(torch.width, unit)} {unit}")
+    if not inside:
+        said.append("the path leaves it")
+    for k, text in enumerate(said):
+        yield Text("label", (left - 8.0, 24.0 + 14.0 * k), text, 10.0, "end")
+
+
+def _corners(box: Box) -> tuple[tuple[float, float], ...]:
     return (box[0], box[1]), (box[2], box[1]), (box[2], box[3]), (box[0], box[3])
 
 
@@ -211,7 +259,7 @@ def _pierces(
             yield Text("number order", free, str(number), 9.0, line=line)
 
 
-def _size(box: tuple[float, float, float, float], frame: Frame, unit: Unit) -> Iterator[Text]:
+def _size(box: Box, frame: Frame, unit: Unit) -> Iterator[Text]:
     """Corners of the path on the table."""
     for k in (0, 2):
         x, y = frame.at(box[k], box[k + 1])

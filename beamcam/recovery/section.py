@@ -21,7 +21,7 @@ def section_of(
     Without thicknesses where there are several, or none; the remarks on it come second.
     """
     number = said.get("section", nan)
-    codes = [code for code, known in machine.sections.items() if known == number] or ["SO"]
+    codes = machine.sections_of(number) or ("SO",)
     height, width = said.get("height", nan), said.get("width", nan)
     same = [p for code in codes for p in _of_size(code, height, width)]
     size = " x ".join(f"{v:g}" for v in (height, width) if not isnan(v))

@@ -18,7 +18,7 @@ def study_page(study: Study) -> str:
     return (
         f'<!doctype html>\n<html lang="en">\n{document_head(title)}<body><main>\n'
         f"<h1>{shown(title)}</h1>\n"
-        f"<p>{encoder.counts_per_turn} counts in {encoder.travel_per_turn:g} mm on each axis of "
+        f"<p>{encoder.shown}, on each axis of "
         f"{shown(study.machine)}. An encoder shows the count that the axis has passed last: the "
         "true point lies within a count above what is read.</p>\n"
         f"<table><tbody>{rows}</tbody></table>\n"

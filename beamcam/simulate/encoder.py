@@ -1,7 +1,8 @@
 """What an encoder shows of a trace: the staircase of its counts, and what is lost by it.
 
 true   ____/      an encoder shows the count that the axis has passed last, so that the true
-read  __|-'       point lies within a count above what is read: in a square of that side
+read  __|-'       point lies within a count above what is read: in a square of that side;
+                  centred, it lies within half a count on either side
 """
 
 from typing import Any
@@ -21,17 +22,36 @@ MIN_TURN = 1e-9  #: what the cosine between two ways lacks of 1; less is roundin
 class Encoder(Struct, frozen=True):
     """An encoder on each axis that is measured in mm."""
 
-    counts_per_turn: int
+    pulses_per_turn: int
     travel_per_turn: float  #: mm
+    quadrature: bool = False  #: whether each pulse is four counts
+    centred: bool = False  #: whether the nearest count is read, instead of the one below
+
+    @property
+    def counts_per_turn(self) -> int:
+        """Counts of a turn."""
+        return self.pulses_per_turn * (4 if self.quadrature else 1)
 
     @property
     def count(self) -> float:
         """mm of a count."""
         return self.travel_per_turn / self.counts_per_turn
 
+    @property
+    def shown(self) -> str:
+        """What it is, for people."""
+        found = f"{self.counts_per_turn} counts in {self.travel_per_turn:g} mm"
+        if self.quadrature:
+            found += f" (quadrature of {self.pulses_per_turn})"
+        return f"{found}, the nearest count read" if self.centred else found
+
+    def counts(self, positions: Floats) -> Floats:
+        """Positions in counts, so that what is read is the whole count below."""
+        return positions / self.count + (0.5 if self.centred else 0.0)
+
     def read(self, trace: Trace, positions: Floats) -> Floats:
         """What is read of positions (times, axes); axes that are not measured in mm are true."""
-        counted = np.floor(positions / self.count + ROUNDING) * self.count
+        counted = np.floor(self.counts(positions) + ROUNDING) * self.count
         return np.where(np.array([axis.unit == "mm" for axis in trace.axes]), counted, positions)
 
 
@@ -54,7 +74,7 @@ def stair_times(trace: Trace, encoder: Encoder) -> Floats:
     found = [trace.time_s]
     for k, axis in enumerate(trace.axes):
         if axis.unit == "mm":
-            found.append(_crossings(trace, trace.positions[:, k] / encoder.count))
+            found.append(_crossings(trace, encoder.counts(trace.positions[:, k])))
     return np.unique(np.concatenate(found))
 
 

@@ -7,9 +7,11 @@ import numpy as np
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.saw import Saw
+from beamcam.model.part import Profile
 from beamcam.simulate import rules
 from beamcam.simulate.collisions import strikes
 from beamcam.simulate.trace import Trace
+from beamcam.verify.bars.stations import choices_of
 
 SLACK = 1e-6  #: mm or degrees that rounding may put an axis beyond its limit
 SQUARE = 0.05  #: degrees; a cut less off the square counts as square
@@ -18,11 +20,14 @@ SQUARE = 0.05  #: degrees; a cut less off the square counts as square
 def run_warnings(
     trace: Trace, machine: Machine, section: Mapping[str, float], name: str
 ) -> tuple[Diagnostic, ...]:
-    """Each place where an axis leaves its limits, a cut its reach, or bodies strike, by line."""
+    """Each place where an axis leaves its limits, a cut its reach, or bodies or tips strike, by
+    line.
+    """
     found = [
         *_beyond_limits(trace, machine, name),
         *_beyond_reach(trace, machine, section, name),
         *_struck(trace, machine, section, name),
+        *_met(trace, machine, section, name),
     ]
     return tuple(sorted(found, key=lambda said: (said.source.line or 0, said.code)))
 
@@ -86,3 +91,34 @@ def _struck(
             time=f"{strike.time_s:.2f}", found=f"{strike.depth:.1f}",
             until=f"{strike.until_s:.2f}",
         )  # fmt: skip
+
+
+def _met(
+    trace: Trace, machine: Machine, section: Mapping[str, float], name: str
+) -> Iterator[Diagnostic]:
+    """Strokes of two opposite spindles at once whose tips meet in the middle of the section."""
+    profile = Profile("SO", "", section.get("height", 0.0), section.get("width", 0.0), 0.0, None)
+    choices = choices_of(machine, profile)
+    for pair in machine.pairs:
+        sides = {frozenset("ou"): profile.height, frozenset("vh"): profile.width}
+        size = sides.get(frozenset(pair.faces), 0.0)
+        columns = [
+            k for s in choices[pair.number].stations for k, shown in enumerate(trace.axes)
+            for axis in machine.axes
+            if axis.name == shown.name and (axis.spindle, axis.moves) == (s.number, "XYZ"[s.stroke])
+        ]  # fmt: skip
+        if not size or len(columns) != len(pair.faces):
+            continue
+        depths = [
+            s.way * (trace.positions[:, k] - s.surface)
+            for s, k in zip(choices[pair.number].stations, columns, strict=True)
+        ]
+        on = np.array([state.spindle == pair.number for state in trace.states])[trace.state]
+        meet = np.append(False, on) & (depths[0] + depths[1] >= size - SLACK)
+        one, other = (trace.axes[k].name for k in columns)
+        for k in np.flatnonzero(meet & ~np.append(False, meet[:-1])).tolist():
+            yield rules.TIPS.at(
+                Source(name, int(trace.line[k - 1])), time=f"{trace.time_s[k]:.2f}", one=one,
+                other=other, first=f"{depths[0][k]:g}", second=f"{depths[1][k]:g}",
+                size=f"{size:g}",
+            )  # fmt: skip

@@ -21,6 +21,14 @@ COLLISION = Rule(
     "them apart",
     "Bodies of the machine file collide on the path of the program.",
 )
+TIPS = Rule(
+    "simulate-tips",
+    Severity.WARNING,
+    "at {time} s found the tips of {one} and {other} {first} and {second} mm deep from faces "
+    "{size} mm apart; expected them not to meet",
+    "Two drills that stroke from opposite faces at once, each as far as the middle, touch at their "
+    "points; a hole through a wall needs no more than its thickness and the drill's point.",
+)
 PRECISION = Rule(
     "simulate-precision",
     Severity.NOTE,
@@ -54,4 +62,4 @@ REGISTER = Rule(
     '`modbus.scale`, or `modbus.values = "int32"` or "float".',
 )
 
-RULES = (LIMIT, REACH, COLLISION, PRECISION, MODBUS, CONTROLLER, PORT, REGISTER)
+RULES = (LIMIT, REACH, COLLISION, TIPS, PRECISION, MODBUS, CONTROLLER, PORT, REGISTER)

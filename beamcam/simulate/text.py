@@ -91,7 +91,10 @@ def json_data(
         ],
     }
     if encoder is not None:
-        data["encoder"] = {**asdict(encoder), **asdict(precision(trace, encoder))}
+        data["encoder"] = {
+            **asdict(encoder), "counts_per_turn": encoder.counts_per_turn,
+            **asdict(precision(trace, encoder)),
+        }  # fmt: skip
     data["columns"] = list(columns(trace, machine, encoder))
     data["rows"] = [list(row) for row in table_rows(trace, machine, every_s, encoder)]
     return data

@@ -6,10 +6,13 @@
     E, E-                  acceleration to run up and to brake, mm/s2 whatever F is in
     G04 T, G75             dwell; wait until all that was read is done
     G41 G42 D, G40         beside the contour by the radius D, on it again
+    G51 G52 D, G50         corners cut D from where they are, by a spline or an arc; no more
+    G54 X Y Z, G55, G53    places count from there; from so much further on; from zero again
     G90 G91                X, Y and Z are absolute, or count from the last place
 
-A block without a command repeats the last travel command. Source: CODESYS online help, "CNC: DIN
-66025".
+A block without a command repeats the last travel command. Refused: G56, which counts places from
+where the axes stand, and subprograms, M98 and M99, which lie in files of their own. Source: CODESYS
+online help, "CNC: DIN 66025", "Preprocessing" and "Shifting the Coordinate System".
 """
 
 import re
@@ -23,8 +26,16 @@ from beamcam.controllers import rules
 from beamcam.controllers.codesys.arcs import arc_fault
 from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, Lexer
 from beamcam.controllers.codesys.curves import curve_of
-from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import Acceleration, Compensation, Curve, Pause, Side, Switch
+from beamcam.controllers.dialect import DOCUMENTED, Dialect
+from beamcam.controllers.events import (
+    Acceleration,
+    Blending,
+    Compensation,
+    Curve,
+    Pause,
+    Side,
+    Switch,
+)
 from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import shown_code
@@ -38,8 +49,10 @@ _CYCLES: dict[CodeMeaning, int] = {
     "drill-cycle": drill_cycle.DRILL, "drill-cycle-dwell": drill_cycle.DRILL_AND_DWELL,
     "drill-cycle-peck": drill_cycle.PECK, "drill-cycle-chips": drill_cycle.BREAK_CHIPS,
 }  # fmt: skip
-_KNOWN_G = frozenset((0, 1, 2, 3, 4, 6, 8, 9, 40, 41, 42, 50, 53, 75, 90, 91, 98, 99))
-_KNOWN = "G00 to G04, G06, G08, G09, G40 to G42, G50, G53, G75, G90, G91, G98 or G99"
+_KNOWN_G = frozenset(
+    (0, 1, 2, 3, 4, 6, 8, 9, 40, 41, 42, 50, 51, 52, 53, 54, 55, 75, 90, 91, 98, 99)
+)
+_KNOWN = "G00 to G04, G06, G08, G09, G40 to G42, G50 to G55, G75, G90, G91, G98 or G99"
 _FED = frozenset("FE") | {BRAKING}
 _TRAVEL = {
     0: frozenset("F"), 1: _FED, 2: _FED | set("IJR"), 3: _FED | set("IJR"),
@@ -51,7 +64,8 @@ _LETTERS = {
     for axes, without_feed in (("XYZ", {}), ("XY", {0: frozenset("XY")}))
 }
 _SIDES: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
-_WITHOUT_EFFECT = (50, 53)  #: smoothing and offsets: off, as at the start
+_HERE = 56  #: places count from where the axes stand
+_SUBPROGRAMS = (98, 99)  #: M words of a call and of a subprogram's end
 _LINE_BEGINS = re.compile(r"\nN[0-9]+ |\n")
 
 
@@ -71,6 +85,7 @@ class _Language(Struct, frozen=True):
     letters: dict[int, frozenset[str]]  #: that each travel command takes
     m_words: frozenset[int]  #: of the machine's own, which carry nothing
     g_words: dict[int, CodeMeaning]  #: of the machine's own
+    subprograms: frozenset[int]  #: M words, as far as they are not the machine's own
 
 
 def _language(dialect: Dialect) -> _Language:
@@ -85,6 +100,7 @@ def _language(dialect: Dialect) -> _Language:
         _LETTERS[dialect.axes],
         frozenset(number for letter, number in own if letter == "M"),
         {number: meaning for (letter, number), meaning in own.items() if letter == "G"},
+        frozenset(n for n in _SUBPROGRAMS if n not in dialect.m_words and ("M", n) not in own),
     )
 
 
@@ -103,11 +119,14 @@ class Codesys(Interpreter):
         self._language = _language_of(dialect)
         self._begun = False  #: whether a block was carried out
         self._absolute_centre = False
+        self._shift: dict[str, float] = {}  #: of the places that are said, by axis; empty: none
+        self._cuts_corners = False
         #: A cell's programs may count on G90 as the default, those of a table have to say it.
         self._counting_said = dialect.stock == "beam"
 
     def _is_simple(self) -> bool:
-        return self._counting_said and not self._absolute_centre and super()._is_simple()
+        plain = self._counting_said and not self._absolute_centre and not self._shift
+        return plain and super()._is_simple()
 
     def knows(self, code: str) -> bool:
         """Whether a G word has a meaning here."""
@@ -116,7 +135,10 @@ class Codesys(Interpreter):
     def vocabulary(self) -> dict[str, frozenset[str]]:
         """All words that it gives a meaning, each with what it may carry."""
         found = {f"G{number}": frozenset[str]() for number in _KNOWN_G}
-        found |= {f"G{number}": frozenset("D") for number in _SIDES}
+        found |= {f"G{number}": frozenset("D") for number in (*_SIDES, 51, 52)}
+        found |= {f"G{number}": frozenset(self._dialect.axes) for number in (54, 55)}
+        found |= {f"M{number}": frozenset[str]() for number in (*DOCUMENTED, *_SUBPROGRAMS)}
+        found[f"G{_HERE}"] = frozenset()
         found |= {f"G{number}": own for number, own in self._language.letters.items()}
         found |= {"G4": frozenset("T")} | {f"M{number}": frozenset() for number in ENDS}
         return found | self._words_of_the_file()
@@ -172,6 +194,11 @@ class Codesys(Interpreter):
         self._wait(line)
         self._end(Switch(line, number, words))
 
+    def _subprogram(self, line: int, number: int, words: Words) -> None:
+        """A call of a subprogram, or its end: neither stands in a program that is whole."""
+        expected = "its blocks here; no program that beamcam writes calls a subprogram"
+        self._wrong(line, f"M{number:02}, a subprogram", expected)
+
     def _wait(self, line: int) -> None:
         """Counts an M word or a dwell, which wait in one queue until a move or G75."""
         self._row += 1
@@ -180,6 +207,12 @@ class Codesys(Interpreter):
 
     def _setting(self, line: int, number: int, words: Words) -> None:
         stray = set(words)
+        if number in (50, 51, 52):
+            self._cut_corners(line, number, words)
+            return
+        if number in (53, 54, 55):
+            self._move_zero(line, number, words)
+            return
         if number == 4:
             self._wait(line)
             if words.keys() == {"T"}:
@@ -196,10 +229,51 @@ class Codesys(Interpreter):
             self._absolute_centre = number == 98
         elif number == 75:
             self._row = 0
-        elif number not in _WITHOUT_EFFECT:
+        elif number == _HERE:
+            expected = "G54 with the place; no program that beamcam writes counts from where it is"
+            self._wrong(line, "G56, places that count from where the axes stand", expected)
+            return
+        else:
             self._wrong(line, f"G{number:02}", _KNOWN)
         if stray:
             self._wrong(line, f"{min(stray)} behind G{number:02}", "no word there")
+
+    def _cut_corners(self, line: int, number: int, words: Words) -> None:
+        """Corners are cut D before and behind them (G51 by a spline, G52 by an arc), or no more.
+
+        What is cut off lies within D of the path.
+        """
+        own = {50: set[str]()}.get(number, {"D"})
+        if words.keys() != own or words.get("D", 0.0) < 0.0:
+            expected = "D, 0 or more, the way to the corner" if own else "no word there"
+            self._wrong(line, f"G{number} {' '.join(sorted(words))}".strip(), expected)
+        elif number != 50 or self._cuts_corners:
+            self._cuts_corners = number != 50
+            self._event(Blending(line, words.get("D", 0.0)))
+
+    def _move_zero(self, line: int, number: int, words: Words) -> None:
+        """Places count from where the axes are called X, Y and Z (G54), so much further on (G55),
+        or from zero again (G53)."""
+        axes = self._dialect.axes
+        if number == 53 and not words:
+            self._shift = {}
+        elif number == 54 and words.keys() == set(axes):
+            self._shift = dict(words) if any(words.values()) else {}
+        elif number == 55 and words and words.keys() <= set(axes):
+            moved = {a: self._shift.get(a, 0.0) + words.get(a, 0.0) for a in axes}
+            self._shift = moved if any(moved.values()) else {}
+        else:
+            letters = " ".join(axes)
+            expected = {53: "no word there", 54: letters, 55: f"some of {letters}"}[number]
+            self._wrong(line, f"G{number} {' '.join(sorted(words))}".strip(), expected)
+
+    def _shifted(self, words: Words, heights: str = "Z") -> Words:
+        """Words with their absolute places as the machine counts them; `heights` count as Z."""
+        shift = self._shift
+        if not shift or not self._absolute:
+            return words
+        own = {**shift, **dict.fromkeys(heights, shift.get("Z", 0.0))}
+        return {letter: value + own.get(letter, 0.0) for letter, value in words.items()}
 
     def _go_on(self, line: int, _: int, words: Words) -> None:
         """A block without a command."""
@@ -228,7 +302,7 @@ class Codesys(Interpreter):
         if fed:
             self._feed = words["F"]
         place = {letter: value for letter, value in words.items() if letter != "F"}
-        self._drill(line, self._drilling, place, fed)
+        self._drill(line, self._drilling, self._shifted(place, "ZR"), fed)
 
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         self._motion = motion
@@ -250,11 +324,12 @@ class Codesys(Interpreter):
         if not self._counting_said:
             self._say(line, self._rules.setting, found="G90")
             self._counting_said = True
-        self._go(line, motion, words, fed)
+        self._go(line, motion, self._shifted(words), fed)
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         """The curve of a block, or what is wrong with it."""
-        origin = (0.0, 0.0) if self._absolute_centre else start
+        zero = self._shift.get("X", 0.0), self._shift.get("Y", 0.0)
+        origin = zero if self._absolute_centre else start
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
 
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
@@ -269,6 +344,8 @@ def _what_carries_out(
     if block.command == "M":
         if block.number in language.m_words:
             return Codesys._own_m_word
+        if block.number in language.subprograms:
+            return Codesys._subprogram
         return Codesys._last_block if block.number in ENDS else Codesys._m_word
     if not block.command:
         return Codesys._go_on

@@ -1,5 +1,6 @@
 """Simulated axes: they go to a place with a trapezoid of velocity, from whatever they do now."""
 
+from collections.abc import Callable
 from itertools import pairwise
 from math import dist, inf, sqrt
 
@@ -42,7 +43,8 @@ class Axis:
         self.origin = 0.0
         self.enabled = False
         self.error = False
-        self.lag = 0.0  #: by which the encoder is off the set position
+        self.lag = 0.0  #: by which the axis is off its set position
+        self.reads: Callable[[float], float] = float  #: what its encoder reads where it is
         self.brake = stop  #: mm/s2 of a stop
         self._phases: list[Phase] = []
         self._end: float | None = None  #: place at which it stops
@@ -54,7 +56,7 @@ class Axis:
     @property
     def actual(self) -> float:
         """The position that the encoder reads."""
-        return self.position + self.lag
+        return self.reads(self.position + self.lag)
 
     @property
     def still(self) -> bool:

@@ -1,7 +1,8 @@
 """The fixed part of a machine's programs, proved once: checked, and run with simulated axes.
 
 A small job is put into it: a line with each tool, home again. The names, addresses, windows and
-times of the machine's file are those that it will run with.
+times of the machine's file are those that it will run with, and its axes are read in counts of the
+encoder that the file tells.
 """
 
 from math import hypot
@@ -96,6 +97,8 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
 
     assert machine.triggers is not None
     table = CuttingTable(units, machine, name)
+    for axis in table.axes:
+        axis.reads = machine.triggers.read
     try:
         table.cycle()
         table.start = True

@@ -110,15 +110,18 @@ def run_of_events(
 
 
 def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
-    """The section as far as a program says it: what kind it is, and how high and wide."""
+    """The section as far as a program says it: what kind it is, and how high and wide.
+
+    A number that may mean several kinds says none of them.
+    """
     said: dict[str, float] = {}
     for event in events:
         if type(event) is Switch:
             word = dialect.m_words.get(event.number)
             if word is not None and word.role == "section":
                 said |= {f: event.words[at] for at, f in word.fields if at in event.words}
-    codes = {number: code for code, number in machine.sections.items()}
-    code = codes.get(int(said.get("section", -1)), "SO")
+    codes = machine.sections_of(said.get("section", -1))
+    code = codes[0] if len(codes) == 1 else "SO"
     height, width = said.get("height", 0.0), said.get("width", 0.0)
     return Profile(code, "", height, width, 0.0, None)  # type: ignore[arg-type]
 

@@ -74,7 +74,7 @@ class Cell(CellState):
         most = self.machine.drill.path_tolerance if self.machine.drill else 0.0
         if event.distance > most:
             found = f"corners passed {event.distance:g} mm off"
-            self.say(WORD, event.line, found=found, expected=f"at most {most:g} mm, or G61")
+            self.say(WORD, event.line, found=found, expected=f"at most {most:g} mm, or none")
 
     def _move(self, move: Move[Place]) -> None:
         line, start, end = move.line, move.start, move.end

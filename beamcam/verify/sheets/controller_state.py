@@ -82,7 +82,8 @@ class ControllerState:
     def _blending(self, line: int, distance: float) -> Iterator[Diagnostic]:
         """Whether the controller passes corners as the machine's file says."""
         if abs(distance - self._corner) > BLENDED_SLACK:
-            asked = f"G64 P{self._corner:g}" if self._corner else "G61"
+            on, off = ("G64 P", "G61") if self._blends else ("G52 D", "G50")
+            asked = f"{on}{self._corner:g}" if self._corner else off
             found = f"{distance:g} mm" if distance < inf else "any distance"
             expected = f"{asked}, as torch.corner is {self._corner:g}"
             yield self._fault(rules.CORNER, line, found, expected)

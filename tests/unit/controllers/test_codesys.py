@@ -5,7 +5,7 @@ from math import isnan, nan
 import pytest
 
 from beamcam.controllers import cell_events
-from beamcam.controllers.events import BarEvent, Compensation, Move, Pause, Switch
+from beamcam.controllers.events import BarEvent, Blending, Compensation, Move, Pause, Switch
 from beamcam.geometry.curves import Arc
 from beamcam.machine import load
 
@@ -63,8 +63,22 @@ def test_arcs(text: str, centre: tuple[float, float], sweep: float) -> None:
 @pytest.mark.parametrize(("text", "said"), [
     ("X5", "a:1: error verify-word: found words without a command; expected G or M"),
     ("G04 K5", "a:1: error verify-word: found G04; expected T with seconds"),
-    ("G54 X10", "a:1: error verify-word: found G54; expected G00 to G04, G06, G08, G09, G40 to "
-                "G42, G50, G53, G75, G90, G91, G98 or G99"),
+    ("G92 X10", "a:1: error verify-word: found G92; expected G00 to G04, G06, G08, G09, G40 to "
+                "G42, G50 to G55, G75, G90, G91, G98 or G99"),
+    ("G54 X10", "a:1: error verify-word: found G54 X; expected X Y Z"),
+    ("G55 I1", "a:1: error verify-word: found G55 I; expected some of X Y Z"),
+    ("G53 X1", "a:1: error verify-word: found G53 X; expected no word there"),
+    ("G56 X1 Y2", "a:1: error verify-word: found G56, places that count from where the axes "
+                  "stand; expected G54 with the place; no program that beamcam writes counts "
+                  "from where it is"),
+    ("M98 L5", "a:1: error verify-word: found M98, a subprogram; expected its blocks here; no "
+               "program that beamcam writes calls a subprogram"),
+    ("M99", "a:1: error verify-word: found M99, a subprogram; expected its blocks here; no "
+            "program that beamcam writes calls a subprogram"),
+    ("G51", "a:1: error verify-word: found G51; expected D, 0 or more, the way to the corner"),
+    ("G52 D-1", "a:1: error verify-word: found G52 D; expected D, 0 or more, the way to the "
+                "corner"),
+    ("G50 D1", "a:1: error verify-word: found G50 D; expected no word there"),
     ("G90 X10", "a:1: error verify-word: found X behind G90; expected no word there"),
     ("G01 X1 K5", "a:1: error verify-word: found K behind G01; expected no such word there"),
     ("G91\nG00 X5", "a:2: error verify-word: found a relative move from nowhere; "
@@ -72,6 +86,25 @@ def test_arcs(text: str, centre: tuple[float, float], sweep: float) -> None:
 ])  # fmt: skip
 def test_what_the_controller_does_not_do(text: str, said: str) -> None:
     assert said in messages(text)
+
+
+def test_zero_is_moved_and_places_are_those_of_the_machine() -> None:
+    """By hand: 100 + 5, then 110 + 5; an axis that is not said stays, increments stay increments,
+    and a centre that is absolute (G98) moves with them."""
+    text = ("G00 X0 Y0 Z0\nG54 X100 Y50 Z-10\nG00 X5 Y5 Z0\nG55 X10\nG00 X5\nG91\nG00 X1\n"
+            "G90\nG98\nG02 X20 Y5 I13 J5\nG53\nG00 X1 Y2 Z3\n")  # fmt: skip
+    moves = [event for event in events(text) if isinstance(event, Move)]
+    assert [move.end for move in moves] == [
+        (0, 0, 0), (105, 55, -10), (115, 55, -10), (116, 55, -10), (130, 55, -10), (1, 2, 3),
+    ]  # fmt: skip
+    turn = moves[4].curve
+    assert isinstance(turn, Arc)
+    assert turn.centre == pytest.approx((123, 55))
+
+
+def test_corners_are_cut_by_so_much_and_no_more() -> None:
+    found = events("G00 X0 Y0 Z0\nG50\nG51 D0.5\nG01 X1 F1\nG52 D2\nG01 Y1\nG50\nG01 X2\n")
+    assert [event.distance for event in found if isinstance(event, Blending)] == [0.5, 2.0, 0.0]
 
 
 @pytest.mark.parametrize(("text", "fault"), [

@@ -4,6 +4,7 @@ from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
+from xml.etree.ElementTree import Element
 
 import pytest
 from msgspec.structs import replace
@@ -62,6 +63,32 @@ def test_a_bar_has_its_cuts_holes_and_parts(name: str, known: bool) -> None:
     assert lines == {bore.line for bore in made.bores}
 
 
+def test_a_width_that_a_program_does_not_say_is_not_drawn() -> None:
+    """The annex says a height twice and K3; its file says that K3 is a U and that it takes no L."""
+    machine = load("beamline-annex")
+    given, alone = (program_of(ANNEX, machine, known=known) for known in (True, False))
+    assert any("UPN200 200 x 75" in text for text in drawn(given).texts)
+    found = drawn(alone).texts
+    assert any("U 200, width not said" in text for text in found)
+    titles = [text for text in found if "flange" in text]
+    assert len(titles) == 2
+    assert all(text.endswith("drawn as far as its holes") for text in titles)
+    lowest = bar_made(given).profile.face_width("o")
+    holes = [b for b in bar_made(alone).made.bores if b.face == "o"]
+    assert max(b.y for b in holes) < bar_made(alone).face_width("o") <= lowest
+
+
+def test_a_number_that_means_two_sections_says_neither() -> None:
+    machine = load("beamline-annex")
+    assert machine.layout is not None
+    both = replace(machine, layout=replace(machine.layout, profiles=("I", "U", "L")))
+    assert (machine.sections_of(3), both.sections_of(3)) == (("U",), ("U", "L"))
+    program = program_of(ANNEX, machine, known=False)
+    other = ReadProgram(program.data, both, program.name)
+    assert bar_made(program).profile.code == "U"
+    assert bar_made(other).profile.code == "SO"
+
+
 def test_tools_have_colours_of_their_own() -> None:
     machine = load("beamline-annex")
     program = program_of(ANNEX, machine)
@@ -73,6 +100,36 @@ def test_tools_have_colours_of_their_own() -> None:
         by_style.setdefault(style, set()).add(bore.diameter)
     assert len(by_style) == len({b.diameter for b in made.bores}) > 1
     assert all(len(found) == 1 for found in by_style.values())
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_a_table_s_program_is_shown_on_its_table(far: bool) -> None:
+    """The shield reaches X 35 and Y 37 of a table of 700 x 700; the picture of it is to scale."""
+    machine = load("table-simotion")
+    program = program_of([SAMPLES / "json" / "shield.json"], machine)
+    if far:
+        assert machine.torch is not None
+        small = replace(machine.torch, length=35.0, width=28.0)
+        program = replace(program, machine=replace(machine, torch=small))
+    found = drawn(program)
+    (limits,), (work,) = found.all("limits"), found.all("work")
+    width, height = (35.0, 28.0) if far else (700.0, 700.0)
+    assert f"table {width:g} x {height:g} mm" in found.texts
+    assert f"X 0 to {width:g}, Y 0 to {height:g} mm" in found.texts
+    assert ("the path leaves it" in found.texts) == far
+    assert ("off" in work.get("class", "").split()) == far
+    (x0, y0), (x1, y1) = ends(limits)
+    (a0, b0), (a1, b1) = ends(work)
+    assert (a0, b0) == pytest.approx((x0, y0), abs=0.02)
+    assert (a1 - a0) / (x1 - x0) == pytest.approx(35.0 / width, abs=0.002)
+    assert (b1 - b0) / (y1 - y0) == pytest.approx(37.0 / height, abs=0.002)
+
+
+def ends(shape: Element) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The lower left and the upper right corner of a shape on the paper."""
+    points = corners(shape)
+    (x0, x1), (y0, y1) = ((min(v), max(v)) for v in zip(*points, strict=True))
+    return (x0, y1), (x1, y0)
 
 
 def test_a_picture_shows_the_program_and_not_its_part() -> None:

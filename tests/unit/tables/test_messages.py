@@ -283,6 +283,10 @@ FAULTY = [
      "letters, digits and single _, a letter first"),
     (table_machine(arrival_window=0.1), "triggers.arrival_window", 0.1,
      "a count of the encoder or more, 0.1270 mm"),
+    (table_machine(arrival_window=0.03, quadrature=True), "triggers.arrival_window", 0.03,
+     "a count of the encoder or more, 0.0317 mm"),
+    (table_machine(arrival_window=0.015, quadrature=True, counted="centre"),
+     "triggers.arrival_window", 0.015, "half a count of the encoder or more, 0.0159 mm"),
     (table_machine(max_homing_s=60.0), "triggers.max_homing_s", 60.0,
      "77.5 or more for 775 mm at homing_mm_s"),
 ]  # fmt: skip
