@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 from math import dist, inf, sqrt
+from typing import Any
 
 Phase = tuple[float, float]  #: seconds and acceleration
 
@@ -44,6 +45,8 @@ class Axis:
         self.error = False
         self.lag = 0.0  #: by which the encoder is off the set position
         self.brake = stop  #: mm/s2 of a stop
+        self.commanded_by: Any = None  #: the function block that commanded it last
+        self.held_by: Any = None  #: the function block that stopped it and holds it
         self._phases: list[Phase] = []
         self._end: float | None = None  #: place at which it stops
 
