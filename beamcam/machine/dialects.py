@@ -24,7 +24,7 @@ PLCOPEN_NAMES = (
 
 
 class Dialect(Struct, frozen=True):
-    """What the programs of a family of controllers have of their own, besides their shipped text."""
+    """What the programs of a family of controllers have of their own besides their text."""
 
     text: str  #: shipped text
     constants: str  #: section that declares the numbers of a job

@@ -5,7 +5,7 @@ called with. Commands go to a `World`, which knows axes and time. AND and OR sto
 value that decides, which makes no difference as expressions have no effects.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from math import sqrt
 from typing import Any, Protocol
 
@@ -24,7 +24,7 @@ class World(Protocol):
 
     clock_s: float
     objects: dict[str, Any]  #: axes and path objects by their names in capitals
-    natives: Mapping[str, Callable[[], "Native"]]  #: function blocks of a library, by their types
+    natives: dict[str, Callable[[], "Native"]]  #: function blocks of a library, by their types
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
         """Carry out a command; 0 if it was accepted."""

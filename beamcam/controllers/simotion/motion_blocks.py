@@ -8,19 +8,33 @@ low limit switch and rests on it.
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from beamcam.controllers.simotion import rules
+from beamcam.controllers.simotion.axes import Axis
 from beamcam.controllers.simotion.interpreter import Native, Values
-
-if TYPE_CHECKING:
-    from beamcam.controllers.simotion.axes import Axis
-    from beamcam.controllers.simotion.cutting_table import CuttingTable
+from beamcam.errors import Rule
+from beamcam.machine.tables import Triggers
 
 COMMANDED_POSITION = 1  #: number of that parameter
 
 
-def motion_blocks(table: "CuttingTable") -> dict[str, Callable[[], Native]]:
+class Table(Protocol):
+    """The table whose axes the blocks move."""
+
+    triggers: Triggers
+
+    def command(self, name: str, values: Values, line: int) -> int:
+        """Carry out a command; 0 if it was accepted."""
+
+    def at_low(self, axis: Axis) -> bool:
+        """Whether the low limit switch of an axis is closed."""
+
+    def say(self, rule: Rule, line: int | None, **values: object) -> None:
+        """Add a message."""
+
+
+def motion_blocks(table: Table) -> dict[str, Callable[[], Native]]:
     """The blocks of a table, by their names in capitals."""
     kinds: tuple[type[_Block], ...] = (
         _Power, _Home, _Move, _Stop, _Reset, _Status, _Position, _Parameter,
@@ -28,7 +42,7 @@ def motion_blocks(table: "CuttingTable") -> dict[str, Callable[[], Native]]:
     return {kind.name: partial(kind, table) for kind in kinds}
 
 
-def start(table: "CuttingTable", name: str, values: Values) -> bool:
+def start(table: Table, name: str, values: Values) -> bool:
     """Start what a block asks of its axis; False if the axis refuses it."""
     axis: Axis = values["AXIS"]
     if name == _Reset.name:
@@ -42,7 +56,9 @@ def start(table: "CuttingTable", name: str, values: Values) -> bool:
     else:
         limits = [values[key] for key in ("VELOCITY", "ACCELERATION", "DECELERATION")]
         if min(limits) <= 0.0:
-            table.say(rules.COMMAND, None, found=f"{name} with {min(limits):g}", expected="more than 0")
+            table.say(
+                rules.COMMAND, None, found=f"{name} with {min(limits):g}", expected="more than 0"
+            )
             return False
         axis.go(values["POSITION"], *limits)
     return True
@@ -50,15 +66,15 @@ def start(table: "CuttingTable", name: str, values: Values) -> bool:
 
 class _Block(Native):
     name = ""
-    outputs = ("ERROR",)
+    outputs: tuple[str, ...] = ("ERROR",)
 
-    def __init__(self, table: "CuttingTable") -> None:
+    def __init__(self, table: Table) -> None:
         self.table = table
         self.values: Values = dict.fromkeys(self.outputs, False)
         self.inputs: Values = {"ENABLE": False, "EXECUTE": False}
 
     @property
-    def axis(self) -> "Axis":
+    def axis(self) -> Axis:
         axis: Axis = self.inputs["AXIS"]
         return axis
 
@@ -108,7 +124,7 @@ class _Command(_Block):
         elif self.values["BUSY"]:
             self._follow(axis)
 
-    def _follow(self, axis: "Axis") -> None:
+    def _follow(self, axis: Axis) -> None:
         if axis.commanded_by is not self:
             self.values.update(BUSY=False, COMMANDABORTED=True)
         elif axis.error or not axis.enabled:
@@ -116,7 +132,7 @@ class _Command(_Block):
         elif self.arrived(axis):
             self.values.update(BUSY=False, DONE=True)
 
-    def arrived(self, axis: "Axis") -> bool:
+    def arrived(self, axis: Axis) -> bool:
         """Whether the axis has done it; what is next to be done on the way is done."""
         raise NotImplementedError
 
@@ -128,14 +144,14 @@ class _Move(_Command):
         self.inputs = {"VELOCITY": 0.0, "ACCELERATION": 0.0, "DECELERATION": 0.0} | self.inputs
         super().call()
 
-    def arrived(self, axis: "Axis") -> bool:
+    def arrived(self, axis: Axis) -> bool:
         return axis.still and abs(axis.position - self.inputs["POSITION"]) < 1e-9
 
 
 class _Home(_Command):
     name = "MC_HOME"
 
-    def arrived(self, axis: "Axis") -> bool:
+    def arrived(self, axis: Axis) -> bool:
         if not self.table.at_low(axis):
             return False
         if not axis.still:
@@ -156,17 +172,17 @@ class _Stop(_Command):
         elif self.values["BUSY"] or self.values["DONE"]:
             axis.held_by = self
 
-    def arrived(self, axis: "Axis") -> bool:
+    def arrived(self, axis: Axis) -> bool:
         return axis.still
 
 
 class _Reset(_Command):
     name = "MC_RESET"
 
-    def arrived(self, axis: "Axis") -> bool:
+    def arrived(self, axis: Axis) -> bool:
         return not axis.error
 
-    def _follow(self, axis: "Axis") -> None:
+    def _follow(self, axis: Axis) -> None:
         self.values.update(BUSY=axis.error, DONE=not axis.error)
 
 
@@ -197,7 +213,7 @@ class _Position(_Block):
     name = "MC_READACTUALPOSITION"
     outputs = ("VALID", "BUSY", "ERROR")
 
-    def __init__(self, table: "CuttingTable") -> None:
+    def __init__(self, table: Table) -> None:
         super().__init__(table)
         self.values[self.value] = 0.0
 
@@ -206,7 +222,7 @@ class _Position(_Block):
     def call(self) -> None:
         self.values.update({"VALID": self.inputs["ENABLE"], self.value: self.read(self.axis)})
 
-    def read(self, axis: "Axis") -> Any:
+    def read(self, axis: Axis) -> Any:
         return axis.actual
 
 
@@ -214,7 +230,7 @@ class _Parameter(_Position):
     name = "MC_READPARAMETER"
     value = "VALUE"
 
-    def read(self, axis: "Axis") -> Any:
+    def read(self, axis: Axis) -> Any:
         known = self.inputs["PARAMETERNUMBER"] == COMMANDED_POSITION
         self.values["ERROR"] = not known
         return axis.position if known else 0.0

@@ -70,9 +70,7 @@ class Names:
                     if isinstance(f.type, str)}  # fmt: skip
         return self._of_block(type_, "output")
 
-    def inputs(
-        self, name: str, *sections: syntax.Section
-    ) -> dict[str, str] | None:
+    def inputs(self, name: str, *sections: syntax.Section) -> dict[str, str] | None:
         """The inputs of the function block that a variable is an instance of, if it is one."""
         variable = self.variable(name)
         if variable is None or not isinstance(variable.type, str):

@@ -6,7 +6,7 @@ has none, addresses for global variables alone.
 """
 
 import re
-from typing import cast
+from typing import Literal, cast
 
 from beamcam.controllers.simotion import library, rules, syntax
 from beamcam.controllers.simotion.expressions import RESERVED, Stop
@@ -94,12 +94,11 @@ class _PlainParser(Parser):
                 variables += self.section("const" if constant else sections[word])
         if not variables:
             raise Stop(self.here, "a section of variables")
-        word = kind.text.upper()
+        word = cast('Literal["PROGRAM", "FUNCTION_BLOCK"]', kind.text.upper())
         body = self.statements("END_" + word)
         if word == "FUNCTION_BLOCK":
             self.types.add(name.upper())
-        sort = "PROGRAM" if word == "PROGRAM" else "FUNCTION_BLOCK"
-        return syntax.Block(kind.line, sort, name, tuple(variables), body)
+        return syntax.Block(kind.line, word, name, tuple(variables), body)
 
     def section(self, section: Section) -> list[syntax.Variable]:
         """The variables of a section, one or more."""
@@ -179,4 +178,4 @@ class _PlainParser(Parser):
         found = super().statements(*ends)
         if not found:
             raise Stop(self.here, "a statement")
-        return cast("tuple[Statement, ...]", found)
+        return found
