@@ -25,7 +25,6 @@ _PLAIN_WORDS = """
     REAL LREAL STRING WSTRING TON TOF TP CTU CTD CTUD SR RS R_TRIG F_TRIG SEMA RTC ANY"""
 #: Words that are no names in plain IEC 61131-3 either: of configurations, types and functions.
 RESERVED = frozenset(_PLAIN_WORDS.split())
-)
 
 _TIME = re.compile(r"(?<![\d.])(\d++(?:\.\d++)?)(ms|s|m|h|d)", re.IGNORECASE)
 _TIME_S = {"ms": 0.001, "s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
