@@ -69,13 +69,18 @@ class Types:
         index = self.of(value.index)
         if index not in (*library.INTEGERS, "integer", UNKNOWN):
             self.names.wrong_type(value.line, index, "an index", "a whole number")
-        if isinstance(value.index, syntax.Constant) and index != UNKNOWN:
-            low, high = variable.type.low, variable.type.high
-            if not low <= value.index.value <= high:
-                self.names.say(
-                    rules.BOUNDS, value.line, found=value.index.value, name=variable.name,
-                    low=low, high=high,
-                )  # fmt: skip
+        match value.index:
+            case syntax.Constant(value=at):
+                pass
+            case syntax.Unary(operator="-", value=syntax.Constant(value=of)):
+                at = -of
+            case _:
+                at = variable.type.low
+        low, high = variable.type.low, variable.type.high
+        if index != UNKNOWN and not low <= at <= high:
+            self.names.say(
+                rules.BOUNDS, value.line, found=at, name=variable.name, low=low, high=high
+            )
         return self.names.canonical(variable.type.of)
 
     def _unary(self, value: syntax.Unary) -> str:

@@ -264,6 +264,21 @@ def test_an_axis_that_is_held_by_a_stop_is_let_go_by_the_acknowledgement() -> No
     assert all(axis.held_by is None for axis in one.axes)
 
 
+def test_a_homing_that_was_stopped_begins_anew() -> None:
+    """Execute was on when it was stopped; an edge has to start it again."""
+    one = plant()
+    one.press_start()
+    one.wait(0.3)
+    assert one.value("workState") == HOMING
+    close(1)(one)
+    one.run_until(FAULT, 2.0)
+    mend(one)
+    one.press_acknowledge()
+    one.wait(0.1)
+    one.press_start()
+    one.run_until(DONE)
+
+
 def test_drives_are_off_until_the_first_start() -> None:
     one = plant()
     one.wait(0.5)
@@ -301,7 +316,6 @@ RUNTIME_MUTANTS = [
     ("Velocity := targetSpeed * shareX", "shareX", "shareY"),
     ("runX(Axis := AxisX, Execute := FALSE);", "FALSE", "runsX"),
     ("resets := acknowledgePressed;", "acknowledgePressed", "FALSE"),
-    ("arrived := (runX.Done OR NOT runsX)", "runX.Done OR NOT runsX", "TRUE"),
     ("ELSIF NOT begins THEN", "NOT begins", "TRUE"),
     ("0, 3: (*", "0, 3", "0"),
     ("workFault := workState = INT#4;", "INT#4", "INT#5"),
@@ -311,6 +325,7 @@ OF_MUTANTS: tuple[tuple[Callable[..., None], tuple[object, ...]], ...] = (
     (test_homing_that_ends_off_its_switch_is_a_fault, ()),
     (test_a_command_that_is_refused_is_a_fault, ("MC_MOVEABSOLUTE",)),
     (test_a_stop_that_is_refused_is_repeated, ()),
+    (test_a_homing_that_was_stopped_begins_anew, ()),
     (test_an_axis_that_is_held_by_a_stop_is_let_go_by_the_acknowledgement, ()),
     (laws.test_an_encoder_that_jitters_by_a_count_stops_nothing, ()),
 )
