@@ -55,7 +55,7 @@ class CuttingTable:
             process: self._variable(place, f"{process}On")
             for process, place in zip(PROCESSES, self._outputs, strict=True)
         }
-        if "CUTSTART" in self.interpreter.programs:
+        if self.interpreter.has("CutStart"):
             self.interpreter.run("CutStart")
 
     @property

@@ -116,13 +116,17 @@ class Interpreter:
         for key, block in self._blocks.items():
             self._locals = {v.name.upper(): v for v in block.variables if v.section != "external"}
             self.bodies[key] = self._body(block.body)
-        self.programs = {
+        self._programs = {
             key: Instance(b, self) for key, b in self._blocks.items() if b.kind == "PROGRAM"
         }
 
     def run(self, program: str) -> None:
         """One cycle of a program. Raises Fault; KeyError for a program that is not there."""
-        self.programs[program.upper()].run({})
+        self._programs[program.upper()].run({})
+
+    def has(self, program: str) -> bool:
+        """Whether there is a program of that name."""
+        return program.upper() in self._programs
 
     def first(self, variable: syntax.Variable) -> Any:
         """The value that a variable begins with; an array is a list behind its bounds."""
