@@ -63,7 +63,8 @@ def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
         for place in places:
             if not (pattern.fullmatch(place) or _ST_NAME.fullmatch(place)):
                 yield f"triggers.{key}", place, f"an address of an {kind} or the name of a variable"
-    used = Counter(place.upper() for place in (*inputs, *outputs, *triggers.axes))
+    # %IX0.0 and %I0.0 are one place.
+    used = Counter(_BIT.sub(r"\1", p.upper()) for p in (*inputs, *outputs, *triggers.axes))
     for place, count in used.items():
         if count > 1:
             yield "triggers", place, "each input, output and axis once"
@@ -80,5 +81,6 @@ def _st_name_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
             yield f"triggers.names.{name}", other, "letters, digits and single _"
 
 
+_BIT = re.compile(r"^(%[IQ])X")
 _PATH_PACKAGES = ("PATH", "CAM_EXT")
 _ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
