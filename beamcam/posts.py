@@ -155,6 +155,7 @@ POSTS = {
     ("sheet", "linuxcnc"): sheet_post,
     ("sheet", "grbl"): sheet_post,
     ("sheet", "simotion"): trigger_post,
+    ("sheet", "plcopen"): trigger_post,
     ("sheet", "stepper"): step_post,
 }
 

@@ -28,7 +28,8 @@ SAMPLES = {
     "beamline": "dstv/channel.nc1", "beamline-annex": "dstv/channel.nc1",
     "beamline-pusher": "dstv/channel.nc1", "plate-codesys": "dstv/gusset.nc1",
     "plate-linuxcnc": "dstv/gusset.nc1", "laser-grbl": "json/shield-small.json",
-    "table-simotion": "json/shield-small.json", "laser-stepper": "json/shield-small.json",
+    "table-simotion": "json/shield-small.json", "table-plcopen": "json/shield-small.json",
+    "laser-stepper": "json/shield-small.json",
 }  # fmt: skip
 
 

@@ -26,6 +26,7 @@ from beamcam.planning.lettering import Lettered
 TOLD = Path(__file__).parents[1] / "samples" / "machines"
 MACHINES = (
     "beamline-pusher", "plate-linuxcnc", "plate-codesys", "laser-grbl", "table-simotion",
+    "table-plcopen",
     str(TOLD / "beamline-stamp.toml"), str(TOLD / "beamline-printer.toml"),
 )  # fmt: skip
 #: Of letters that look alike one only.

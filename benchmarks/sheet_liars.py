@@ -58,6 +58,7 @@ MACHINES: tuple[tuple[str, dict[str, object]], ...] = (
         },
     ),
     ("table-simotion", {}),
+    ("table-plcopen", {}),
     ("laser-stepper", {"material": "wood"}),
     *(
         (name, {

@@ -15,7 +15,14 @@ SUFFIXES = {
     "dstv": ".nc1", "dxf": ".dxf", "svg": ".svg", "ifc": ".ifc", "json": ".json", "toml": ".toml",
 }  # fmt: skip
 BARS = ("beamline", "beamline-annex", "beamline-pusher")
-SHEETS = ("plate-linuxcnc", "plate-codesys", "laser-grbl", "table-simotion", "laser-stepper")
+SHEETS = (
+    "plate-linuxcnc",
+    "plate-codesys",
+    "laser-grbl",
+    "table-simotion",
+    "table-plcopen",
+    "laser-stepper",
+)
 MOST_PARTS = 2  #: of a file that are posted
 
 HELD = ("posted", "refused", "read-back")

@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.machine import Machine, load
+from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
 from beamcam.model.request import Request
@@ -94,7 +95,7 @@ def plain(name: str, style: str | None) -> str:
 
 def strokes(text: str, machine: Machine) -> int:
     """How often a program starts its tool."""
-    if machine.controller == "simotion":
+    if machine.controller in DIALECTS:
         return len(re.findall(r"kind := USINT#[135],", text))
     if machine.controller == "stepper":
         rows = [row.split(",") for row in re.findall(r"^-?\d.*", text, re.M)]

@@ -27,6 +27,8 @@ from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
 from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.machine.dialects import DIALECTS
+from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import STEP_FORMS
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
@@ -326,7 +328,7 @@ def verify(
 
 def check_style(style: object, machine: Machine) -> None:
     """Raise AskError for what is not a form of a program of the machine's controller."""
-    known = {"simotion": ("chain", "table"), "stepper": STEP_FORMS}
+    known = {**dict.fromkeys(DIALECTS, STYLES), "stepper": STEP_FORMS}
     forms = known.get(machine.controller, ())
     if style is not None and style not in forms:
         raise AskError(ask_type("style", style, " or ".join(map(repr, (*forms, None)))))

@@ -9,6 +9,7 @@ from beamcam.commands.common import STANDARD, Voice, write
 from beamcam.config.values import Config
 from beamcam.files import FilesRead, remove_made
 from beamcam.machine import Machine
+from beamcam.machine.dialects import DIALECTS
 from beamcam.pipeline import Posted
 
 
@@ -17,7 +18,7 @@ def table_style(machine: Machine, output: str, style: str | None) -> str | None:
 
     Raises click.UsageError where the machine has no styles, or no form of that suffix.
     """
-    if style is not None and machine.controller != "simotion":
+    if style is not None and machine.controller not in DIALECTS:
         raise click.UsageError(f"--style is not for {machine.name}.")
     if machine.controller != "stepper":
         return style
@@ -36,7 +37,7 @@ def job_name(config: Config, machine: Machine, output: str) -> str:
 
     Its units are files and variables of one project, and would be taken for those of another job.
     """
-    if machine.controller == "simotion" and "job" not in config.sources and output != STANDARD:
+    if machine.controller in DIALECTS and "job" not in config.sources and output != STANDARD:
         return PurePath(output).stem
     return config.job
 
@@ -49,7 +50,7 @@ def outputs(
     A trigger program of several units becomes a file a unit, the set-points beside the main one
     and before it, so that it never stands there without them.
     """
-    if machine.controller == "simotion" and output != STANDARD:
+    if machine.controller in DIALECTS and output != STANDARD:
         from beamcam.emitters.simotion_units import split_units
 
         (_, main), *more = split_units(posted.text)

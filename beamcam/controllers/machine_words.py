@@ -25,6 +25,7 @@ from beamcam.controllers.rules import SETTING, SHEET_SETTING
 from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine import rules
 from beamcam.machine.codes import plain_code
+from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
 from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
@@ -81,7 +82,7 @@ def load_machine(name: str) -> Machine:
 
 def word_faults(machine: Machine) -> tuple[WordFault, ...]:
     """The first thing that is wrong with each template of a machine."""
-    if machine.controller == "simotion":
+    if machine.controller in DIALECTS:
         from beamcam.controllers.simotion.trial import trial
 
         return tuple(("triggers", "", said.message) for said in trial(machine)[:1])

@@ -22,6 +22,7 @@ from beamcam.controllers.events import (
 from beamcam.diff.pairing import Difference
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
+from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.machine import Machine
 
 _ST_COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
@@ -77,7 +78,7 @@ def _changed_words(old: str, new: str, decimals: int) -> tuple[str, ...]:
 
 def statements(name: str, text: str, machine: Machine) -> tuple[list[str], tuple[Diagnostic, ...]]:
     """The statements of a program in words, and the errors in its blocks."""
-    if machine.controller == "simotion":
+    if machine.controller in DIALECTS:
         lines = _ST_COMMENT.sub("", text).splitlines()
         return [" ".join(line.split()) for line in lines if line.strip()], ()
     if machine.controller == "stepper":

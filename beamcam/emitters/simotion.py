@@ -1,9 +1,9 @@
-"""Trigger programs as SIMOTION Structured Text: complete units that a D425 takes.
+"""Trigger programs as Structured Text: complete units that a D425 takes, or plain IEC 61131-3.
 
 The runtime of the machine, which is the same for every job, and in it what is the job's own.
 Two styles: `chain`, a block of statements for each operation, which fires once its predecessor is
 active and has arrived, and latches; `table`, set-points in arrays, split over units where one would
-get too large.
+get too large. What a dialect calls the sections of a job is told in machine/dialects.py.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,8 +12,9 @@ from math import ceil
 from msgspec import Struct
 
 from beamcam.emitters.simotion_units import UNIT_MARK, unit_name
+from beamcam.machine.dialects import Dialect
 from beamcam.machine.machine import Machine
-from beamcam.machine.runtime import PROCESSES, lreal, runtime_of
+from beamcam.machine.runtime import PROCESSES, dialect_of, lreal, runtime_of
 from beamcam.machine.tables import Triggers
 from beamcam.model.triggers import Switch, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
@@ -23,6 +24,26 @@ from beamcam.plain_text import comment_text
 POINT_BYTES, ROUND_BYTES = 3 * 8 + 1, 5 * 8 + 1
 VALUES_PER_LINE = 5
 LINE, ARC = 0, 7  #: kinds of operations; between them: on and off of each process
+
+
+class _Row(Struct, frozen=True):
+    """One operation as numbers; a switch holds the place that the head stands at."""
+
+    said: str
+    kind: int
+    x: float
+    y: float
+    speed: float
+    via: tuple[float, float]
+
+
+class _Chunk(Struct, frozen=True):
+    """The set-points of one unit."""
+
+    unit: str
+    number: int
+    first: int  #: operation, counted from 1
+    rows: tuple[_Row, ...]
 
 
 class ChainError(ValueError):
@@ -48,7 +69,8 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
     rows = tuple(_rows(table.operations))
     name = unit_name(table.job)
     size = ROUND_BYTES if triggers.path_objects else POINT_BYTES
-    per_unit = max(1, triggers.max_data // size)
+    dialect = dialect_of(machine)
+    per_unit = max(1, triggers.max_data // size) if dialect.has_units else max(1, count)
     starts = range(0, len(rows), per_unit) if style == "table" else ()
     chunks = [_Chunk(f"{name}_{k}", k, at + 1, rows[at : at + per_unit])
               for k, at in enumerate(starts, 1)]  # fmt: skip
@@ -57,34 +79,15 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
         UNIT_MARK.format(name=name) + "\n",
         *(f"(* {comment_text(remark)} *)\n" for remark in table.remarks),
         runtime.head,
-        *_uses((*triggers.uses, *(chunk.unit for chunk in chunks))),
-        *_declarations(table.operations, style),
+        *_uses((*triggers.uses, *(chunk.unit for chunk in chunks if dialect.has_units))),
+        *_declarations(table.operations, dialect),
+        *_variables(count, chunks, triggers, dialect),
         runtime.middle,
         *(_fetches(chunks, triggers) if style == "table" else _blocks(rows, triggers)),
         runtime.end,
-        *(_data_unit(chunk, triggers) for chunk in chunks),
+        *(_data_unit(chunk, triggers, dialect) for chunk in chunks if dialect.has_units),
     ]
     return "".join(pieces)
-
-
-class _Row(Struct, frozen=True):
-    """One operation as numbers; a switch holds the place that the head stands at."""
-
-    said: str
-    kind: int
-    x: float
-    y: float
-    speed: float
-    via: tuple[float, float]
-
-
-class _Chunk(Struct, frozen=True):
-    """The set-points of one unit."""
-
-    unit: str
-    number: int
-    first: int  #: operation, counted from 1
-    rows: tuple[_Row, ...]
 
 
 def _rows(operations: Sequence[TriggerOp]) -> Iterator[_Row]:
@@ -106,8 +109,8 @@ def _uses(units: Sequence[str]) -> Iterator[str]:
         yield f"    USES {', '.join(units)};\n"
 
 
-def _declarations(operations: Sequence[TriggerOp], style: str) -> Iterator[str]:
-    yield "    VAR_GLOBAL CONSTANT\n"
+def _declarations(operations: Sequence[TriggerOp], dialect: Dialect) -> Iterator[str]:
+    yield f"    {dialect.constants}\n"
     yield f"        LAST_OPERATION : DINT := DINT#{len(operations)};\n"
     for process in PROCESSES:
         waits = (op.wait_s for op in operations
@@ -115,10 +118,20 @@ def _declarations(operations: Sequence[TriggerOp], style: str) -> Iterator[str]:
         longest = ceil(1000 * max(waits, default=0.0) - 1e-9)
         yield f"        PIERCE_{process.upper()} : TIME := T#{longest}ms;\n"
     yield "    END_VAR\n"
-    if style == "chain":
-        yield "    VAR_GLOBAL\n"
-        yield f"        triggerActive : ARRAY [0..{len(operations)}] OF BOOL;\n"
-        yield "    END_VAR\n"
+
+
+def _variables(
+    count: int, chunks: Sequence[_Chunk], triggers: Triggers, dialect: Dialect
+) -> Iterator[str]:
+    """The triggers of a chain, or the set-points of a table that has no units for them."""
+    if chunks and dialect.has_units:
+        return
+    yield f"    {dialect.variables}\n"
+    if not chunks:
+        yield f"        triggerActive : ARRAY [0..{count}] OF BOOL;\n"
+    for chunk in chunks:
+        yield from (f"{line}\n" for line in _arrays(chunk, triggers))
+    yield "    END_VAR\n"
 
 
 def _blocks(rows: Sequence[_Row], triggers: Triggers) -> Iterator[str]:
@@ -154,7 +167,15 @@ def _fetches(chunks: Sequence[_Chunk], triggers: Triggers) -> Iterator[str]:
 """
 
 
-def _data_unit(chunk: _Chunk, triggers: Triggers) -> str:
+def _data_unit(chunk: _Chunk, triggers: Triggers, dialect: Dialect) -> str:
+    """A unit of set-points, as it stands behind the program."""
+    lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", f"    {dialect.constants}"]
+    lines += _arrays(chunk, triggers)
+    lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
+    return "\n".join(lines)
+
+
+def _arrays(chunk: _Chunk, triggers: Triggers) -> Iterator[str]:
     """Arrays of set-points, with the numbers of the operations as their bounds."""
     rows = chunk.rows
     columns = [
@@ -167,12 +188,9 @@ def _data_unit(chunk: _Chunk, triggers: Triggers) -> str:
         columns.append(("pointViaY", "LREAL", [lreal(row.via[1]) for row in rows]))
     columns.append(("pointKind", "USINT", [f"USINT#{row.kind}" for row in rows]))
     bounds = f"{chunk.first}..{chunk.first + len(rows) - 1}"
-    lines = ["", UNIT_MARK.format(name=chunk.unit), "INTERFACE", "    VAR_GLOBAL CONSTANT"]
     for name, type_, values in columns:
-        lines.append(f"        {name}_{chunk.number} : ARRAY [{bounds}] OF {type_} := [")
+        yield f"        {name}_{chunk.number} : ARRAY [{bounds}] OF {type_} := ["
         for at in range(0, len(values), VALUES_PER_LINE):
             comma = "," if at + VALUES_PER_LINE < len(values) else ""
-            lines.append(f"            {', '.join(values[at : at + VALUES_PER_LINE])}{comma}")
-        lines.append("        ];")
-    lines += ["    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", ""]
-    return "\n".join(lines)
+            yield f"            {', '.join(values[at : at + VALUES_PER_LINE])}{comma}"
+        yield "        ];"

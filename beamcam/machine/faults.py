@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from math import sqrt
 
 from beamcam.machine.bodies import body_faults
+from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
 from beamcam.machine.modbus import modbus_faults
@@ -150,7 +151,7 @@ _TORCH_WORDS = ("traverse", "feed", "cut_on", "cut_off")
 
 
 #: Controllers driven by a table or a chain of triggers, which have no words.
-TABLE_CONTROLLERS = ("simotion", "stepper")
+TABLE_CONTROLLERS = (*DIALECTS, "stepper")
 
 
 def torch_faults(machine: Machine) -> Iterator[Fault]:
@@ -292,8 +293,8 @@ def _moved_by(spindle: Spindle) -> dict[str, str]:
 def table_faults(machine: Machine) -> Iterator[Fault]:
     """Each key of a trigger program or a stepper table that cannot be."""
     triggers, stepper = machine.triggers, machine.stepper
-    if machine.controller == "simotion" and triggers is None:
-        yield "triggers", None, "a table, since the controller is simotion"
+    if machine.controller in DIALECTS and triggers is None:
+        yield "triggers", None, f"a table, since the controller is {machine.controller}"
     if machine.controller == "stepper" and stepper is None:
         yield "stepper", None, "a table, since the controller is stepper"
     if triggers is not None:

@@ -107,7 +107,7 @@ class MachineFile(Keys, frozen=True):
     name: str  #: that of the file, if it gives none
     title: str  #: what it is, in lists of machines
     #: the family of its controller
-    controller: Literal["codesys", "linuxcnc", "grbl", "simotion", "stepper"]
+    controller: Literal["codesys", "linuxcnc", "grbl", "simotion", "plcopen", "stepper"]
     stock: Literal["beam", "sheet"]  #: what it works on
     format: NumberFormat
     words: Words = Words()

@@ -10,22 +10,12 @@ from beamcam.conversion import Keys, Positive, PositiveCount
 
 UnitBytes = Annotated[int, Meta(ge=1024)]  #: a unit has to hold some set-points
 
-#: Names of SIMOTION's library that neither a manual at hand nor a program that ran shows; the
-#: package of a project may call them otherwise.
-UNCONFIRMED = (
-    "_enableAxis", "_move", "_homing", "NEGATIVE", "homingMode", "DIRECT_HOMING",
-    "homePositionType", "homePosition", "control", "ACTIVE", "stopMode", "STOP_AND_ABORT",
-    "negativeAccelType", "TRAPEZOIDAL", "pathObject", "X_Y", "posAxis", "basicMotion.position",
-    "positioningState", "commandPosition", "error", "NO", "_resetAxisError", "errorResetMode",
-    "ALL_ERRORS",
-)  # fmt: skip
-
 
 READ_ROUNDING = 1e-9  #: of a count; an axis that stands on a count is at it
 
 
 class Triggers(Keys, frozen=True):
-    """A motion controller run by a Structured Text program, one `_pos` per operation.
+    """A motion controller run by a Structured Text program, one command of an axis per operation.
 
     Inputs and outputs are addresses such as %I0.0 or names of variables of the project.
     """

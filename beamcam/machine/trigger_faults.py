@@ -5,8 +5,11 @@ from collections import Counter
 from collections.abc import Iterator
 from math import sqrt
 
+from msgspec.structs import fields
+
+from beamcam.machine.dialects import DIALECTS, Dialect
 from beamcam.machine.machine import Machine
-from beamcam.machine.tables import UNCONFIRMED, Triggers
+from beamcam.machine.tables import Triggers
 
 Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
 
@@ -33,8 +36,14 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
         if triggers.max_homing_s < least:
             expected = f"{least:g} or more for {way:g} mm at homing_mm_s"
             yield "triggers.max_homing_s", triggers.max_homing_s, expected
-    yield from _st_name_faults(triggers)
-    yield from _place_faults(triggers)
+    dialect = DIALECTS.get(machine.controller, DIALECTS["simotion"])
+    yield from _st_name_faults(triggers, dialect)
+    yield from _place_faults(triggers, dialect)
+    defaults = {field.name: field.default for field in fields(Triggers)}
+    for key in dialect.without:
+        if (found := getattr(triggers, key)) != defaults[key]:
+            expected = f"no such key, as the controller is {machine.controller}"
+            yield f"triggers.{key}", found, expected
     if triggers.path_objects and triggers.technology not in _PATH_PACKAGES:
         expected = f"{' or '.join(_PATH_PACKAGES)}, which have path objects"
         yield "triggers.package", triggers.package, expected
@@ -43,35 +52,36 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
             yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
 
 
-def _place_faults(triggers: Triggers) -> Iterator[Fault]:
+def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
     """Inputs and outputs that are neither addresses nor names, or that stand for two things."""
     inputs = (*triggers.limits, triggers.start, *filter(None, [triggers.acknowledge]))
     outputs = (*triggers.outputs.values(), *filter(None, [triggers.fault_lamp]))
-    for key, places, pattern, kind in (
-        ("limits", inputs, _INPUT, "input such as %I0.0"),
-        ("outputs", outputs, _OUTPUT, "output such as %Q62.0"),
+    for key, places, letter, kind in (
+        ("limits", inputs, "I", "input such as %I0.0"),
+        ("outputs", outputs, "Q", "output such as %Q62.0"),
     ):
+        pattern = re.compile(f"%{letter}{dialect.address}")
         for place in places:
             if not (pattern.fullmatch(place) or _ST_NAME.fullmatch(place)):
                 yield f"triggers.{key}", place, f"an address of an {kind} or the name of a variable"
-    used = Counter(place.upper() for place in (*inputs, *outputs, *triggers.axes))
+    # %IX0.0 and %I0.0 are one place.
+    used = Counter(_BIT.sub(r"\1", p.upper()) for p in (*inputs, *outputs, *triggers.axes))
     for place, count in used.items():
         if count > 1:
             yield "triggers", place, "each input, output and axis once"
 
 
-def _st_name_faults(triggers: Triggers) -> Iterator[Fault]:
+def _st_name_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
     for name in (*triggers.axes, triggers.path_object, triggers.technology, *triggers.uses):
         if not _ST_NAME.fullmatch(name):
             yield "triggers.axes", name, "letters, digits and single _, a letter first"
     for name, other in triggers.names.items():
-        if name not in UNCONFIRMED:
-            yield "triggers.names", name, f"one of {', '.join(UNCONFIRMED)}"
+        if name not in dialect.renamed:
+            yield "triggers.names", name, f"one of {', '.join(dialect.renamed)}"
         elif not all(_ST_NAME.fullmatch(word) for word in other.removeprefix("_").split(".")):
             yield f"triggers.names.{name}", other, "letters, digits and single _"
 
 
+_BIT = re.compile(r"^(%[IQ])X")
 _PATH_PACKAGES = ("PATH", "CAM_EXT")
 _ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")
-_INPUT = re.compile(r"%I\d+\.[0-7]")
-_OUTPUT = re.compile(r"%Q\d+\.[0-7]")

@@ -13,7 +13,7 @@ from typing import Literal
 from msgspec import Struct
 
 #: What a program is written for, or the events that are made of it.
-Language = Literal["codesys", "linuxcnc", "grbl", "simotion", "stepper", "events"]
+Language = Literal["codesys", "linuxcnc", "grbl", "simotion", "plcopen", "stepper", "events"]
 Stock = Literal["beam", "sheet"]
 
 

@@ -316,7 +316,7 @@ LASER = {"red": "cut", "blue": "mark", "lime": "mark", "black": "engrave"}
 PLATE = {**STEEL, "yellow": "mark"}
 COLOURS = {
     "plate-linuxcnc": PLATE, "plate-oxyfuel": PLATE, "plate-codesys": PLATE,
-    "table-simotion": STEEL, "laser-grbl": LASER, "laser-stepper": LASER,
+    "table-simotion": STEEL, "table-plcopen": STEEL, "laser-grbl": LASER, "laser-stepper": LASER,
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from itertools import pairwise
 from math import dist, inf, sqrt
+from typing import Any
 
 Phase = tuple[float, float]  #: seconds and acceleration
 
@@ -46,6 +47,8 @@ class Axis:
         self.lag = 0.0  #: by which the axis is off its set position
         self.reads: Callable[[float], float] = float  #: what its encoder reads where it is
         self.brake = stop  #: mm/s2 of a stop
+        self.commanded_by: Any = None  #: the function block that commanded it last
+        self.held_by: Any = None  #: the function block that stopped it and holds it
         self._phases: list[Phase] = []
         self._end: float | None = None  #: place at which it stops
 

@@ -22,6 +22,7 @@ def check(units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -
 class _Checker:
     def __init__(self, units: Sequence[syntax.Unit], names: Names) -> None:
         self.units, self.names, self.types = units, names, Types(names)
+        self.shared: dict[str, syntax.Variable] = {}  #: global ones that blocks declare external
 
     # -- units ------------------------------------------------------------------------------
 
@@ -41,6 +42,8 @@ class _Checker:
             self._exports(unit)
             self.names.globals, self.names.locals = used, {}
             self._declare(unit.variables, used)
+            if unit.plain:  # a block sees of the global variables those that it declares itself
+                self.shared, self.names.globals = used, {}
             for block in unit.blocks:
                 self._block(block)
         return sorted(self.names.said, key=lambda d: d.source.line or 0)
@@ -67,7 +70,7 @@ class _Checker:
         """Put variables to those that can be seen already."""
         for variable in variables:
             key, line = variable.name.upper(), variable.line
-            if key in KEYWORDS or key in library.ENUMERATORS:
+            if key in KEYWORDS or key in self.names.reserved:
                 self.names.say(
                     rules.DECLARED, line, found=variable.name, how="as a variable",
                     expected="another, as it means something already",
@@ -84,6 +87,8 @@ class _Checker:
 
     def _variable(self, variable: syntax.Variable) -> None:
         type_ = variable.type
+        if variable.section == "external":
+            self._external(variable)
         plain = type_.of if isinstance(type_, syntax.Array) else type_
         known = self.names.types()
         if plain.upper() not in known:
@@ -119,6 +124,18 @@ class _Checker:
             return
         for value in values:
             self.types.check(value, plain, variable.name)
+
+    def _external(self, variable: syntax.Variable) -> None:
+        """An external variable is a global one, of the same type."""
+        other = self.shared.get(variable.name.upper())
+        if other is None:
+            expected = near(variable.name, [v.name for v in self.shared.values()])
+            found = f"the external {variable.name}"
+            self.names.say(rules.NAME, variable.line, found=found, expected=expected)
+        elif other.type != variable.type or other.section == "const":
+            self.names.wrong_type(
+                variable.line, str(variable.type), f"the external {variable.name}", str(other.type)
+            )
 
     def _block(self, block: syntax.Block) -> None:
         self.names.locals = {}
@@ -163,6 +180,8 @@ class _Checker:
     def _target(self, target: syntax.Expression) -> str:
         if isinstance(target, syntax.Name):
             variable = self.names.variable(target.name)
+            if variable is not None and variable.section == "external":
+                variable = self.shared.get(target.name.upper())
             if variable is not None and variable.section in ("const", "input"):
                 self.names.say(
                     rules.TYPE, target.line, found=f"a value for the {variable.section} "

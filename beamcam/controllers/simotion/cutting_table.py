@@ -11,16 +11,16 @@ from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.axes import Axis, Path
 from beamcam.controllers.simotion.circles import circle_points
 from beamcam.controllers.simotion.interpreter import Interpreter
+from beamcam.controllers.simotion.motion_blocks import motion_blocks, start
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
-from beamcam.machine.runtime import PROCESSES, is_address
+from beamcam.machine.runtime import PROCESSES, STOP_BRAKES, is_address
 
 Place = tuple[float, float]
 
 SAMPLES = 4  #: of the path in each cycle
 BEGIN: Place = (6.0, 4.5)  #: axis positions before homing
-BRAKE = 2.0  #: a stop brakes so many times as hard as work does
 REFUSED = 1
 
 
@@ -32,7 +32,7 @@ class CuttingTable:
         torch = machine.needed(machine.torch, "trigger program")
         self.machine, self.triggers, self.torch, self.name = machine, triggers, torch, name
         self.clock_s = 0.0
-        brake = BRAKE * triggers.acceleration
+        brake = STOP_BRAKES * triggers.acceleration
         self.axes = tuple(
             Axis(axis, place, brake) for axis, place in zip(triggers.axes, BEGIN, strict=True)
         )
@@ -48,13 +48,15 @@ class CuttingTable:
         self.said: list[Diagnostic] = []
         self.points: dict[str, list[Place]] = {}  #: of each tool, while it was on
         outside = [p for p in (*self._inputs, *self._outputs) if p and not is_address(p)]
+        self.natives = motion_blocks(self)
         self.interpreter = Interpreter(units, self, name, outside)
         self._read = [self._variable(place, "acknowledgeButton") for place in self._inputs]
         self._tools = {
             process: self._variable(place, f"{process}On")
             for process, place in zip(PROCESSES, self._outputs, strict=True)
         }
-        self.interpreter.run("CutStart")
+        if self.interpreter.has("CutStart"):
+            self.interpreter.run("CutStart")
 
     @property
     def _inputs(self) -> tuple[str, ...]:
@@ -84,6 +86,8 @@ class CuttingTable:
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
         """Carry out a command; 0 if it was accepted."""
+        if name in self.natives:
+            return 0 if start(self, name, values) else REFUSED
         if values["NEXTCOMMAND"] != "IMMEDIATELY":
             self._command(line, f"nextCommand {values['NEXTCOMMAND']}", "IMMEDIATELY in a cycle")
         if name == "_STOPPATH":
@@ -197,6 +201,10 @@ class CuttingTable:
         if not place:
             return otherwise.upper()
         return self.interpreter.addresses[place.upper()] if is_address(place) else place.upper()
+
+    def at_low(self, axis: Axis) -> bool:
+        """Whether the low limit switch of an axis is closed."""
+        return axis.place <= 0.0 or 2 * self.axes.index(axis) in self.closed
 
     def tool(self, process: str) -> bool:
         """Whether the output of a process is on."""

@@ -24,6 +24,7 @@ class World(Protocol):
 
     clock_s: float
     objects: dict[str, Any]  #: axes and path objects by their names in capitals
+    natives: dict[str, Callable[[], "Native"]]  #: function blocks of a library, by their types
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
         """Carry out a command; 0 if it was accepted."""
@@ -44,7 +45,16 @@ class _Return(Exception):
     """RETURN: the rest of the block is passed over."""
 
 
-class Timer:
+class Native(Protocol):
+    """A function block of a library; `values` are its outputs."""
+
+    values: Values
+
+    def run(self, inputs: Values) -> None:
+        """One call, with the inputs that it gives."""
+
+
+class Timer(Native):
     """TON: Q follows IN after PT."""
 
     def __init__(self, world: World) -> None:
@@ -70,7 +80,7 @@ class Instance:
     def __init__(self, block: syntax.Block, machine: "Interpreter") -> None:
         self._key, self._machine = block.name.upper(), machine
         self.values: Values = {
-            variable.name.upper(): machine.first(variable) for variable in block.variables
+            v.name.upper(): machine.first(v) for v in block.variables if v.section != "external"
         }
 
     def run(self, inputs: Values) -> None:
@@ -104,7 +114,7 @@ class Interpreter:
                 if variable.address:
                     self.addresses[variable.address.upper()] = key
         for key, block in self._blocks.items():
-            self._locals = {v.name.upper(): v for v in block.variables}
+            self._locals = {v.name.upper(): v for v in block.variables if v.section != "external"}
             self.bodies[key] = self._body(block.body)
         self._programs = {
             key: Instance(b, self) for key, b in self._blocks.items() if b.kind == "PROGRAM"
@@ -114,6 +124,10 @@ class Interpreter:
         """One cycle of a program. Raises Fault; KeyError for a program that is not there."""
         self._programs[program.upper()].run({})
 
+    def has(self, program: str) -> bool:
+        """Whether there is a program of that name."""
+        return program.upper() in self._programs
+
     def first(self, variable: syntax.Variable) -> Any:
         """The value that a variable begins with; an array is a list behind its bounds."""
         type_, initial = variable.type, variable.initial
@@ -122,8 +136,12 @@ class Interpreter:
             if isinstance(initial, tuple):
                 return [self._constant(v) for v in initial]
             return [_FIRST.get(type_.of.upper(), 0)] * count
+        if variable.section == "global" and variable.name.upper() in self.world.objects:
+            return self.world.objects[variable.name.upper()]
         if type_.upper() == "TON":
             return Timer(self.world)
+        if type_.upper() in self.world.natives:
+            return self.world.natives[type_.upper()]()
         if type_.upper() in self._blocks:
             return Instance(self._blocks[type_.upper()], self)
         if initial is None or isinstance(initial, tuple):
@@ -257,9 +275,7 @@ class Interpreter:
 
         def read(values: Values) -> Any:
             found = base(values)
-            if isinstance(found, Instance | Timer):
-                return found.values[key]
-            return world.system(found, key)
+            return found.values[key] if hasattr(found, "values") else world.system(found, key)
 
         return read
 

@@ -15,7 +15,7 @@ from beamcam.controllers.simotion import rules
 from beamcam.controllers.simotion.frame import UNIT, JobText, Line, Unreadable
 from beamcam.errors import Rule, Source
 from beamcam.machine.machine import Machine
-from beamcam.machine.runtime import PROCESSES
+from beamcam.machine.runtime import PROCESSES, dialect_of
 
 END = "the end of the program"
 _REAL = r"LREAL#(-?\d+\.\d+)"
@@ -100,6 +100,8 @@ class _Job:
         self.text, self.name = text, name
         self.triggers = machine.needed(machine.triggers, "trigger program")
         self.paths = self.triggers.path_objects
+        self.dialect = dialect_of(machine)
+        self.declared: list[Operation] = []  #: a table's, where it has no units for them
 
     def read(self) -> JobRead:
         lines = _Lines(self.text.declarations, self.name)
@@ -107,17 +109,21 @@ class _Job:
         uses_line = lines.here[0]
         if lines.left and _USES.fullmatch(lines.here[1]):
             units = lines.match(_USES, "USES")[1].split(", ")
-        lines.exact("    VAR_GLOBAL CONSTANT")
+        lines.exact(f"    {self.dialect.constants}")
         last = int(lines.match(_LAST, "LAST_OPERATION : DINT := DINT#...;")[1])
         pierce_s = dict(self._pierces(lines))
         lines.exact("    END_VAR")
         if self.text.style == "chain":
-            lines.exact("    VAR_GLOBAL")
+            lines.exact(f"    {self.dialect.variables}")
             latches = int(lines.match(_LATCHES, "triggerActive : ARRAY [0..n] OF BOOL;")[1])
             if latches != last:
                 found = latches
                 lines.wrong(rules.BOUNDS, lines.here[0] - 1, found=found, name="triggerActive",
                             low=0, high=last)  # fmt: skip
+            lines.exact("    END_VAR")
+        elif not self.dialect.has_units:
+            lines.exact(f"    {self.dialect.variables}")
+            self.declared = self._set_points(lines, 1, 1, last)
             lines.exact("    END_VAR")
         if lines.left:
             lines.wrong(rules.SYNTAX, found=lines.here[1].strip(), expected="the runtime")
@@ -191,7 +197,10 @@ class _Job:
         lines = _Lines(self.text.operations, self.name)
         data = _Lines(self.text.data, self.name)
         data.exact("")
-        operations: list[Operation] = []
+        operations = self.declared
+        if operations and (rows := self._fetch(lines, 1)) != (1, last):
+            lines.wrong(rules.BOUNDS, lines.here[0] - 4, found=f"{rows[0]} to {rows[1]}",
+                        name="rows of the table", low=1, high=last)  # fmt: skip
         for k, unit in enumerate(units, 1):
             low, high = self._fetch(lines, k)
             if low != len(operations) + 1 or high < low:
@@ -231,13 +240,18 @@ class _Job:
         other = data.match(UNIT, f"{mark}; join the file of that unit behind this one")[1]
         if other != unit:
             data.wrong(rules.NAME, uses_line, found=f"unit {unit}", expected=other)
-        data.exact("INTERFACE", "    VAR_GLOBAL CONSTANT")
+        data.exact("INTERFACE", f"    {self.dialect.constants}")
+        operations = self._set_points(data, k, low, high)
+        data.exact("    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", "")
+        return operations
+
+    def _set_points(self, data: _Lines, k: int, low: int, high: int) -> list[Operation]:
+        """The operations that the arrays of a number hold."""
         line = data.here[0]
         columns = [
             self._array(data, f"{name}_{k}", type_, low, high)
             for name, type_ in self._columns.items()
         ]
-        data.exact("    END_VAR", "END_INTERFACE", "", "IMPLEMENTATION", "END_IMPLEMENTATION", "")
         x, y, speed, *via, kinds = columns
         middles: Iterable[Any] = zip(*via, strict=True) if via else [None] * len(x)
         return [

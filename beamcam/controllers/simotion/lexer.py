@@ -23,7 +23,7 @@ _TOKEN = re.compile(
       | (?P<newline>\n)
       | (?P<typed>(?:LREAL|REAL|USINT|UINT|UDINT|SINT|INT|DINT|BOOL|TIME|T)
             \#-?[\w.]+(?:[eE][+-]?\d+)?)
-      | (?P<address>%[IQ]\d+\.\d+)
+      | (?P<address>%[IQ]X?\d+(?:\.\d+)*)
       | (?P<number>\d+\.(?!\.)\d+(?:[eE][+-]?\d+)?|\d+)
       | (?P<name>[A-Za-z_]\w*)
       | (?P<sign>:=|<=|>=|<>|=>|\.\.|\*\*|[-+*/<>=();:,.\[\]&])

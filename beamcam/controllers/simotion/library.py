@@ -9,7 +9,7 @@ position: a program that ran on a D425 with firmware 4.0. `positioningState`: a 
 `z`, `circularType` and its values, `ijkMode`, `i`, `j`, `k`, `mergeMode` and its values,
 `nextCommand`, `velocityProfile`, `velocity`, `positiveAccel`, `negativeAccel`, `pathObjectType`:
 manual TO Path Interpolation 11/2010, chapters 2.5, 2.8 and 5.1. TON, ABS, SQRT: IEC 61131-3.
-`UNCONFIRMED` in machine/tables.py lists what no source shows; a machine's file can say that the
+`UNCONFIRMED` in machine/dialects.py lists what no source shows; a machine's file can say that the
 project's package calls it otherwise.
 """
 
@@ -27,7 +27,8 @@ INTEGERS = {
 }  # fmt: skip
 NUMBERS = (*INTEGERS, "REAL", "LREAL")
 AXIS, PATH_OBJECT = "posAxis", "pathObjectType"
-TYPES = (*NUMBERS, "BOOL", "TIME", AXIS, PATH_OBJECT)
+PLAIN_TYPES = (*NUMBERS, "BOOL", "TIME")
+TYPES = (*PLAIN_TYPES, AXIS, PATH_OBJECT)
 
 FUNCTIONS = ("ABS", "SQRT")
 LOGIC = ("AND", "OR", "XOR")

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from beamcam.controllers.simotion import library, rules, syntax
+from beamcam.controllers.simotion.expressions import RESERVED
 from beamcam.errors import Diagnostic, Rule, Source
 
 UNKNOWN = "?"  #: the type of what has been complained about already
@@ -17,6 +18,13 @@ class Names:
     def __init__(self, units: Sequence[syntax.Unit], objects: Mapping[str, str], name: str) -> None:
         self.name = name
         self.said: list[Diagnostic] = []
+        plain = any(unit.plain for unit in units)
+        self.commands: Mapping[str, library.Command] = {} if plain else library.COMMANDS
+        self.enumerators: Collection[str] = () if plain else library.ENUMERATORS
+        self.reserved = RESERVED if plain else library.ENUMERATORS
+        self.own_types = library.PLAIN_TYPES if plain else library.TYPES
+        self.structures = {s.name.upper(): s for u in units for s in u.structures}
+        self.needs_all = not plain  #: whether a call has to give all inputs of a block
         self.blocks = library.BLOCKS | {b.name.upper(): b for u in units for b in u.blocks}
         self.objects = {name.upper(): type_ for name, type_ in objects.items()}
         self.globals: dict[str, syntax.Variable] = {}
@@ -45,24 +53,29 @@ class Names:
     def types(self) -> dict[str, str]:
         """The types that a variable may have, by their names in capitals."""
         own = (b.name for b in self.blocks.values() if b.kind == "FUNCTION_BLOCK")
-        return {t.upper(): t for t in (*library.TYPES, *own)}
+        structures = (s.name for s in self.structures.values())
+        return {t.upper(): t for t in (*self.own_types, *structures, *own)}
 
     def canonical(self, type_: str) -> str:
         """A type as the library writes it."""
-        return spelled(type_, (*library.TYPES, *library.BLOCKS)) or type_
+        structures = (s.name for s in self.structures.values())
+        return spelled(type_, (*self.own_types, *structures, *library.BLOCKS)) or type_
 
     def components(self, type_: str) -> dict[str, str] | None:
         """The components of a type with their types; None if it has none."""
-        if type_ in library.COMPONENTS:
+        if type_ in library.COMPONENTS and self.commands:
             return library.COMPONENTS[type_]
+        if (structure := self.structures.get(type_.upper())) is not None:
+            return {f.name: self.canonical(f.type) for f in structure.fields
+                    if isinstance(f.type, str)}  # fmt: skip
         return self._of_block(type_, "output")
 
-    def inputs(self, name: str) -> dict[str, str] | None:
+    def inputs(self, name: str, *sections: syntax.Section) -> dict[str, str] | None:
         """The inputs of the function block that a variable is an instance of, if it is one."""
         variable = self.variable(name)
         if variable is None or not isinstance(variable.type, str):
             return None
-        return self._of_block(variable.type, "input", "inout")
+        return self._of_block(variable.type, *(sections or ("input", "inout")))
 
     def _of_block(self, type_: str, *sections: syntax.Section) -> dict[str, str] | None:
         block = self.blocks.get(type_.upper())
@@ -85,11 +98,11 @@ class Names:
         key = value.name.upper()
         if key in self.objects:
             return self.objects[key]
-        if key in library.ENUMERATORS:
+        if key in self.enumerators:
             return f"enum:{key}"
         known = (
             *(v.name for v in self.locals.values()), *(v.name for v in self.globals.values()),
-            *self.objects, *library.ENUMERATORS,
+            *self.objects, *self.enumerators,
         )  # fmt: skip
         return self.say(rules.NAME, value.line, found=value.name, expected=near(value.name, known))
 

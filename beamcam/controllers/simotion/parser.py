@@ -24,7 +24,7 @@ def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
     found, said = tokens(text, name)
     if said:
         return [], said
-    parser = _Parser(found)
+    parser = Parser(found)
     try:
         return parser.units(), []
     except Stop as stop:
@@ -33,7 +33,9 @@ def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
         return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
 
 
-class _Parser(Expressions):
+class Parser(Expressions):
+    """Takes units of SIMOTION; what stands in a block is the same in every dialect."""
+
     # -- units ------------------------------------------------------------------------------
 
     def units(self) -> list[syntax.Unit]:

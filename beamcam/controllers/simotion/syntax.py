@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from beamcam.controllers.simotion.lexer import Token
 
-Section = Literal["const", "global", "input", "output", "inout", "local"]
+Section = Literal["const", "global", "external", "input", "output", "inout", "local"]
 
 
 class Constant(Struct, frozen=True):
@@ -137,11 +137,21 @@ class Block(Struct, frozen=True):
     body: tuple[Statement, ...]
 
 
+class Structure(Struct, frozen=True):
+    """A type with components."""
+
+    line: int
+    name: str
+    fields: tuple[Variable, ...]
+
+
 class Unit(Struct, frozen=True):
-    """One source of the project."""
+    """One source of the project; a plain one is the whole of it, without words of SIMOTION."""
 
     name: str
     uses: tuple[Token, ...]  #: names of other units
     exports: tuple[tuple[str, str, int], ...]  #: kind, name and line
     variables: tuple[Variable, ...]
     blocks: tuple[Block, ...]
+    structures: tuple[Structure, ...] = ()
+    plain: bool = False

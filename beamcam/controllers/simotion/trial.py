@@ -12,10 +12,18 @@ from beamcam.caches import PerObject
 from beamcam.controllers.simotion import library, rules
 from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.parser import parse
+from beamcam.controllers.simotion.plain import parse_plain
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.machine.runtime import PROCESSES, STYLES, is_address, library_runtime
+from beamcam.machine.runtime import (
+    PROCESSES,
+    STYLES,
+    dialect_of,
+    is_address,
+    library_runtime,
+    shipped,
+)
 
 if TYPE_CHECKING:
     from beamcam.controllers.simotion.cutting_table import CuttingTable
@@ -31,8 +39,18 @@ def trial(machine: Machine) -> tuple[Diagnostic, ...]:
     return _once(machine)
 
 
+def parsed(text: str, machine: Machine, name: str) -> tuple[list[Unit], list[Diagnostic]]:
+    """The units of a program, with the blocks that it calls where these are Structured Text."""
+    library_text = dialect_of(machine).library
+    if library_text:
+        return parse_plain(shipped(library_text) + text, name)
+    return parse(text, name)
+
+
 def project_objects(machine: Machine) -> dict[str, str]:
-    """Names of the project that a program uses, with their types."""
+    """Names of the project that a program uses, with their types; a plain one declares its own."""
+    if dialect_of(machine).library:
+        return {}
     triggers = machine.needed(machine.triggers, "trigger program")
     places = (*triggers.limits, triggers.start, triggers.acknowledge, *triggers.outputs.values(),
               triggers.fault_lamp)  # fmt: skip
@@ -47,7 +65,7 @@ def _trial(machine: Machine) -> tuple[Diagnostic, ...]:
     name = f"machine {machine.name}"
     all_said: list[Diagnostic] = []
     for style in STYLES:
-        units, said = parse(_program(machine, style), name)
+        units, said = parsed(_program(machine, style), machine, name)
         said = said or check(units, project_objects(machine), name)
         if not errors_in(said):
             said += _run(units, machine, name)
@@ -70,10 +88,12 @@ def _program(machine: Machine, style: str) -> str:
     last = len(rows)
     via = ", middleX := LREAL#0.0, middleY := LREAL#0.0" if machine.triggers.path_objects else ""
     tail = f"speed := LREAL#{SPEED}{via});"
-    declarations = f"VAR_GLOBAL CONSTANT LAST_OPERATION : DINT := DINT#{last};\n"
+    dialect = dialect_of(machine)
+    declarations = f"{dialect.constants} LAST_OPERATION : DINT := DINT#{last};\n"
     declarations += "".join(f"PIERCE_{p.upper()} : TIME := T#100ms;\n" for p in PROCESSES)
+    declarations += f"END_VAR {dialect.variables} "
     if style == "chain":
-        declarations += f"END_VAR VAR_GLOBAL triggerActive : ARRAY [0..{last}] OF BOOL;\n"
+        declarations += f"triggerActive : ARRAY [0..{last}] OF BOOL;\n"
         work = "".join(
             f"IF operationArrived AND triggerActive[{k - 1}] AND NOT triggerActive[{k}] THEN "
             f"triggerActive[{k}] := TRUE; "

@@ -69,13 +69,18 @@ class Types:
         index = self.of(value.index)
         if index not in (*library.INTEGERS, "integer", UNKNOWN):
             self.names.wrong_type(value.line, index, "an index", "a whole number")
-        if isinstance(value.index, syntax.Constant) and index != UNKNOWN:
-            low, high = variable.type.low, variable.type.high
-            if not low <= value.index.value <= high:
-                self.names.say(
-                    rules.BOUNDS, value.line, found=value.index.value, name=variable.name,
-                    low=low, high=high,
-                )  # fmt: skip
+        match value.index:
+            case syntax.Constant(value=at):
+                pass
+            case syntax.Unary(operator="-", value=syntax.Constant(value=of)):
+                at = -of
+            case _:
+                at = variable.type.low
+        low, high = variable.type.low, variable.type.high
+        if index != UNKNOWN and not low <= at <= high:
+            self.names.say(
+                rules.BOUNDS, value.line, found=at, name=variable.name, low=low, high=high
+            )
         return self.names.canonical(variable.type.of)
 
     def _unary(self, value: syntax.Unary) -> str:
@@ -119,7 +124,7 @@ class Types:
         name = call.callee
         if name.upper() in library.FUNCTIONS:
             return self._numeric(call)
-        command = spelled(name, library.COMMANDS)
+        command = spelled(name, self.names.commands)
         if command is not None:
             if as_statement:
                 self.names.wrong_type(
@@ -132,9 +137,13 @@ class Types:
         inputs = self.names.inputs(name)
         if inputs is None:
             own = (v.name for v in self.names.locals.values())
-            expected = near(name, [*library.COMMANDS, *library.FUNCTIONS, *own])
+            expected = near(name, [*self.names.commands, *library.FUNCTIONS, *own])
             return self.names.say(rules.NAME, call.line, found=f"{name}()", expected=expected)
-        self._parameters(call, inputs, tuple(inputs))
+        passed = self.names.inputs(name, "inout") or {}
+        self._parameters(call, inputs, tuple(inputs if self.names.needs_all else passed))
+        for word, value, line in call.named:
+            if spelled(word, passed) and not isinstance(value, syntax.Name):
+                self.names.wrong_type(line, text_of(value), word, "a variable")
         if not as_statement:
             self.names.wrong_type(call.line, f"the function block {name}", "a value", "a function")
         return UNKNOWN

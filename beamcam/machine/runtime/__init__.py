@@ -13,11 +13,13 @@ from importlib.resources import files
 from msgspec import Struct
 
 from beamcam.caches import PerObject
+from beamcam.machine.dialects import DIALECTS, Dialect
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
 
 STYLES = ("chain", "table")
 PROCESSES = ("cut", "mark", "engrave")  #: switched on by the kinds 1, 3, 5, off by 2, 4, 6
+STOP_BRAKES = 2.0  #: a stop brakes so many times as hard as work does
 _INDENT = " " * 8
 
 
@@ -40,14 +42,22 @@ def runtime_of(machine: Machine, style: str) -> Runtime:
 def library_runtime(machine: Machine, style: str) -> Runtime:
     """The same, with the names of the controller's library as the manuals have them."""
     triggers = machine.needed(machine.triggers, "trigger program")
-    text = _shipped("cut_part")
-    text = text.replace("<motion>\n", _shipped("paths" if triggers.path_objects else "lines"))
-    text = text.replace("<operations>\n", _shipped(style))
+    text = _of_style(shipped(dialect_of(machine).text), style)
+    text = text.replace("<motion>\n", shipped("paths" if triggers.path_objects else "lines"))
+    text = text.replace("<operations>\n", shipped(style))
     for name, lines in _lines(triggers).items():
-        text = text.replace(f"<{name}>\n", "".join(f"{_INDENT}{line}\n" for line in lines))
+        form = re.compile(rf"^( *)<{name}>\n", re.MULTILINE)
+        for indent in form.findall(text):
+            own = "".join(f"{indent or _INDENT}{line}\n" for line in lines)
+            text = form.sub(lambda _, own=own: own, text, count=1)  # type: ignore[misc]
     for name, value in _values(triggers).items():
         text = text.replace(f"<{name}>", value)
     return Runtime(*text.split("@\n"))
+
+
+def dialect_of(machine: Machine) -> Dialect:
+    """The dialect of a machine's trigger programs. Raises KeyError for a machine without any."""
+    return DIALECTS[machine.controller]
 
 
 def lreal(value: float) -> str:
@@ -68,6 +78,8 @@ def _values(t: Triggers) -> dict[str, str]:
         "path_object": t.path_object,
         "package": t.technology,
         "cycle_ms": f"{1000 * t.cycle_s:g}",
+        "home_position": lreal(-t.back_off),
+        "stop_deceleration": lreal(STOP_BRAKES * t.acceleration),
         **{name: lreal(getattr(t, name)) for name in numbers},
     }
 
@@ -89,8 +101,12 @@ def _lines(t: Triggers) -> dict[str, list[str]]:
     if is_address(lamp):
         declared.append(f"faultLamp AT {lamp} : BOOL;")
     shown = [f"{'faultLamp' if is_address(lamp) else lamp} := workFault;"] if lamp else []
+    others = [f"{place} : BOOL;" for place in (*named.values(), *outputs.values(), lamp)
+              if place and not is_address(place)]  # fmt: skip
     return {
         "inputs and outputs": declared,
+        "external inputs and outputs": [f"{line.split()[0]} : BOOL;" for line in declared + others],
+        "named inputs and outputs": others,
         "read inputs": [f"{name} := {other};" for name, other in named.items()],
         "write outputs": writes,
         "show fault": shown,
@@ -111,7 +127,15 @@ def _as_called(text: str, names: Mapping[str, str]) -> str:
     return words.sub(lambda word: names[word[0]], text)
 
 
-def _shipped(name: str) -> str:
+def _of_style(text: str, style: str) -> str:
+    """A text with what it has for one style: from the style's mark up to the next one."""
+    first, *pieces = re.split(rf"^<({'|'.join(STYLES)}|)>\n", text, flags=re.MULTILINE)
+    marks = zip(pieces[::2], pieces[1::2], strict=True)
+    return first + "".join(piece for mark, piece in marks if mark in ("", style))
+
+
+def shipped(name: str) -> str:
+    """A text that stands beside this file."""
     return (files(__package__) / f"{name}.st").read_text(encoding="ascii")
 
 

@@ -1,4 +1,4 @@
-"""Trigger programs of SIMOTION verified: what their operations do, compared with the part.
+"""Trigger programs of either dialect verified: what their operations do, compared with the part.
 
 text -> operations (controllers/simotion) -> strokes (execution) -> compared with the contours
 """

@@ -24,6 +24,7 @@ TABLES = [
     ("dstv/gusset.nc1", "plate-linuxcnc"),
     ("json/curves.json", "laser-grbl"),
     ("json/shield.json", "table-simotion"),
+    ("json/shield.json", "table-plcopen"),
 ]
 STEPS = "json/shield-small.json"
 

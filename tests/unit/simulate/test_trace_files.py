@@ -22,6 +22,7 @@ JOBS = [
     ("dstv/gusset.nc1", "plate-linuxcnc"), ("dstv/gusset.nc1", "plate-codesys"),
     ("json/curves.json", "laser-grbl"), ("json/shield-small.json", "laser-stepper"),
     ("json/shield.json", "table-simotion"),
+    ("json/shield.json", "table-plcopen"),
 ]  # fmt: skip
 
 

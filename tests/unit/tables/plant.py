@@ -12,9 +12,8 @@ from msgspec.structs import replace
 from beamcam.controllers.simotion.axes import Axis
 from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.cutting_table import CuttingTable
-from beamcam.controllers.simotion.parser import parse
 from beamcam.controllers.simotion.syntax import Unit
-from beamcam.controllers.simotion.trial import project_objects
+from beamcam.controllers.simotion.trial import parsed, project_objects
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
 from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerTable
@@ -57,7 +56,7 @@ def loaded(style: str = "chain", path_objects: bool = False) -> tuple[Unit, ...]
 
 def units_of(text: str, machine: Machine) -> tuple[Unit, ...]:
     """The units of a program, which nothing is wrong with."""
-    units, said = parse(text, "a.st")
+    units, said = parsed(text, machine, "a.st")
     said = said or check(units, project_objects(machine), "a.st")
     assert said == []
     return tuple(units)
@@ -105,7 +104,7 @@ class Plant(CuttingTable):
         self.count += 1
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
-        if self.late and name == "_POS":
+        if self.late and name in ("_POS", "MC_MOVEABSOLUTE"):
             self.taken.append((name, values, line))
             return 0
         return super().command(name, values, line)

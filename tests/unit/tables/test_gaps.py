@@ -23,6 +23,7 @@ def ring(gap: float) -> Contour:
     ("name", "style"),
     [
         ("laser-stepper", ".bin"), ("laser-stepper", ".csv"), ("table-simotion", "chain"),
+        ("table-plcopen", "table"),
         ("laser-grbl", None), ("plate-linuxcnc", None), ("plate-codesys", None),
     ],
 )  # fmt: skip
