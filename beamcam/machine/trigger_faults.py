@@ -54,7 +54,8 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
 
 def _place_faults(triggers: Triggers) -> Iterator[Fault]:
     """Inputs and outputs that are neither addresses nor names, or that stand for two things."""
-    inputs = tuple(filter(None, triggers.inputs))
+    optional = filter(None, (triggers.acknowledge, triggers.stop))
+    inputs = (*triggers.limits, triggers.start, *optional)
     outputs = (*triggers.outputs.values(), *filter(None, [triggers.fault_lamp]))
     for key, places, pattern, kind in (
         ("limits", inputs, _INPUT, "input such as %I0.0"),

@@ -83,6 +83,9 @@ class Plant(CuttingTable):
         self.creeps: dict[str, float] = {}  #: axes that drift from their set positions, mm/s
         self.trails_s = 0.0  #: time constant of the position controllers
         self.trail = [0.0, 0.0]  #: mm behind the set positions
+        self.speeds = [0.0, 0.0]  #: of the set positions, since the last cycle
+        self.may_trail = [0.0, 0.0]  #: mm, by the lag and the speeds up to now
+        self.commanded = 0  #: cycle of the last command to move
         self._places = [axis.place for axis in self.axes]
         self.homed_anew = False
         self.met: set[int] = set()  #: axes that ran against their low switches in this homing
@@ -116,6 +119,9 @@ class Plant(CuttingTable):
         """Let an axis trail as a proportional controller of its position does, or creep away."""
         speed = (axis.place - self._places[index]) / self.triggers.cycle_s
         self._places[index] = axis.place
+        lag_s = self.triggers.following_lag_s
+        left = self.may_trail[index] * lag_s / (lag_s + self.triggers.cycle_s)
+        self.speeds[index], self.may_trail[index] = abs(speed), max(left, abs(speed) * lag_s)
         if self.trails_s:
             stays = exp(-self.triggers.cycle_s / self.trails_s)
             trail = self.trail[index] * stays + speed * self.trails_s * (1 - stays)
@@ -153,6 +159,8 @@ class Plant(CuttingTable):
         return {id(one): one for one in kept}
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
+        if name == "_POS" or name.startswith("_MOVEPATH"):
+            self.commanded = self.count
         if self.late and name == "_POS":
             self.taken.append((name, values, line))
             return 0

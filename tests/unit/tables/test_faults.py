@@ -208,9 +208,11 @@ def test_set_positions_that_stop_short_are_a_fault(style: str, path_objects: boo
 def test_a_move_that_does_not_begin_is_a_fault_after_two_cycles_more() -> None:
     one = plant()
     one.press_start()
-    while one.value("operation") != 3:
+    while not one.tool_on:
         one.cycle()
     override(0.0)(one)
+    while one.value("operation") != 3:
+        one.cycle()
     for _ in range(3):
         one.cycle()
         assert one.tool_on

@@ -23,7 +23,7 @@ from .plant import (
     small_machine,
 )
 
-EXACT = 0.05  #: mm of the zero: a cycle of the slow approach, and its stop
+EXACT = 0.06  #: mm of the zero: two cycles of the slow approach, and its stop
 
 
 def plant(style: str = "chain", path_objects: bool = False) -> Plant:
@@ -64,9 +64,10 @@ def outcome(one: Plant, kept: object, deed: Deed, cycles: int) -> str:
     return f"fault {one.value('faultNumber')}" if one.value("workState") == FAULT else "zero"
 
 
-@pytest.mark.parametrize("style", ["chain", "table"])
 @pytest.mark.parametrize("index", [0, 1])
-@pytest.mark.parametrize("cycles", [1, 2, 3, 10, 60])
+@pytest.mark.parametrize(
+    ("style", "cycles"), [("chain", 1), ("table", 1), ("chain", 2), ("chain", 5), ("chain", 30)]
+)
 @pytest.mark.parametrize("what", [close, release])
 def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
     style: str, index: int, cycles: int, what: object
@@ -86,15 +87,15 @@ def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
 @pytest.mark.parametrize(
     ("deed", "numbers"),
     [
-        (close(0), {8}), (close(2), {8}), (break_wire(0), {8}), (release(0), {3, 7, 8}),
+        (close(0), {3, 8}), (close(2), {3, 8}), (break_wire(0), {3, 8}), (release(0), {3, 7, 8}),
         (close(1), {1}), (break_wire(3), {1}), (press_stop, {9}), (break_wire(6), {9}),
-        (disable(0), {2, 5}), (alarm(1), {2}), (fault_task, {6}), (freeze(0), {7}), (freeze(1), {7}),
+        (disable(0), {2, 3, 5}), (alarm(1), {2}), (fault_task, {6}), (freeze(0), {7}), (freeze(1), {7}),
     ],
 )  # fmt: skip
 def test_what_fails_for_good_ends_in_its_fault(
     deed: Deed, numbers: set[int], path_objects: bool
 ) -> None:
-    """In every cycle until the axes are backing off, where a switch may still be left."""
+    """A switch may also fail behind the zero, where it is not asked any more."""
     one = plant("chain", path_objects)
     for kept in moments(one):
         found = outcome(one, kept, deed, 3000)
