@@ -1,7 +1,7 @@
 """A cutting table with a trigger program: axes, switches, buttons, tools and the clock.
 
-Axes count places from their low limit switches, which are actuated there; the work area begins where
-the machine's back-off ends, and the high switches lie `overrun` behind it.
+Axes count places from their low limit switches, which are actuated there; the work area begins
+where the machine's back-off ends, and the high switches lie `overrun` behind it.
 """
 
 from collections.abc import Sequence
@@ -171,9 +171,10 @@ class CuttingTable:
     def cycle(self) -> None:
         """One scan of the program, and what the axes do until the next. Raises Fault."""
         x, y = self.axes
-        low_and_high = (
-            x.place <= 0.0, x.place >= self.ends[0], y.place <= 0.0, y.place >= self.ends[1],
-        )  # fmt: skip
+        low_and_high = [
+            at for place, end in zip(self.head(), self.ends, strict=True)
+            for at in (place <= 0.0, place >= end)
+        ]  # fmt: skip
         limits = [
             (at or k in self.closed) and k not in self.loose for k, at in enumerate(low_and_high)
         ]
@@ -202,6 +203,10 @@ class CuttingTable:
         if not place:
             return otherwise.upper()
         return self.interpreter.addresses[place.upper()] if is_address(place) else place.upper()
+
+    def head(self) -> Place:
+        """Where the switches see the axes."""
+        return self.axes[0].place, self.axes[1].place
 
     def tool(self, process: str) -> bool:
         """Whether the output of a process is on."""

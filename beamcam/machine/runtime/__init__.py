@@ -65,8 +65,8 @@ def _values(t: Triggers) -> dict[str, str]:
     """What stands for each name of one word in the shipped text."""
     numbers = (
         "in_position", "standstill", "arrival_window", "acceleration", "homing_mm_s", "back_off",
-        "cycle_s", "max_homing_s", "max_late_s", "following_lag_s", "homing_slow_mm_s", "homing_window",
-        "late_factor",
+        "cycle_s", "max_homing_s", "max_late_s", "following_lag_s", "homing_slow_mm_s",
+        "homing_window", "late_factor",
     )  # fmt: skip
     return {
         "axis_x": t.axes[0],

@@ -120,7 +120,8 @@ class Plant(CuttingTable):
         speed = (axis.place - self._places[index]) / self.triggers.cycle_s
         self._places[index] = axis.place
         lag_s = self.triggers.following_lag_s
-        left = self.may_trail[index] * lag_s / (lag_s + self.triggers.cycle_s)
+        cycle_s = self.triggers.cycle_s
+        left = (self.may_trail[index] + abs(speed) * cycle_s) * lag_s / (lag_s + cycle_s)
         self.speeds[index], self.may_trail[index] = abs(speed), max(left, abs(speed) * lag_s)
         if self.trails_s:
             stays = exp(-self.triggers.cycle_s / self.trails_s)
@@ -129,6 +130,9 @@ class Plant(CuttingTable):
         if axis.name in self.creeps:
             by = self.creeps[axis.name] * self.triggers.cycle_s
             self.astray[axis.name] = self.astray.get(axis.name, 0.0) + by
+
+    def head(self) -> tuple[float, float]:
+        return self.axes[0].place - self.trail[0], self.axes[1].place - self.trail[1]
 
     def _state(self) -> dict[str, Any]:
         """What changes from cycle to cycle, besides the script."""

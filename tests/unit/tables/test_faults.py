@@ -180,14 +180,14 @@ def test_an_encoder_that_jitters_by_a_count_stops_nothing(
 
 @pytest.mark.parametrize(("style", "path_objects"), WAYS)
 def test_an_operation_that_is_slow_is_a_fault(style: str, path_objects: bool) -> None:
-    """Half the speed: the way made so far has to be made in its time."""
+    """A tenth of the speed: the way made so far has to be made in its time."""
     one = cutting(plant(style, path_objects))
-    override(0.5)(one)
+    override(0.1)(one)
     since = one.clock_s
-    one.run_until(FAULT, 10 / 4)
+    one.run_until(FAULT, 2.0)
     t = one.triggers
-    # max_late_s + late_factor x (way / speed + ramp), where the way is made at half its speed
-    longest = (t.max_late_s + t.late_factor * 8 / t.acceleration) / (1 - t.late_factor / 2)
+    # max_late_s + late_factor x (way / speed + ramp), where the way is made at a tenth of it
+    longest = (t.max_late_s + t.late_factor * 8 / t.acceleration) / (1 - t.late_factor / 10)
     assert one.clock_s - since <= longest + 3 * t.cycle_s
     assert one.value("faultNumber") == 4
     assert not one.tool_on
@@ -227,6 +227,30 @@ def test_the_window_goes_by_the_speed_of_each_axis() -> None:
         displace(index, 0.4)(one)
         one.wait(0.1)
         assert one.value("workState") == state
+        assert one.value("faultNumber") == (7 if state == FAULT else 0)
+    for index, state in ((0, FAULT), (1, WORK)):  # up to (9, 8), where Y is twice as fast
+        one = cutting(plant())
+        while one.value("operation") != 4:
+            one.cycle()
+        one.wait(0.25)
+        displace(index, 0.53)(one)
+        one.wait(0.1)
+        assert one.value("workState") == state
+
+
+def test_what_an_axis_trails_runs_down_with_the_lag_while_it_brakes() -> None:
+    machine = small_machine()
+    assert machine.triggers is not None
+    slow = replace(machine.triggers, following_lag_s=0.15, max_late_s=1.0)
+    machine = replace(machine, triggers=slow)
+    text = simotion.emit(small_job(), machine, "chain")
+    forgetful = text.replace("trail := (trail +", "trail := (LREAL#0.0 +")
+    assert forgetful != text
+    for program, state in ((text, DONE), (forgetful, FAULT)):
+        one = Plant(units_of(program, machine), machine)
+        one.trails_s = 0.15
+        one.press_start()
+        one.run_until(state)
         assert one.value("faultNumber") == (7 if state == FAULT else 0)
 
 

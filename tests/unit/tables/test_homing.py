@@ -76,7 +76,9 @@ def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
     found = set()
     for kept in moments(one):
         found.add(outcome(one, kept, what(2 * index), cycles))  # type: ignore[operator]
-        most = EXACT if cycles == 1 else one.triggers.homing_window + EXACT
+        late = cycles * one.triggers.homing_slow_mm_s * one.triggers.cycle_s
+        early = one.triggers.homing_window if cycles > 1 else 0.0
+        most = EXACT + (late if what is release else early)
         assert one.value("workState") == FAULT or wrong_by(one) <= most
         one.go_back(kept)
     assert {"zero", "fault 8"} <= found
@@ -89,7 +91,8 @@ def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
     [
         (close(0), {3, 8}), (close(2), {3, 8}), (break_wire(0), {3, 8}), (release(0), {3, 7, 8}),
         (close(1), {1}), (break_wire(3), {1}), (press_stop, {9}), (break_wire(6), {9}),
-        (disable(0), {2, 3, 5}), (alarm(1), {2}), (fault_task, {6}), (freeze(0), {7}), (freeze(1), {7}),
+        (disable(0), {2, 3, 5}), (alarm(1), {2}), (fault_task, {6}), (freeze(0), {7}),
+        (freeze(1), {7}),
     ],
 )  # fmt: skip
 def test_what_fails_for_good_ends_in_its_fault(
@@ -149,3 +152,42 @@ def test_a_slow_approach_that_does_not_find_the_switch_again_is_a_fault() -> Non
     one.run_until(FAULT, 10.0)
     assert one.value("faultNumber") == 8
     assert one.axes[0].place > -2 * one.triggers.homing_window
+
+
+def test_a_high_switch_that_was_free_is_a_fault_in_the_same_cycle() -> None:
+    one = plant()
+    one.press_start()
+    one.wait(0.3)
+    close(1)(one)
+    one.cycle()
+    one.cycle()  # the fault of the block is seen before the next call of it
+    assert one.value("faultNumber") == 1
+
+
+def test_a_low_switch_that_is_actuated_again_while_backing_off_is_a_fault() -> None:
+    one = plant()
+    one.press_start()
+    origin = one.axes[0].origin
+    while one.axes[0].origin == origin:
+        one.cycle()
+    one.wait(0.2)
+    assert one.value("workState") == HOMING
+    close(0)(one)
+    one.run_until(FAULT, 3.0)
+    assert one.value("faultNumber") == 8
+    assert WORK not in one.states
+
+
+def test_a_zero_does_not_blind_the_watch() -> None:
+    """The set position jumps by 5 mm there; the axis may be off no further for it."""
+    one = plant()
+    one.press_start()
+    origin = one.axes[0].origin
+    while one.axes[0].origin == origin:
+        one.cycle()
+    freeze(0)(one)
+    axis, t = one.axes[0], one.triggers
+    one.run_until(FAULT, 3.0)
+    assert one.value("faultNumber") == 7
+    fast = t.homing_mm_s * (t.following_lag_s + 3 * t.cycle_s)
+    assert abs(axis.actual - axis.position) <= t.arrival_window + fast + t.count
