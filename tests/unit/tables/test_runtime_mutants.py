@@ -71,7 +71,7 @@ MUTANTS = [
     ("stands := INT#-2;", "-2", "0"),
     ("made := made + SQRT(", "made + ", "move.way + "),
     ("IF speed > fastest THEN", "speed > fastest", NEVER),
-    ("trail := speed * FOLLOWING_LAG_S;", "speed", "fastest"),
+    ("speed := progress / CYCLE_S;", "progress / CYCLE_S", "fastest"),
     ("(watchX.fit AND watchX.strays)", "watchX.strays", NEVER),
     ("IF stopButton THEN", "stopButton", NEVER),
     ("AND NOT stopButton THEN", "AND NOT stopButton", ""),
