@@ -1,7 +1,8 @@
 """What each fault costs with the torch on, measured and held against the table of docs/simotion.md.
 
-Each fault is thrown in at ten moments of the small job's cuts and at ten of a slanting edge of
-600 mm, in both styles: when is the torch off, how far has it burnt, how far off its path.
+Each fault is thrown in at ten moments of the small job's cuts, with and without path objects, and
+at ten of a slanting edge of 600 mm, in both styles: when is the torch off, how far has it burnt,
+how far off its path.
 """
 
 from collections.abc import Callable
@@ -74,7 +75,8 @@ def stands(cycles: int) -> Seen:
         end = one.value("targetX"), one.value("targetY")
         on_the_way = dist(end, [a.position for a in one.axes]) > one.triggers.in_position
         late = one.count - 1 > one.commanded + cycles
-        return one.value("operationKind") == 0 and one.speeds == [0.0, 0.0] and on_the_way and late
+        moves = one.value("operationKind") in (0, 7)
+        return moves and one.speeds == [0.0, 0.0] and on_the_way and late
 
     return seen
 
@@ -120,8 +122,8 @@ def long_edge(style: str) -> tuple[Plant, list[object]]:
 
 
 @cache
-def short_job(style: str) -> tuple[Plant, list[object]]:
-    return moments(small_machine(), small_job(), style)
+def short_job(style: str, path_objects: bool) -> tuple[Plant, list[object]]:
+    return moments(small_machine(path_objects), small_job(path_objects), style)
 
 
 def moments(machine: Machine, job: TriggerTable, style: str) -> tuple[Plant, list[object]]:
@@ -199,7 +201,7 @@ def costs(number: int, what: str) -> tuple[Cost, ...]:
     found = []
     (row,) = (row for row in ROWS if (row.number, row.what) == (number, what))
     for style in STYLES:
-        for one, kept in (long_edge(style), short_job(style)):
+        for one, kept in (long_edge(style), short_job(style, False), short_job(style, True)):
             for moment in kept:
                 for deed, matters, seen in row.deeds:
                     one.go_back(moment)
