@@ -8,6 +8,7 @@ from msgspec import Meta, field
 
 from beamcam.conversion import Keys, Positive, PositiveCount
 
+LateFactor = Annotated[float, Meta(ge=1.0, le=10.0)]  #: no operation is sooner than its time
 UnitBytes = Annotated[int, Meta(ge=1024)]  #: a unit has to hold some set-points
 
 
@@ -28,17 +29,21 @@ class Triggers(Keys, frozen=True):
     acceleration: Positive  #: mm/s2 along the path
     traverse_mm_s: Positive  #: along the path with the tool off
     acknowledge: str = ""  #: input of the button that acknowledges a fault; a variable if absent
+    stop: str = ""  #: input of the stop button, not the emergency stop; a variable if absent
+    normally_closed: tuple[str, ...] = ()  #: inputs that are off when actuated, or a wire breaks
     fault_lamp: str = ""  #: output that shows a fault
     uses: tuple[str, ...] = ()  #: units of the project that declare named inputs and outputs
     homing_mm_s: Positive = 10.0  #: towards the limit switches
+    homing_slow_mm_s: Positive = 1.0  #: off a low switch and against it for the second time
     max_homing_s: Positive = 120.0  #: of homing both axes; longer is a fault
-    max_late_s: Positive = 2.0  #: behind its reckoned end, by which an operation has to arrive
+    late_factor: LateFactor = 1.1  #: times the time of its way and ramps an operation may take
+    max_late_s: Positive = 0.5  #: and this much more: the end seen, and the lag run down
     back_off: Positive = 30.0  #: from the limit switch to the corner of the work area
     overrun: Positive = 15.0  #: from the end of the work area to its limit switch
     in_position: Positive = 0.005  #: a set position this near to its end has arrived
     standstill: Positive = 0.0001  #: largest move per cycle of an axis at rest
     arrival_window: Positive = 0.26  #: of an actual position about its set position; encoder counts
-    following_lag_s: Positive = 0.05  #: by which an actual position may trail its set position
+    following_lag_s: Positive = 0.05  #: times an axis's own speed it may trail its set position
     counts_per_turn: PositiveCount = 512  #: of the encoder: its pulses
     quadrature: bool = False  #: whether both edges of both tracks count: four for each pulse
     #: what is read within a count: its lower end, or the multiple of a count that is nearest
@@ -52,6 +57,19 @@ class Triggers(Keys, frozen=True):
     path_objects: bool = False  #: whether the controller interpolates lines and circles
     path_object: str = "Path"  #: its name in the project
     names: Mapping[str, str] = field(default_factory=dict)  #: what the package calls otherwise
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Places of X low, X high, Y low, Y high, start, acknowledge and stop; "" if absent."""
+        return (*self.limits, self.start, self.acknowledge, self.stop)
+
+    @property
+    def homing_window(self) -> float:
+        """How far apart the fast and the slow approach may see a low switch.
+
+        Two cycles at the fast speed, in which a switch may be seen late, and the encoder's window.
+        """
+        return self.arrival_window + 2 * self.cycle_s * self.homing_mm_s
 
     @property
     def technology(self) -> str:

@@ -32,10 +32,20 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
         yield "torch.tolerance", torch.tolerance, expected
     if torch is not None:
         way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
-        least = way / triggers.homing_mm_s
+        # Slowly off the switch by two windows from where it was seen, and against it again.
+        slowly = 6 * triggers.homing_window / triggers.homing_slow_mm_s
+        least = way / triggers.homing_mm_s + slowly
         if triggers.max_homing_s < least:
-            expected = f"{least:g} or more for {way:g} mm at homing_mm_s"
+            expected = f"{least:g} or more for {way:g} mm at homing_mm_s and the slow approach"
             yield "triggers.max_homing_s", triggers.max_homing_s, expected
+    if triggers.homing_slow_mm_s > triggers.homing_mm_s:
+        expected = f"at most homing_mm_s, {triggers.homing_mm_s:g}"
+        yield "triggers.homing_slow_mm_s", triggers.homing_slow_mm_s, expected
+    # An arrival is seen in the second cycle at rest, once the lag has run down to a twentieth.
+    least = 4 * triggers.cycle_s + 3 * triggers.following_lag_s
+    if triggers.max_late_s < least:
+        expected = f"{least:g} or more, 4 cycles and 3 times following_lag_s"
+        yield "triggers.max_late_s", triggers.max_late_s, expected
     dialect = DIALECTS.get(machine.controller, DIALECTS["simotion"])
     yield from _st_name_faults(triggers, dialect)
     yield from _place_faults(triggers, dialect)
@@ -54,7 +64,8 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
 
 def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
     """Inputs and outputs that are neither addresses nor names, or that stand for two things."""
-    inputs = (*triggers.limits, triggers.start, *filter(None, [triggers.acknowledge]))
+    optional = filter(None, (triggers.acknowledge, triggers.stop))
+    inputs = (*triggers.limits, triggers.start, *optional)
     outputs = (*triggers.outputs.values(), *filter(None, [triggers.fault_lamp]))
     for key, places, letter, kind in (
         ("limits", inputs, "I", "input such as %I0.0"),
@@ -64,6 +75,9 @@ def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
         for place in places:
             if not (pattern.fullmatch(place) or _ST_NAME.fullmatch(place)):
                 yield f"triggers.{key}", place, f"an address of an {kind} or the name of a variable"
+    for place in triggers.normally_closed:
+        if place not in inputs:
+            yield "triggers.normally_closed", place, f"one of the inputs {', '.join(inputs)}"
     # %IX0.0 and %I0.0 are one place.
     used = Counter(_BIT.sub(r"\1", p.upper()) for p in (*inputs, *outputs, *triggers.axes))
     for place, count in used.items():

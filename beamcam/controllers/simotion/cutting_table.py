@@ -1,7 +1,7 @@
 """A cutting table with a trigger program: axes, switches, buttons, tools and the clock.
 
-Axes count places from their low limit switches, which close there; the work area begins where
-the machine's back-off ends, and the high switches lie `overrun` behind it.
+Axes count places from their low limit switches, which are actuated there; the work area begins
+where the machine's back-off ends, and the high switches lie `overrun` behind it.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from beamcam.controllers.simotion.motion_blocks import motion_blocks, start
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
-from beamcam.machine.runtime import PROCESSES, STOP_BRAKES, is_address
+from beamcam.machine.runtime import INPUTS, PROCESSES, STOP_BRAKES, is_address
 
 Place = tuple[float, float]
 
@@ -43,24 +43,26 @@ class CuttingTable:
         self.ends = tuple(
             triggers.back_off + s + triggers.overrun for s in (torch.length, torch.width)
         )
-        self.closed: set[int] = set()  #: limit switches that are held closed
-        self.start = self.acknowledge = False  #: buttons
+        self.closed: set[int] = set()  #: limit switches that are held actuated
+        self.loose: set[int] = set()  #: limit switches that are held released
+        self.broken: set[int] = set()  #: inputs with a broken wire
+        self.start = self.acknowledge = self.stop = False  #: buttons
         self.said: list[Diagnostic] = []
         self.points: dict[str, list[Place]] = {}  #: of each tool, while it was on
-        outside = [p for p in (*self._inputs, *self._outputs) if p and not is_address(p)]
         self.natives = motion_blocks(self)
+        places = (*triggers.inputs, *self._outputs)
+        outside = [place for place in places if place and not is_address(place)]
         self.interpreter = Interpreter(units, self, name, outside)
-        self._read = [self._variable(place, "acknowledgeButton") for place in self._inputs]
+        self._read = [
+            (self._variable(place, name), place in triggers.normally_closed)
+            for name, place in zip(INPUTS, triggers.inputs, strict=True)
+        ]
         self._tools = {
             process: self._variable(place, f"{process}On")
             for process, place in zip(PROCESSES, self._outputs, strict=True)
         }
         if self.interpreter.has("CutStart"):
             self.interpreter.run("CutStart")
-
-    @property
-    def _inputs(self) -> tuple[str, ...]:
-        return (*self.triggers.limits, self.triggers.start, self.triggers.acknowledge)
 
     @property
     def _outputs(self) -> tuple[str, ...]:
@@ -173,12 +175,16 @@ class CuttingTable:
     def cycle(self) -> None:
         """One scan of the program, and what the axes do until the next. Raises Fault."""
         x, y = self.axes
-        low_and_high = (
-            x.place <= 0.0, x.place >= self.ends[0], y.place <= 0.0, y.place >= self.ends[1],
-        )  # fmt: skip
-        limits = [closed or k in self.closed for k, closed in enumerate(low_and_high)]
-        for name, value in zip(self._read, (*limits, self.start, self.acknowledge), strict=True):
-            self.interpreter.globals[name] = value
+        low_and_high = [
+            at for place, end in zip(self.head(), self.ends, strict=True)
+            for at in (place <= 0.0, place >= end)
+        ]  # fmt: skip
+        limits = [
+            (at or k in self.closed) and k not in self.loose for k, at in enumerate(low_and_high)
+        ]
+        actuated = (*limits, self.start, self.acknowledge, self.stop)
+        for k, ((name, closed), value) in enumerate(zip(self._read, actuated, strict=True)):
+            self.interpreter.globals[name] = value != closed and k not in self.broken
         self.interpreter.run("CutPart")
         self.observe()
         step = self.triggers.cycle_s / SAMPLES
@@ -202,9 +208,15 @@ class CuttingTable:
             return otherwise.upper()
         return self.interpreter.addresses[place.upper()] if is_address(place) else place.upper()
 
+    def head(self) -> Place:
+        """Where the switches see the axes."""
+        return self.axes[0].place, self.axes[1].place
+
     def at_low(self, axis: Axis) -> bool:
-        """Whether the low limit switch of an axis is closed."""
-        return axis.place <= 0.0 or 2 * self.axes.index(axis) in self.closed
+        """Whether the low limit switch of an axis is actuated."""
+        index = self.axes.index(axis)
+        is_there = self.head()[index] <= 0.0 or 2 * index in self.closed
+        return is_there and 2 * index not in self.loose
 
     def tool(self, process: str) -> bool:
         """Whether the output of a process is on."""

@@ -52,8 +52,7 @@ def project_objects(machine: Machine) -> dict[str, str]:
     if dialect_of(machine).library:
         return {}
     triggers = machine.needed(machine.triggers, "trigger program")
-    places = (*triggers.limits, triggers.start, triggers.acknowledge, *triggers.outputs.values(),
-              triggers.fault_lamp)  # fmt: skip
+    places = (*triggers.inputs, *triggers.outputs.values(), triggers.fault_lamp)
     found = {place: "BOOL" for place in places if place and not is_address(place)}
     found |= dict.fromkeys(triggers.axes, library.AXIS)
     if triggers.path_objects:

@@ -20,6 +20,11 @@ from beamcam.machine.tables import Triggers
 STYLES = ("chain", "table")
 PROCESSES = ("cut", "mark", "engrave")  #: switched on by the kinds 1, 3, 5, off by 2, 4, 6
 STOP_BRAKES = 2.0  #: a stop brakes so many times as hard as work does
+#: Variables of the inputs, in the order of `Triggers.inputs`; TRUE is actuated.
+INPUTS = (
+    "limitXLow", "limitXHigh", "limitYLow", "limitYHigh", "startButton", "acknowledgeButton",
+    "stopButton",
+)  # fmt: skip
 _INDENT = " " * 8
 
 
@@ -70,7 +75,8 @@ def _values(t: Triggers) -> dict[str, str]:
     """What stands for each name of one word in the shipped text."""
     numbers = (
         "in_position", "standstill", "arrival_window", "acceleration", "homing_mm_s", "back_off",
-        "cycle_s", "max_homing_s", "max_late_s", "following_lag_s",
+        "cycle_s", "max_homing_s", "max_late_s", "following_lag_s", "homing_slow_mm_s",
+        "homing_window", "late_factor",
     )  # fmt: skip
     return {
         "axis_x": t.axes[0],
@@ -86,28 +92,38 @@ def _values(t: Triggers) -> dict[str, str]:
 
 def _lines(t: Triggers) -> dict[str, list[str]]:
     """The lines that declare inputs and outputs, and those that copy what has a name."""
-    limits = ("limitXLow", "limitXHigh", "limitYLow", "limitYHigh")
-    inputs = dict(zip(limits, t.limits, strict=True))
-    inputs |= {"startButton": t.start, "acknowledgeButton": t.acknowledge}
+    inputs = dict(zip(INPUTS, t.inputs, strict=True))
     outputs = {f"{process}On": t.outputs.get(process, "") for process in PROCESSES}
-    declared = [
+    # An input that is TRUE while nothing is the matter is read under another name, and turned.
+    wires = {name: name for name in inputs}
+    wires |= {name: f"{name}Wire" for name, place in inputs.items() if place in t.normally_closed}
+    declared, reads = [], []
+    for name, place in inputs.items():
+        read = wires[name] if is_address(place) else place
+        if is_address(place):
+            declared.append(f"{read} AT {place} : BOOL;")
+        if read != name:
+            declared.append(f"{name} : BOOL := FALSE;")
+        if read not in ("", name):
+            turned = "NOT " if place in t.normally_closed else ""
+            reads.append(f"{name} := {turned}{read};")
+    declared += [
         f"{name} AT {place} : BOOL;" if is_address(place) else f"{name} : BOOL := FALSE;"
-        for name, place in (inputs | outputs).items()
+        for name, place in outputs.items()
     ]
-    named = {name: other for name, other in inputs.items() if other and not is_address(other)}
     writes = [f"{other} := {name};" for name, other in outputs.items()
               if other and not is_address(other)]  # fmt: skip
     lamp = t.fault_lamp
     if is_address(lamp):
         declared.append(f"faultLamp AT {lamp} : BOOL;")
     shown = [f"{'faultLamp' if is_address(lamp) else lamp} := workFault;"] if lamp else []
-    others = [f"{place} : BOOL;" for place in (*named.values(), *outputs.values(), lamp)
+    others = [f"{place} : BOOL;" for place in (*t.inputs, *outputs.values(), lamp)
               if place and not is_address(place)]  # fmt: skip
     return {
         "inputs and outputs": declared,
         "external inputs and outputs": [f"{line.split()[0]} : BOOL;" for line in declared + others],
         "named inputs and outputs": others,
-        "read inputs": [f"{name} := {other};" for name, other in named.items()],
+        "read inputs": reads,
         "write outputs": writes,
         "show fault": shown,
     }

@@ -94,8 +94,8 @@ BAD = [
      "in 'words.feed', found a traverse; expected a move at the feed, such as G1"),
     ("plate-linuxcnc", "mark_on = ['M3 $1 S1', 'x{feed}']",
      "in 'words.mark_on', found a move to X 600, Y 0; expected the tool switched where it stands"),
-    ("table-simotion", "[triggers]\nmax_late_s = 0.0001",
-     "in 'triggers', found fault 4; expected work to its end"),
+    ("table-simotion", "[triggers]\naxes = ['answer', 'AxisY']",
+     "in 'triggers', found the name answer twice; expected it once"),
 ]  # fmt: skip
 
 

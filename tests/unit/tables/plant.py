@@ -4,7 +4,9 @@ What is wrong begins in a cycle of the script and is looked at in every cycle.
 """
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from functools import cache
+from math import exp
 from typing import Any
 
 from msgspec.structs import replace
@@ -30,7 +32,7 @@ Deed = Callable[["Plant"], None]
 def small_machine(path_objects: bool = False) -> Machine:
     """A small table that homes soon."""
     machine = table_machine(
-        path_objects=path_objects, back_off=5.0, overrun=5.0, max_homing_s=15.0, max_late_s=1.0
+        path_objects=path_objects, back_off=5.0, overrun=5.0, max_homing_s=15.0, max_late_s=0.5
     )
     assert machine.torch is not None
     return replace(machine, torch=replace(machine.torch, length=40.0, width=40.0))
@@ -77,6 +79,13 @@ class Plant(CuttingTable):
         self.count = 0
         self.frozen: dict[str, float] = {}  #: axes whose encoder tells one place for ever
         self.astray: dict[str, float] = {}  #: axes whose encoder is out by so much
+        self.creeps: dict[str, float] = {}  #: axes that drift from their set positions, mm/s
+        self.trails_s = 0.0  #: time constant of the position controllers
+        self.trail = [0.0, 0.0]  #: mm behind the set positions
+        self.speeds = [0.0, 0.0]  #: of the set positions, since the last cycle
+        self.may_trail = [0.0, 0.0]  #: mm, by the lag and the speeds up to now
+        self.commanded = 0  #: cycle of the last command to move
+        self._places = [axis.place for axis in self.axes]
         self.homed_anew = False
         self.met: set[int] = set()  #: axes that ran against their low switches in this homing
         self.late = False  #: whether an axis takes up a command a cycle later
@@ -91,8 +100,10 @@ class Plant(CuttingTable):
         deed = self.script.get(self.count)
         if deed is not None:
             deed(self)
-        for axis in self.axes:
-            told = (round(axis.position / pitch) + self.jitter()) * pitch
+        for k, axis in enumerate(self.axes):
+            self._follow(k, axis)
+            at = axis.position - self.trail[k]
+            told = (round(at / pitch) + self.jitter()) * pitch
             axis.lag = self.frozen.get(axis.name, told) - axis.position
             axis.lag += self.astray.get(axis.name, 0.0)
         if self.path is not None and any(not a.enabled or a.error for a in self.axes):
@@ -103,7 +114,56 @@ class Plant(CuttingTable):
         super().cycle()
         self.count += 1
 
+    def _follow(self, index: int, axis: Axis) -> None:
+        """Let an axis trail as a proportional controller of its position does, or creep away."""
+        speed = (axis.place - self._places[index]) / self.triggers.cycle_s
+        self._places[index] = axis.place
+        lag_s = self.triggers.following_lag_s
+        cycle_s = self.triggers.cycle_s
+        left = (self.may_trail[index] + abs(speed) * cycle_s) * lag_s / (lag_s + cycle_s)
+        self.speeds[index], self.may_trail[index] = abs(speed), max(left, abs(speed) * lag_s)
+        if self.trails_s:
+            stays = exp(-self.triggers.cycle_s / self.trails_s)
+            trail = self.trail[index] * stays + speed * self.trails_s * (1 - stays)
+            self.trail[index] = trail
+        if axis.name in self.creeps:
+            by = self.creeps[axis.name] * self.triggers.cycle_s
+            self.astray[axis.name] = self.astray.get(axis.name, 0.0) + by
+
+    def head(self) -> tuple[float, float]:
+        return self.axes[0].place - self.trail[0], self.axes[1].place - self.trail[1]
+
+    def _state(self) -> dict[str, Any]:
+        """What changes from cycle to cycle, besides the script."""
+        fixed = ("machine", "triggers", "torch", "interpreter", "axes", "path", "objects", "script")
+        return {key: value for key, value in self.__dict__.items() if key not in fixed}
+
+    def keep(self) -> Any:
+        """A copy of everything at this moment; the points that were drawn are dropped."""
+        self.points = {}
+        programs = {key: one.values for key, one in self.interpreter._programs.items()}
+        parts = [one.__dict__ for one in (*self.axes, *filter(None, [self.path]))]
+        return deepcopy((self._state(), self.interpreter.globals, programs, parts), self._memo())
+
+    def go_back(self, kept: Any) -> None:
+        """To the moment of a copy."""
+        own, globals_, programs, parts = deepcopy(kept, self._memo())
+        self.__dict__.update(own)
+        self.interpreter.globals.update(globals_)
+        for key, values in programs.items():
+            self.interpreter._programs[key].values.update(values)
+        for one, values in zip((*self.axes, *filter(None, [self.path])), parts, strict=True):
+            one.__dict__.clear()
+            one.__dict__.update(values)
+
+    def _memo(self) -> dict[int, Any]:
+        """What a copy refers to and does not hold."""
+        kept = (self, self.interpreter, *self.axes, *filter(None, [self.path]))
+        return {id(one): one for one in kept}
+
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
+        if name in ("_POS", "MC_MOVEABSOLUTE") or name.startswith("_MOVEPATH"):
+            self.commanded = self.count
         if self.late and name in ("_POS", "MC_MOVEABSOLUTE"):
             self.taken.append((name, values, line))
             return 0
@@ -229,6 +289,36 @@ def displace(index: int, by: float) -> Deed:
     return deed
 
 
+def creep(index: int, mm_s: float) -> Deed:
+    """An axis drifts from its set position, and its drive says nothing."""
+
+    def deed(plant: Plant) -> None:
+        plant.creeps[plant.axes[index].name] = mm_s
+
+    return deed
+
+
+def override(share: float) -> Deed:
+    """Set positions go on at a share of their speed, as by an override of the operator panel."""
+
+    def deed(plant: Plant) -> None:
+        for one in (*plant.axes, *filter(None, [plant.path])):
+            real = type(one).advance.__get__(one)
+            one.advance = lambda s, real=real: real(share * s)  # type: ignore[method-assign]
+
+    return deed
+
+
+def press_stop(plant: Plant) -> None:
+    """The stop button is pressed, and stays so."""
+    plant.stop = True
+
+
+def break_wire(index: int) -> Deed:
+    """The wire of an input breaks."""
+    return lambda plant: plant.broken.add(index)
+
+
 def fault_task(plant: Plant) -> None:
     """The system calls the program of the fault tasks."""
     plant.interpreter.run("CutFault")
@@ -237,5 +327,9 @@ def fault_task(plant: Plant) -> None:
 def mend(plant: Plant) -> None:
     """What was broken is whole again; errors remain to be acknowledged."""
     plant.closed.clear()
+    plant.loose.clear()
+    plant.broken.clear()
+    plant.creeps.clear()
+    plant.stop = False
     plant.frozen.clear()
     plant.astray.clear()

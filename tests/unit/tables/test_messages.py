@@ -273,6 +273,14 @@ FAULTY = [
      "an output for mark"),
     (table_machine(outputs={"cut": "%Q0.9", "mark": "%Q0.1"}), "triggers.outputs", "%Q0.9",
      "an address of an output such as %Q62.0 or the name of a variable"),
+    (table_machine(normally_closed=("%I0.7",)), "triggers.normally_closed", "%I0.7",
+     "one of the inputs %I0.0, %I0.1, %I0.2, %I0.3, %I0.4, %I0.5, %I0.6"),
+    (table_machine(stop="stop!", normally_closed=()), "triggers.limits", "stop!",
+     "an address of an input such as %I0.0 or the name of a variable"),
+    (table_machine(homing_slow_mm_s=11.0), "triggers.homing_slow_mm_s", 11.0,
+     "at most homing_mm_s, 10"),
+    (table_machine(max_late_s=0.2), "triggers.max_late_s", 0.2,
+     "0.25 or more, 4 cycles and 3 times following_lag_s"),
     (table_machine(start="I0.4"), "triggers.limits", "I0.4",
      "an address of an input such as %I0.0 or the name of a variable"),
     (table_machine(start=""), "triggers.limits", "",
@@ -288,7 +296,7 @@ FAULTY = [
     (table_machine(arrival_window=0.015, quadrature=True, counted="centre"),
      "triggers.arrival_window", 0.015, "half a count of the encoder or more, 0.0159 mm"),
     (table_machine(max_homing_s=60.0), "triggers.max_homing_s", 60.0,
-     "77.5 or more for 775 mm at homing_mm_s"),
+     "82.06 or more for 775 mm at homing_mm_s and the slow approach"),
 ]  # fmt: skip
 
 

@@ -1,20 +1,44 @@
 """The runtime with one line changed: the laws of test_faults.py are broken by each."""
 
+from functools import partial
+
 import pytest
 
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.emitters import simotion
 
 from . import test_faults as laws
+from . import test_homing as homing
 from .plant import small_job, small_machine, units_of
 
 LAWS = (
     laws.test_a_run_without_faults_ends_at_home,
     laws.test_a_low_switch_that_closes_in_work_is_a_fault,
-    laws.test_an_operation_that_does_not_arrive_is_a_fault,
+    laws.test_an_operation_that_is_slow_is_a_fault,
+    laws.test_set_positions_that_stop_short_are_a_fault,
+    laws.test_a_move_that_does_not_begin_is_a_fault_after_two_cycles_more,
+    laws.test_the_window_goes_by_the_speed_of_each_axis,
+    laws.test_axes_that_trail_by_the_lag_stop_nothing,
+    laws.test_the_stop_button_stops_and_a_start_waits_for_its_release,
+    homing.test_a_low_switch_that_sticks_is_a_fault_of_homing,
+    homing.test_an_axis_that_stands_at_its_low_switch_leaves_it_first,
+    homing.test_both_switches_of_an_axis_at_once_are_a_fault,
+    homing.test_a_slow_approach_that_does_not_find_the_switch_again_is_a_fault,
+    homing.test_a_high_switch_that_was_free_is_a_fault_in_the_same_cycle,
+    homing.test_a_low_switch_that_is_actuated_again_while_backing_off_is_a_fault,
+    homing.test_a_zero_does_not_blind_the_watch,
+    *(
+        partial(
+            homing.test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero,
+            "chain",
+            0,
+            cycles,
+            what,
+        )
+        for what, cycles in ((homing.close, 1), (homing.close, 5), (homing.release, 5))
+    ),
     laws.test_one_disturbed_reading_stops_nothing_and_two_do,
     laws.test_homing_that_takes_too_long_is_a_fault,
-    laws.test_a_low_switch_that_sticks_is_a_fault_of_homing,
     laws.test_homing_leaves_a_high_switch_but_does_not_meet_it_again,
     laws.test_an_axis_that_runs_from_its_switch_is_a_fault,
     laws.test_a_command_that_is_refused_is_a_fault,
@@ -30,7 +54,10 @@ LAWS = (
 ARGUMENTS = {
     laws.test_a_run_without_faults_ends_at_home: ("chain", False, True),
     laws.test_a_low_switch_that_closes_in_work_is_a_fault: (0,),
-    laws.test_an_operation_that_does_not_arrive_is_a_fault: ("chain", False, 0),
+    laws.test_an_operation_that_is_slow_is_a_fault: ("chain", False),
+    laws.test_set_positions_that_stop_short_are_a_fault: ("chain", False),
+    laws.test_axes_that_trail_by_the_lag_stop_nothing: ("chain", False),
+    homing.test_both_switches_of_an_axis_at_once_are_a_fault: (0,),
     laws.test_homing_that_takes_too_long_is_a_fault: (0,),
 }
 
@@ -39,7 +66,23 @@ MUTANTS = [
     # What stands in the runtime, which word of it is changed, and into what.
     ("IF limitXLow OR limitXHigh OR limitYLow", "limitXLow OR limitXHigh OR limitYLow", NEVER),
     ("ELSIF NOT (watchX.fit AND watchY.fit) THEN", "AND", "OR"),
-    ("ELSIF elapsed > allowed THEN", "elapsed > allowed", NEVER),
+    ("ELSIF (elapsed > allowed) OR", "elapsed > allowed", NEVER),
+    ("(moves AND (stands > INT#1))", "moves AND (stands > INT#1)", NEVER),
+    ("stands := INT#-2;", "-2", "0"),
+    ("made := made + SQRT(", "made + ", "move.way + "),
+    ("IF speed > fastest THEN", "speed > fastest", NEVER),
+    ("speed := progress / CYCLE_S;", "progress / CYCLE_S", "fastest"),
+    ("(watchX.fit AND watchX.strays)", "watchX.strays", NEVER),
+    ("IF stopButton THEN", "stopButton", NEVER),
+    ("AND NOT stopButton THEN", "AND NOT stopButton", ""),
+    ("OR limitLow OR (phase > INT#4)", "OR limitLow ", ""),
+    ("ELSIF ABS(axis.basicMotion.position - startedAt) > BACK_OFF THEN", "> BACK_OFF",
+     "> LREAL#1000.0"),
+    ("ELSIF met AND (axis.basicMotion.position < firstAt", "met", NEVER),
+    ("leaveTo := firstAt + LREAL#2.0 * HOMING_WINDOW", "LREAL#2.0", "LREAL#-1.0"),
+    ("IF NOT limitLow THEN\n                        fault := INT#8;", "NOT limitLow", NEVER),
+    ("ELSIF ABS(seenAt - firstAt) > HOMING_WINDOW THEN", "> HOMING_WINDOW", "> LREAL#1000.0"),
+    ("speed := HOMING_SLOW;", "HOMING_SLOW", "HOMING_VELOCITY"),
     ("strays := beyond AND wasBeyond;", "beyond AND wasBeyond", NEVER),
     ("strays := beyond AND wasBeyond;", " AND wasBeyond", ""),
     ("IF elapsed > MAX_HOMING_S THEN", "elapsed > MAX_HOMING_S", NEVER),
@@ -53,9 +96,10 @@ MUTANTS = [
     ("IF acknowledged AND NOT watchX.faulty", " AND NOT watchX.faulty", ""),
     ("IF watchX.faulty OR watchY.faulty THEN", "watchX.faulty OR watchY.faulty", NEVER),
     ("IF (workState <> INT#2) OR commandFault", "(workState <> INT#2) OR commandFault", NEVER),
-    ("ELSIF NOT leavesHigh OR (phase > INT#2) THEN", "NOT leavesHigh OR (phase > INT#2)", NEVER),
+    ("ELSIF NOT leavesHigh OR limitLow", "NOT leavesHigh", NEVER),
     ("leavesHigh := limitHigh;", "limitHigh", "FALSE"),
-    ("IF limitLow THEN\n                    fault := INT#1;", "limitLow", NEVER),
+    ("IF limitLow THEN\n                    fault := INT#8;\n                END_IF;", "limitLow",
+     NEVER),
     ("ELSIF axis.basicMotion.position > startedAt", "> startedAt", "> LREAL#1000.0 + startedAt"),
     ("0, 3: (*", "0, 3", "0"),
     ("operation := DINT#0;\n                    operationWaits", "DINT#0", "operation"),
@@ -63,7 +107,7 @@ MUTANTS = [
     ("phase := INT#0;\n            homed := FALSE;", "INT#0", "phase"),
     ("shareX,\n                positiveAccelType", "shareX", "shareY"),
     ("fit := (axis.control = ACTIVE) AND NOT faulty;", "(axis.control = ACTIVE) AND ", ""),
-    ("targetX)\n                                    <= IN_POSITION)", "IN_POSITION", "LREAL#100.0"),
+    ("commandPosition - targetX) <= IN_POSITION)", "IN_POSITION", "LREAL#100.0"),
     ("ELSIF NOT begins THEN", "NOT begins", "TRUE"),
     ("workFault := workState = INT#4;", "INT#4", "INT#5"),
     ("faultNumber := INT#0;\n                    workState := INT#0;", "INT#0", "faultNumber"),
@@ -83,10 +127,16 @@ def test_a_changed_runtime_breaks_a_law(
     where: str, find: str, put: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     units = changed(where, find, put)
-    monkeypatch.setattr(laws, "loaded", lambda *_: units)
+    for rooms in (laws, homing):
+        monkeypatch.setattr(rooms, "loaded", lambda *_: units)
     for law in LAWS:
         try:
             law(*ARGUMENTS.get(law, ()))  # type: ignore[operator]
         except AssertionError:
             return
     pytest.fail("no law is broken")
+
+
+def test_the_runtime_as_it_is_breaks_none() -> None:
+    for law in LAWS:
+        law(*ARGUMENTS.get(law, ()))  # type: ignore[operator]

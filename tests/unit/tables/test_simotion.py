@@ -187,7 +187,7 @@ def test_a_changed_byte_of_the_fixed_part_is_refused_by_name(data: st.DataObject
 def test_a_changed_line_of_the_fixed_part_is_told() -> None:
     text = program("shield", "chain").replace("IF fault <> INT#0", "IF fault <> INT#1")
     text = text.replace("(fault <> INT#0)", "(fault <> INT#9)")
-    line = text[: text.index("INT#9")].count("\n") + 1
+    line = text[: text.index("(fault <> INT#9)")].count("\n") + 1
     (said,) = verify_triggers(text, [steel_part("shield")], table_machine(), (), "a.st")
     assert str(said).startswith(
         f"a.st:{line}: error st-runtime: found 'IF (fault <> INT#9) AND (workState <> INT#4) THEN' "
@@ -366,22 +366,40 @@ def test_inputs_and_outputs_may_be_variables() -> None:
     machine = table_machine(
         limits=("opXLow", "%I0.1", "opYLow", "opYHigh"), start="opStart", acknowledge="opClear",
         outputs={"cut": "torchOn", "mark": "%Q62.1"}, fault_lamp="lamp", uses=("io_unit", "hmi"),
+        stop="opStop", normally_closed=("opXLow", "%I0.1", "opStop"),
     )  # fmt: skip
     assert list(table_faults(machine)) == []
     assert trial(machine) == ()
     for style in STYLES:
         text = program("shield", style, machine)
         assert codes(text, machine=machine) == set()
-        assert "        limitXLow := opXLow;\n" in text
+        assert "        limitXLow := NOT opXLow;\n" in text
+        assert "        limitXHighWire AT %I0.1 : BOOL;\n" in text
+        assert "        limitXHigh := NOT limitXHighWire;\n" in text
+        assert "        limitYLow := opYLow;\n" in text
+        assert "        stopButton := NOT opStop;\n" in text
         assert text.count("        torchOn := cutOn;\n") == 3  # of the start, of work, of faults
         assert "        lamp := workFault;\n" in text
         assert re.search(r"    USES io_unit, hmi(, unit_shield_1)?;\n", text)
         assert codes(text.replace("USES io_unit, hmi", "USES io_unit"), machine=machine) == {
             "st-name"
         }
-    plain = table_machine(acknowledge="", fault_lamp="")
+    plain = table_machine(acknowledge="", fault_lamp="", stop="", normally_closed=())
     assert trial(plain) == ()
-    assert "acknowledgeButton : BOOL := FALSE;" in program("shield", "chain", plain)
+    text = program("shield", "chain", plain)
+    for line in ("acknowledgeButton : BOOL := FALSE;", "stopButton : BOOL := FALSE;",
+                 "limitXLow AT %I0.0 : BOOL;"):  # fmt: skip
+        assert f"        {line}\n" in text
+    assert "Wire" not in text
+
+
+def test_a_program_with_inputs_that_close_is_refused_where_they_open() -> None:
+    plain = table_machine(normally_closed=())
+    assert codes(program("shield", "chain", plain), machine=plain) == set()
+    assert codes(program("shield", "chain", plain)) == {"st-runtime"}
+    assert codes(program("shield", "chain", table_machine(stop="", normally_closed=()))) == {
+        "st-runtime"
+    }
 
 
 @pytest.mark.parametrize(
