@@ -273,9 +273,7 @@ def _begun(request: Request, share: Share, stage: Stage) -> Begun:
 def _on_shortest(request: Request, share: Share, make: Callable[[Job], Made]) -> Made:
     """What `make` gives for a share of a request on the shortest bar in store that takes it."""
     longest = max((request.parts[place].length for place in share.pieces), default=0.0)
-    return from_store(
-        lambda bar: make(Job(request, share.pieces, bar)), share.lengths, longest
-    )
+    return from_store(lambda bar: make(Job(request, share.pieces, bar)), share.lengths, longest)
 
 
 class Planned(Struct, frozen=True):

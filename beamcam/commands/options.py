@@ -7,17 +7,21 @@ What they give comes to the command under the names that stand here; `settings.s
 the configuration. An option that a configuration can set is None where it is not given.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from datetime import date
 from functools import wraps
 from math import inf, isfinite, nan
+from pathlib import PurePath
 from typing import Any
 
 import click
 
 from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.kinds import Callback
+from beamcam.commands.rules import OUTPUT_FORMAT
+from beamcam.errors import BeamcamError, Source
+from beamcam.model.marks import MARKS_FROM
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
@@ -151,6 +155,10 @@ order = click.option(
     help="Lay parts in the order given, or so that mitres nest.",
 )
 turn = click.option("--turn", is_flag=True, help="Allow parts to be turned on the rollers.")
+mark_from = click.option(
+    "--mark-from", type=click.Choice(MARKS_FROM), default="mark", show_default=True,
+    help="Where a part's mark stands: position is the third line of a DSTV header.",
+)  # fmt: skip
 skips = click.option(
     "--allow-skips",
     "skips",
@@ -178,6 +186,35 @@ def output(help: str, required: bool = True, kind: Callback | None = None) -> De
     otherwise: dict[str, Any] = {} if required else {"default": STANDARD}
     return click.option(
         "-o", "--output", required=required, type=FILE, help=help, callback=kind, **otherwise
+    )
+
+
+def to(formats: Sequence[str]) -> Decorator:
+    """--to, by default the suffix of the output."""
+    return click.option(
+        "--to", type=click.Choice(formats), help="Form of the output; by default by its suffix."
+    )
+
+
+def form_of(
+    output: str, to: str | None, as_json: bool, formats: Sequence[str], otherwise: str | None = None
+) -> str:
+    """The form of an output: as --json or --to ask for, or by its suffix.
+
+    On standard output it is `otherwise`. Raises BeamcamError for another suffix.
+    """
+    if as_json and to not in (None, "json"):
+        raise click.UsageError(f"--json and --to {to} exclude each other.")
+    if as_json or to:
+        return to or "json"
+    suffix = PurePath(output).suffix.lower().removeprefix(".")
+    if output == STANDARD and otherwise is not None:
+        return otherwise
+    if suffix in formats:
+        return suffix
+    expected = ", ".join(f".{form}" for form in formats)
+    raise BeamcamError(
+        (OUTPUT_FORMAT.at(Source(output), found=PurePath(output).suffix, expected=expected),)
     )
 
 
