@@ -16,7 +16,7 @@ from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_miss
 from beamcam.commands.members import member_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, settled
-from beamcam.commands.sheets import drawing_options
+from beamcam.commands.sheets import drawing_options, torch_options
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
 from beamcam.model.plan import Order
@@ -63,6 +63,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
 @options.mark_from
 @member_options
 @drawing_options
+@torch_options
 @options.strict
 @options.as_json
 @options.voiced

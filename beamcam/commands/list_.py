@@ -14,7 +14,7 @@ from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_miss
 from beamcam.commands.members import member_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, machine_of_stock, settled
-from beamcam.commands.sheets import drawing_options
+from beamcam.commands.sheets import drawing_options, torch_options
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, errors_in
 from beamcam.model.plan import Order
@@ -57,6 +57,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
 @options.mark_from
 @member_options
 @drawing_options
+@torch_options
 @options.strict
 @options.as_json
 @options.voiced

@@ -9,7 +9,7 @@ from beamcam.budget import refused_pieces
 from beamcam.commands.common import Voice, read_all
 from beamcam.commands.members import member_choice
 from beamcam.commands.rules import MISSING_EXTRA, OTHER_CONTENT
-from beamcam.commands.settings import machines_of_stock
+from beamcam.commands.settings import machines_of_stock, with_thickness
 from beamcam.commands.sheets import drawing_choice
 from beamcam.config.values import Config, Stock
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
@@ -34,8 +34,9 @@ def counted_parts(
     found: FoundInputs = find_inputs(names)
     said: list[Diagnostic] = [*found.diagnostics]
     parts: list[Part] = []
-    how = drawing_choice(asked) | member_choice(asked, kernel=False)
+    how = drawing_choice(asked, config.map) | member_choice(asked, kernel=False)
     for reading in read_all((i.path for i in found.inputs), config.strict, how, voice):
+        reading = with_thickness(reading, config)
         said += reading.diagnostics
         parts += marked(counted(sound(reading)), asked["mark_from"])
     if mixed := tuple(other_content(parts)):
