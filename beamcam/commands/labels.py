@@ -11,7 +11,8 @@ import click
 from beamcam.api.shop_lists import label_lines, programs_of
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, write
+from beamcam.commands.common import REFUSED, STANDARD, Voice, write
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_missing
 from beamcam.commands.members import member_options
 from beamcam.commands.quantities import quantity
@@ -41,7 +42,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
     return Size(width, height)
 
 
-@click.command("labels")
+@click.command("labels", cls=Grouped)
 @options.inputs
 @options.output("A .pdf, a .zpl for Zebra printers, or a .json.", False)
 @options.to(FORMATS)
@@ -84,6 +85,8 @@ def command(
     beamcam labels jobs/ -o labels.pdf --code datamatrix
     beamcam labels jobs/ --json
     """
+    if output == STANDARD and to is None and not as_json:
+        raise click.UsageError("Say where the labels go: -o labels.pdf, or --to FORM, or --json.")
     try:
         form = options.form_of(output, to, as_json, FORMATS)
         config = settled(asked, inputs)

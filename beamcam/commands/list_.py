@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from beamcam.api.shop_lists import bars_of, not_made, planned_counts
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, wants_colour, write
+from beamcam.commands.grouped import Grouped
 from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_missing
 from beamcam.commands.members import member_options
 from beamcam.commands.quantities import quantity
@@ -36,7 +37,7 @@ SCHEMA = "beamcam/list/1"
 FORMATS = ("txt", "csv", "xlsx", "json")
 
 
-@click.command("list")
+@click.command("list", cls=Grouped)
 @options.inputs
 @options.output("A .txt, .csv, .xlsx or .json; text on standard output if not given.", False)
 @options.to(FORMATS)

@@ -7,6 +7,7 @@ What they give comes to the command under the names that stand here; `settings.s
 the configuration. An option that a configuration can set is None where it is not given.
 """
 
+import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from datetime import date
@@ -48,7 +49,7 @@ class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take 
             number = float(value)
         if isfinite(number) and self._above < number and self._least <= number <= self._most:
             return number
-        self.fail(f"found {value!r}; expected {self._expected}.", param, ctx)
+        self.fail(f"found {value!r}; expected {self._expected}{_hint(str(value))}.", param, ctx)
 
     @property
     def _expected(self) -> str:
@@ -56,6 +57,30 @@ class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take 
         limits += [f"{self._least:g} or more"] if isfinite(self._least) else []
         limits += [f"at most {self._most:g}"] if isfinite(self._most) else []
         return " ".join(["a number", ", ".join(limits)]).strip()
+
+
+#: A number as people write it, with commas or a unit.
+_WITH_UNIT = re.compile(r"([+-]?\d[\d.,]*)\s*(mm|cm|m|in|inch|ft|\"|')?")
+_MM = {
+    "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "ft": 304.8,
+    '"': 25.4, "'": 304.8,
+}  # fmt: skip
+
+
+def _hint(text: str) -> str:
+    """How a number with a unit or a comma is to be written; empty for any other text."""
+    match = _WITH_UNIT.fullmatch(text.strip())
+    if match is None:
+        return ""
+    digits, unit = match.groups()
+    if re.fullmatch(r"[+-]?\d{1,3}(,\d{3})+(\.\d+)?", digits):
+        return f", without commas: {digits.replace(',', '')}"
+    number = digits.replace(",", ".")
+    if number.count(".") > 1:
+        return ", without signs between the digits"
+    if unit is None:
+        return f", with a point: {number}"
+    return f", without a unit: {float(number) * _MM[unit]:g} (mm)"
 
 
 def group(*options: Decorator) -> Decorator:

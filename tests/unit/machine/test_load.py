@@ -14,6 +14,7 @@ from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
 from beamcam.machine.rules import RULES
 from beamcam.machine.toml import line_of
+from beamcam.machine_proof import load_proved
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
 from tests.unit.planning.shop import hole, part
