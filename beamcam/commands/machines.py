@@ -9,7 +9,7 @@ from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Voice, cannot_write, say_json, say_lines
 from beamcam.config.places import own_files
-from beamcam.errors import BeamcamError, Diagnostic
+from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine, load, settings, shipped
 from beamcam.machine.names import machine_folders, own_machines, resolved
@@ -29,6 +29,7 @@ def command() -> None:
     beamcam machines list
     beamcam machines new mine --base beamline
     beamcam machines show beamline
+    beamcam machines check mine
     beamcam machines keys
     beamcam machines schema
     """
@@ -96,7 +97,8 @@ def new(name: str, base: str, user: bool, voice: Voice) -> None:
         voice.stop([cannot_write(path, error)])
     voice.did(f"wrote {path}")
     if not voice.quiet:
-        say_lines([f"{path}: change what differs, then `beamcam machines show {name}`"])
+        say_lines([f"{path}: change what differs, then `beamcam machines check {name}`:"])
+        _held_up(load(path), path, voice)
 
 
 @command.command("show")
@@ -123,6 +125,38 @@ def show(name: str, as_json: bool) -> None:
         shown = json.dumps(row.value, ensure_ascii=False)
         origin = "in the heads of its programs" if row.key == "checksum" else row.source
         say_lines([f"{row.key:{width}} = {shown}  # {origin or 'default'}"])
+
+
+@command.command("check")
+@click.argument("name")
+@options.voiced
+def check(name: str, voice: Voice) -> None:
+    """Hold a section up to the machine NAME: where each spindle puts a hole, to be measured.
+
+    One sentence for each spindle, in the axes of its programs. A face that the file takes for its
+    mirror image is refused, where the axes of the other spindles tell: exit status 1.
+
+    \b
+    beamcam machines check mine
+    """
+    try:
+        place = resolved(name, own_files())
+        machine = load_proved(place)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    if faults := _held_up(machine, place, voice):
+        voice.stop(faults)
+
+
+def _held_up(machine: Machine, place: str, voice: Voice) -> tuple[Diagnostic, ...]:
+    """Print where holes go; what tells that a face is mirrored comes back."""
+    from beamcam.planning.held_up import hand_faults, held_up
+
+    held = held_up(machine)
+    if not voice.quiet:
+        none = f"{machine.name} has no spindles; its words make a part that is read back"
+        say_lines((one.sentence for one in held) if held else [none])
+    return tuple(hand_faults(held, Source(place)))
 
 
 @command.command("keys")
