@@ -8,7 +8,10 @@ from click.testing import CliRunner, Result
 
 from beamcam.cli import main
 from beamcam.machine import load, shipped
+from beamcam.pictures.line import line_scene
+from beamcam.pictures.scene import Circle, Polyline, Text
 from beamcam.planning.held_up import held_up
+from beamcam.solid.section import walls
 from beamcam.solid.spindle import reaches
 from tests.conftest import ROOT
 
@@ -115,3 +118,39 @@ def test_a_new_machine_is_held_up_at_once(tmp_path: Path, monkeypatch: pytest.Mo
     assert "beamcam machines check mine" in done.stdout
     assert done.stdout.count("is drilled at X") == 3
     assert check("check", str(ROOT / "samples" / "machines" / "hall-drill.toml")).exit_code == 0
+
+
+def test_a_line_is_drawn_with_its_stations_and_each_hole_where_the_solid_has_it() -> None:
+    line = load("beamline-pusher")
+    scene = line_scene(line)
+    assert line.saw is not None
+    assert line.drill is not None
+    stations = {s.tip: s.points[0][0] for s in scene.shapes if isinstance(s, Polyline) and s.tip}
+    axis = {
+        s.text: s.at[0] for s in scene.shapes if isinstance(s, Text) and s.text.startswith("X ")
+    }
+    # The pusher's line drills before it saws: upstream, at the smaller X.
+    assert (line.drill.x, line.saw.x) == (0, 1250)
+    assert stations["drills"] == axis["X 0"] < axis["X 1250"] == stations["saw"]
+    (section,) = [s for s in scene.shapes if isinstance(s, Polyline) and s.classes == "section"]
+    left, low = min(p[0] for p in section.points), max(p[1] for p in section.points)
+    scale = (max(p[0] for p in section.points) - left) / 150.0  # IPE300
+    for one in held_up(line):
+        face = one.spindle.face
+        (circle,) = [s for s in scene.shapes if s.classes.endswith(f"held-{face}")]
+        assert isinstance(circle, Circle)
+        z, y = (circle.at[0] - left) / scale, (low - circle.at[1]) / scale
+        wall = walls(one.profile)[face]
+        row = [a * 100.0 + b * one.y + d for a, b, _, d in wall.frame]  # on the surface, depth 0
+        assert (y, z) == pytest.approx((row[1], row[2]), abs=0.1)
+
+
+@pytest.mark.parametrize("name", ["beamline", "beamline-annex", "hall-drill"])
+def test_plot_draws_each_line(name: str, tmp_path: Path) -> None:
+    place = str(ROOT / "samples" / "machines" / "hall-drill.toml") if name == "hall-drill" else name
+    done = check("plot", place, "-o", str(tmp_path / "line.svg"))
+    assert done.exit_code == 0, done.stderr
+    text = (tmp_path / "line.svg").read_text(encoding="utf-8")
+    assert text.count("held-") == len(held_up(load(place)))
+    table = check("plot", "plate-linuxcnc", "-o", str(tmp_path / "x.svg"))
+    assert (table.exit_code, "expected a saw or drilling line" in table.stderr) == (2, True)
