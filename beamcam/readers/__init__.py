@@ -116,8 +116,8 @@ _G_CODE = re.compile(rb"^(?:N\d+[ \t]*)?[GM]\d{1,3}\b", re.MULTILINE)
 
 def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:
     """What a file of a common other format is, and what is expected instead of it."""
-    if suffix in (".ifc", ".ifczip"):
-        return None  # whose reader says what is wrong with it
+    if any(suffix in known.suffixes for known in FORMATS):
+        return None  # the reader of that suffix says what is wrong with it
     schema = _SCHEMA.search(data, 0, _HEAD_BYTES) if data[:13] == b"ISO-10303-21;" else None
     if schema is not None and not schema[1].upper().startswith(b"IFC"):
         name = schema[1].split()[0].decode("ascii", "replace")
