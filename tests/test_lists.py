@@ -610,3 +610,21 @@ def test_numbers_of_a_list_of_manual_work_are_numbers() -> None:
     row = dict.fromkeys(HAND_HEAD, "") | {"x": -30.0, "angle": -12.5, "text": "-30"}
     (cells,) = csv.DictReader(io.StringIO(hand_csv([row])))  # type: ignore[list-item]
     assert (cells["x"], cells["angle"], cells["text"]) == ("-30", "-12.5", "'-30")
+
+
+def test_a_batch_turns_parts_as_post_and_list_do(tmp_path: Path) -> None:
+    """A blind hole from behind, which only a turned part has in front of a spindle."""
+    text = part_text("A").replace("UPN200\n  U", "IPE200\n  I")
+    text = text.replace("  v  100.00u   60.00    18.00", "  h  100.00u   60.00    18.00    3.00")
+    path = tmp_path / "A.nc1"
+    path.write_text(text, encoding="ascii")
+    words = (str(path), "--machine", "beamline")
+    out = tmp_path / "out"
+    refused = run("batch", *words, "-o", str(out))
+    assert (refused.exit_code, "plan-face" in refused.stderr) == (1, True)
+    assert run("batch", *words, "--turn", "-o", str(out)).exit_code == 0
+    assert run("post", *words, "--turn", "-o", str(tmp_path / "a.gcode")).exit_code == 0
+    assert (out / "A.gcode").read_bytes() == (tmp_path / "a.gcode").read_bytes()
+    assert run("check", str(out)).exit_code == 0
+    (piece,) = lists(tmp_path, *words, "--turn")["cutting_list"]
+    assert piece["turn"] == "turned 180 about its length"

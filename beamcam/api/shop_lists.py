@@ -24,7 +24,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Plan
 from beamcam.model.request import Quantity, Request
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
-from beamcam.planning.jobs import number_of, shares_of
+from beamcam.planning.jobs import Share, number_of, shares_of
 from beamcam.planning.rules import named_skips
 from beamcam.report.hand_list import MARKS, hand_rows
 from beamcam.report.part_list import (
@@ -184,9 +184,13 @@ def bars_of(
             continue
         parts = tuple(replace(known[k].part, quantity=known[k].quantity) for k in places)
         request = replace(asked, parts=parts, machine=machine, quantity="file")
+        planned: dict[Share, CutBar] = {}  # of bars with the same pieces, which are many
         for share in shares_of(request):
             try:
-                bars.append(_bar(plan_share(request, share), [known[k].part for k in places]))
+                if share not in planned:
+                    parts_read = [known[k].part for k in places]
+                    planned[share] = _bar(plan_share(request, share), parts_read)
+                bars.append(planned[share])
             except PlanError as error:
                 for k in {places[piece] for piece in share.pieces}:
                     said = (*known[k].refused, *error.diagnostics)
