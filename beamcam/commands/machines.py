@@ -147,7 +147,9 @@ def check(name: str, voice: Voice) -> None:
         machine = load_proved(place)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
-    if faults := _held_up(machine, place, voice):
+    faults = _held_up(machine, place, voice)
+    voice.did(f"held a section up to {machine.name}")
+    if faults:
         voice.stop(faults)
 
 

@@ -73,6 +73,8 @@ def _hint(text: str) -> str:
     if match is None:
         return ""
     digits, unit = match.groups()
+    if unit is None and "," not in digits and digits.count(".") < 2:
+        return ""
     if re.fullmatch(r"[+-]?\d{1,3}(,\d{3})+(\.\d+)?", digits):
         return f", without commas: {digits.replace(',', '')}"
     number = digits.replace(",", ".")

@@ -122,6 +122,8 @@ def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:
     if schema is not None and not schema[1].upper().startswith(b"IFC"):
         name = schema[1].split()[0].decode("ascii", "replace")
         return f"a STEP model ({name})", "the model exported as IFC, or its parts as DSTV"
+    if data.startswith(b"PK\3\4") and (b"word/" in data or b"xl/" in data):
+        return "a document of Office", _PARTS
     return next(
         ((what, expected) for begin, what, expected in _BEGINNINGS if data.startswith(begin)), None
     )
