@@ -89,11 +89,10 @@ class HeldUp(Struct, frozen=True):
 
 def held_up(machine: Machine) -> tuple[HeldUp, ...]:
     """The hole at each spindle of a line; none for a machine without a drill."""
-    drill, layout = machine.drill, machine.layout
-    code = next((c for c in layout.profiles if c in _EXAMPLES), None) if layout else None
-    if drill is None or code is None:
+    if machine.drill is None:
         return ()
-    name = _EXAMPLES[code]
+    taken = machine.layout.profiles if machine.layout else ()
+    name = _EXAMPLES[next((code for code in taken if code in _EXAMPLES), "I")]
     found = measures_of(name)
     if found is None:
         raise KeyError(name)
