@@ -1,6 +1,6 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from os.path import isfile
 from pathlib import Path, PurePath
@@ -33,7 +33,16 @@ from beamcam.machine.name_faults import name_faults
 from beamcam.machine.range_faults import range_faults
 from beamcam.machine.references import reference_faults
 from beamcam.machine.templates import template_faults
-from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, line_of, toml_text
+from beamcam.machine.toml import (
+    MAX_TOML_BYTES,
+    Place,
+    TomlError,
+    TomlFile,
+    keys_of,
+    line_of,
+    toml_text,
+    without,
+)
 from beamcam.system import beginning_of, portable_path
 
 MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0
@@ -104,12 +113,12 @@ def _blamed(said: Diagnostic, files: tuple[TomlFile, ...]) -> Diagnostic:
     if not _is_of_shipped_base(said.source, files):
         return said
     own = files[0]
-    for key in _own_keys(_present(own)[0]):
+    for words in keys_of(_present(own)[0]):
         try:
-            _described(files, key)
+            _described(files, words)
         except MachineError:
             continue
-        return structs.replace(said, source=Source(own.shown, line_of(own.text, key)))
+        return structs.replace(said, source=Source(own.shown, line_of(own.text, ".".join(words))))
     return structs.replace(said, source=Source(own.shown))
 
 
@@ -119,24 +128,7 @@ def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
     return files[0].path.parent != SHIPPED and source.file in shipped_bases
 
 
-def _own_keys(table: dict[str, Any], prefix: str = "") -> Iterator[str]:
-    """The dotted keys of all values of a file but for its base; of lists of tables the whole."""
-    for key, value in table.items():
-        if isinstance(value, dict):
-            yield from _own_keys(value, f"{prefix}{key}.")
-        elif f"{prefix}{key}" != "base":
-            yield f"{prefix}{key}"
-
-
-def _without(table: dict[str, Any], words: list[str]) -> dict[str, Any]:
-    """A copy of a table without one of its keys."""
-    first, *rest = words
-    if rest:
-        return {**table, first: _without(table[first], rest)}
-    return {key: value for key, value in table.items() if key != first}
-
-
-def _described(files: tuple[TomlFile, ...], but: str = "") -> Machine:
+def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     """The machine of `_machine`, its faults where the values stand; without a key of its file."""
     remarks = tuple(said for file in files for said in _renamed(file))
     table, places = merged(files, but)
@@ -286,19 +278,19 @@ def _wrong_base(file: TomlFile, expected: str) -> Diagnostic:
 
 
 def merged(
-    files: tuple[TomlFile, ...], but: str = ""
+    files: tuple[TomlFile, ...], but: Sequence[str] = ()
 ) -> tuple[dict[str, Any], dict[str, tuple[str, str]]]:
     """The merged table of a machine, and for each of its keys the file that sets it.
 
-    `but` is a key of the first file that is left out.
+    `but` has the words of a key of the first file that is left out.
     """
     table: dict[str, Any] = {}
     places: dict[str, tuple[str, str]] = {}
     for file in reversed(files):
         own = {"name": file.path.stem, **_present(file)[0]}
         own.pop("base", None)
-        if but and file is files[0]:
-            own = _without(own, but.split("."))
+        if but and file is files[0] and but[0] in own:
+            own = without(own, but)
         if file is not files[0]:
             for key in ("default_for", "choice"):
                 own.pop(key, None)

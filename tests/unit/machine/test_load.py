@@ -409,6 +409,7 @@ def test_a_name_that_no_file_can_have(name: str) -> None:
     ("spindles = []\n", 2, "pairs.0.faces"),
     ("title = 'ours'\ndrill = false\n", 3, "spindles.0"),
     ('controller = "linuxcnc"\n', None, "words.change"),
+    ('codes = {"G59.1" = "none"}\nspindles = []\n', 3, "pairs.0.faces"),
 ])  # fmt: skip
 def test_a_shipped_file_is_never_blamed_for_what_ones_own_says(
     text: str, line: int | None, key: str, tmp_path: Path
