@@ -8,7 +8,7 @@ Which planner, motion step, emitter and read-back belong together stands in `pos
 
 from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -49,6 +49,7 @@ from beamcam.verify.left_out import LEDGER
 from beamcam.verify.left_out import LEFT_OUT as MISSING
 from beamcam.verify.uncut import UNCUT, UNCUT_TOLD
 
+Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage
 
 
@@ -261,15 +262,41 @@ def begin(request: Request, together: bool = False, stage: Stage = untold) -> li
 
 
 def _begun(request: Request, share: Share, stage: Stage) -> Begun:
-    def planned(bar: float | None) -> Begun:
-        job = Job(request, share.pieces, bar)
+    def planned(job: Job) -> Begun:
         stages = posting(job)
         stage(next(stages))  # the plan, which is all that a bar can be too short for
         return Begun(job, stages)
 
-    parts = request.parts
-    longest = max((parts[place].length for place in share.pieces), default=0.0)
-    return from_store(planned, share.lengths, longest)
+    return _on_shortest(request, share, planned)
+
+
+def _on_shortest(request: Request, share: Share, make: Callable[[Job], Made]) -> Made:
+    """What `make` gives for a share of a request on the shortest bar in store that takes it."""
+    longest = max((request.parts[place].length for place in share.pieces), default=0.0)
+    return from_store(lambda bar: make(Job(request, share.pieces, bar)), share.lengths, longest)
+
+
+class Planned(Struct, frozen=True):
+    """One program of a request as it is planned."""
+
+    job: Job
+    plan: Plan | SheetPlan
+
+
+def plan_share(request: Request, share: Share) -> Planned:
+    """The plan by which `begin` makes the program of a share. Raises PlanError as `begin` does."""
+
+    def planned(job: Job) -> Planned:
+        plan = post_of(job.machine).plan(job)
+        remarks_on(plan, request.strict)
+        return Planned(job, plan)
+
+    return _on_shortest(request, share, planned)
+
+
+def plans_of(request: Request) -> list[Planned]:
+    """The plans of all programs of a request, without the programs. Raises PlanError."""
+    return [plan_share(request, share) for share in shares_of(request)]
 
 
 def finished(begun: Begun, stage: Stage = untold) -> Posted:

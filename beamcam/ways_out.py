@@ -108,6 +108,7 @@ def ways_out(request: Request, tried: Sequence[Machine], others: Iterable[Machin
         *_first(map(_by_leave, on)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),
+        *_one_by_one(on),
     ]
     return WAYS_OUT.at(source, found=" or ".join(found)) if found else NO_WAY_OUT.at(source)
 
@@ -172,6 +173,18 @@ def _by_bar(request: Request) -> Iterator[str]:
         if not known and _made(replace(request, stock=(length,))) is not None:
             yield f"--bar {length:g}"
             return
+
+
+def _one_by_one(on: Sequence[Request]) -> Iterator[str]:
+    """What makes each of several parts by itself, as those of two sections, where all can be."""
+    parts = on[0].parts
+    if len(parts) < 2 or not all(
+        any(_made(replace(request, parts=(part,))) is not None for request in on) for part in parts
+    ):
+        return
+    yield "`beamcam batch` (a program for each part)"
+    if parts[0].guid is not None:
+        yield f"--mark {parts[0].mark} (that member alone)"
 
 
 def _by_turning(request: Request) -> Iterator[str]:

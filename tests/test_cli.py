@@ -41,6 +41,8 @@ CALLS = {
     "watch": "watch . -o out --once --settle 0",
     "list": "list {i}.nc1 -o {i}.list.csv",
     "labels": "labels {i}.nc1 -o {i}.zpl",
+    "machines check": "machines check beamline",
+    "machines plot": "machines plot beamline -o {i}.line.svg",
 }
 #: Those whose --json is about messages, on standard error, and those that print their result so.
 _SECONDS = re.compile(r'"seconds":[^,]*,')  #: a batch tells how long each file took

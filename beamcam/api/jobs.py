@@ -30,6 +30,7 @@ from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import STEP_FORMS
+from beamcam.model.marks import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.model.request import Request
@@ -59,6 +60,7 @@ class _ReadOptions(Struct, forbid_unknown_fields=True):
     assemblies: tuple[str, ...] = ()
     force: bool = False
     letter: Literal["mark"] | None = None
+    mark_from: MarkFrom = "mark"
     check: bool = True
     workers: PositiveCount = 1
 
@@ -142,6 +144,7 @@ class ReadOptions(TypedDict, total=False):
     assemblies: Sequence[str]  #: or by assembly
     force: bool  #: whether members with contradictory data are accepted
     letter: Literal["mark"] | None  #: whether they are lettered with their marks
+    mark_from: MarkFrom  #: where marks stand: "mark", "drawing", "file" or "position"
     check: bool  #: whether their cuts are checked by the geometry kernel; True
     workers: int  #: processes that read a large model; 1
 
@@ -165,7 +168,8 @@ def read(
         reading = judged(read_bytes(data, name, **asked), strict)
     if reading.refused:
         raise ReadError(reading.diagnostics)
-    return reading
+    source_of_marks = converted(options, _ReadOptions).mark_from
+    return replace(reading, parts=marked(reading.parts, source_of_marks))
 
 
 def _reader_options(asked: ReadOptions) -> dict[str, object]:

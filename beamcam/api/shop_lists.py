@@ -1,6 +1,6 @@
 """Part lists, cutting lists and labels from Python, as the shop's commands write them."""
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from msgspec import Struct
@@ -16,21 +16,21 @@ from beamcam.asked import (
     parts_asked,
 )
 from beamcam.budget import check_pieces
-from beamcam.errors import Diagnostic, PlanError, Severity
-from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.errors import Diagnostic, PlanError
+from beamcam.machine.defaults import default_machines
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import InTurn, first_that_makes
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan, SheetPlan
-from beamcam.model.request import Job, Quantity, Request
-from beamcam.planning.jobs import number_of
+from beamcam.model.plan import Plan
+from beamcam.model.request import Quantity, Request
+from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
+from beamcam.planning.jobs import Share, number_of, shares_of
 from beamcam.planning.rules import named_skips
-from beamcam.planning.stock_bars import first_fit
-from beamcam.posts import post_of
 from beamcam.report.hand_list import MARKS, hand_rows
 from beamcam.report.part_list import (
     ByHand,
     CutBar,
+    CutPiece,
     PartCount,
     bar_list,
     cutting_list,
@@ -40,9 +40,11 @@ from beamcam.report.part_list import (
 if TYPE_CHECKING:
     from beamcam.report.tables import Table
 
+MachinesFor = Callable[[Part], Sequence[Machine]]  #: that may make a part, in their order
+
 
 class Lists(Struct, frozen=True):
-    """The tables of a shop: each has a `head` and `rows`; what fits on no bar is said."""
+    """The tables of a shop: each has a `head` and `rows`; why a part is not made is said."""
 
     parts: "Table"
     bars: "Table"
@@ -52,7 +54,7 @@ class Lists(Struct, frozen=True):
 
 def lists(
     parts: Part | Iterable[Part],
-    machine: AnyMachine = DEFAULT_MACHINE,
+    machine: AnyMachine | None = None,
     *,
     lengths: Collection[float] = (),
     quantity: Quantity = "file",
@@ -60,21 +62,30 @@ def lists(
 ) -> Lists:
     """The part list of parts, and the bars of stock that they are cut from, first fit.
 
-    `lengths` are those in store, in mm; `quantity` is "file", as each part says, or a number.
+    They are those of the plans by which `post` makes the parts: on `machine`, or on the first that
+    is shipped for their stock and makes them. A part that none makes is in the list with its
+    reason, and on no bar. `lengths` are those in store, in mm; `quantity` is "file", as each part
+    says, or a number.
     Raises AskError, MachineError, and LimitError for more than `limits.pieces`.
     """
     check_asked(skips=skips)
     for length in lengths:
         check_asked(bar=length)
     _check_quantity(quantity)
-    loaded = machine_of(machine)
-    allowed = named_skips(skips)
-    counts = tuple(
-        PartCount(part, count, left_to_hand(part, (loaded,), allowed))
-        for part, count in _counted(parts_asked(parts), quantity)
-    )
-    bars, refused = bars_of(counts, loaded, sorted(lengths))
-    return Lists(part_list(counts), bar_list(bars), cutting_list(bars), refused)
+    named = None if machine is None else machine_of(machine)
+
+    def machines_for(part: Part) -> Sequence[Machine]:
+        if named is not None:
+            return (named,)
+        return InTurn(default_machines(stock_of((part,))), machine_of)
+
+    counts = tuple(PartCount(part, count) for part, count in _counted(parts_asked(parts), quantity))
+    if not counts:
+        return Lists(part_list(()), bar_list(()), cutting_list(()), ())
+    first = machines_for(counts[0].part)[0]
+    asked = Request((), first, named_skips(skips), stock=tuple(sorted(lengths)))
+    counts, bars = bars_of(planned_counts(counts, machines_for, asked), machines_for, asked)
+    return Lists(part_list(counts), bar_list(bars), cutting_list(bars), not_made(counts))
 
 
 def labels(
@@ -130,40 +141,91 @@ def label_lines(part: Part, piece: int, of: int) -> Iterator[str]:
         yield ", ".join(f"{word} {text}" for word, text in where.items() if text)
 
 
-def left_to_hand(part: Part, machines: Sequence[Machine], skips: tuple[str, ...]) -> ByHand | None:
-    """What is left to the hand by the first machine that makes a part; None if none does."""
+def planned_counts(
+    counts: Sequence[PartCount], machines_for: MachinesFor, asked: Request
+) -> tuple[PartCount, ...]:
+    """The parts with the first machine that makes each, and what it leaves to the hand.
 
-    def planned(request: Request) -> Plan | SheetPlan:
-        return post_of(request.machine).plan(Job(request, (0,)))
+    `asked` says what may be left out, the bars in store and whether parts may be turned. A part
+    that no machine makes has the reasons.
+    """
+    return tuple(_planned(one, machines_for(one.part), asked) for one in counts)
 
+
+def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> PartCount:
+    request = replace(asked, parts=(one.part,), machine=machines[0], quantity=1)
     try:
-        plan, _ = first_that_makes(Request((part,), machines[0], skips), machines, planned)
-    except PlanError:
-        return None
-    kinds = [row["kind"] for row in hand_rows(plan)]
-    return ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+        (planned, *_), _ = first_that_makes(request, machines, plans_of)
+    except PlanError as error:
+        return replace(one, refused=tuple(error.diagnostics))
+    kinds = [row["kind"] for row in hand_rows(planned.plan)]
+    by_hand = ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+    return replace(one, machine=planned.job.machine.name, by_hand=by_hand)
 
 
 def bars_of(
-    counts: Sequence[PartCount], machine: Machine, lengths: Sequence[float]
-) -> tuple[tuple[CutBar, ...], tuple[Diagnostic, ...]]:
-    """The bars that the beams among the parts are cut from, and why some are on none."""
-    beams = [one for one in counts if one.part.profile.code != "B"]
-    if not beams or machine.saw is None or machine.layout is None:
-        return (), ()
-    parts = tuple(one.part for one in beams for _ in range(one.quantity))
-    nesting = first_fit(parts, machine, lengths)
-    # A part that fits on no bar is reported once, whatever its quantity.
-    refused = dict.fromkeys(replace(said, severity=Severity.ERROR) for said in nesting.refusals)
+    counts: Sequence[PartCount], machines_for: MachinesFor, asked: Request
+) -> tuple[tuple[PartCount, ...], tuple[CutBar, ...]]:
+    """The bars of the plans by which `post` makes the parts, those of one machine together.
+
+    The counts come back, those of a bar that the machine cannot make with the reasons. Plates, and
+    parts of a line without a saw, are on no bar.
+    """
+    known = list(counts)
+    of_machine: dict[str, list[int]] = {}
+    for place, one in enumerate(known):
+        if one.machine and one.part.profile.code != "B":
+            of_machine.setdefault(one.machine, []).append(place)
     bars: list[CutBar] = []
-    for bar in nesting.bars:
-        placed: list[tuple[Part, float]] = [
-            (parts[i], start) for i, start in zip(bar.pieces, bar.starts, strict=True)
-        ]
-        account = bar.account
-        cuts = account.front_trim + account.kerfs + account.end_trim - account.nested
-        bars.append(CutBar(tuple(placed), account.length, cuts, account.remnant))
-    return tuple(bars), tuple(refused)
+    for name, places in of_machine.items():
+        machines = machines_for(known[places[0]].part)
+        machine = next(one for one in machines if one.name == name)
+        if machine.saw is None or machine.layout is None:
+            continue
+        parts = tuple(replace(known[k].part, quantity=known[k].quantity) for k in places)
+        request = replace(asked, parts=parts, machine=machine, quantity="file")
+        planned: dict[Share, CutBar] = {}  # of bars with the same pieces, which are many
+        for share in shares_of(request):
+            try:
+                if share not in planned:
+                    parts_read = [known[k].part for k in places]
+                    planned[share] = _bar(plan_share(request, share), parts_read)
+                bars.append(planned[share])
+            except PlanError as error:
+                for k in {places[piece] for piece in share.pieces}:
+                    said = (*known[k].refused, *error.diagnostics)
+                    known[k] = replace(known[k], machine="", refused=said)
+    return tuple(known), tuple(bars)
+
+
+def _bar(planned: Planned, parts: Sequence[Part]) -> CutBar:
+    """A planned bar as rows of a cutting list; `parts` are those of its request."""
+    plan, job = planned.plan, planned.job
+    if not isinstance(plan, Plan):
+        raise TypeError("a bar is planned on a line for bars")
+    pieces = tuple(
+        CutPiece(parts[job.pieces[piece.given]], piece.start, piece.turn) for piece in plan.pieces
+    )
+    bar = plan.bar
+    cuts = bar.front_trim + bar.kerfs + bar.end_trim - bar.nested
+    return CutBar(pieces, bar.length, cuts, bar.remnant, job.machine.name)
+
+
+def not_made(counts: Iterable[PartCount]) -> tuple[Diagnostic, ...]:
+    """Why parts are not made: what is said of several once."""
+    return tuple(dict.fromkeys(said for one in counts for said in one.refused))
+
+
+def programs_of(
+    part: Part, machines: Sequence[Machine], asked: Request
+) -> tuple[Machine, tuple[int, ...]]:
+    """The machine that a batch makes a part on, and the pieces that each of its programs makes.
+
+    Raises PlanError where no machine makes it.
+    """
+    request = replace(asked, parts=(part,), machine=machines[0])
+    planned, _ = first_that_makes(request, machines, plans_of)
+    return planned[0].job.machine, tuple(len(one.job.pieces) for one in planned)
 
 
 def _check_quantity(quantity: object) -> None:

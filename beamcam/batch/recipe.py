@@ -19,6 +19,8 @@ from beamcam.system import portable_path
 MACHINE = "machine"  #: the option that may be a path
 #: Options that say nothing of the programs, or are kept in another way.
 _APART = ("config_file", "trust", "jobs", "as_json")
+#: Values of options that are as if they were not given.
+_DEFAULTS = {"order": "given", "mark_from": "mark"}
 #: Options whose value means something though it is empty: `--allow-skips none`, `--tree`.
 _MAY_BE_NOTHING = ("skips", "strict", "flat")
 
@@ -51,6 +53,8 @@ def recipe_of(config: Config, asked: Mapping[str, Any], folder: str) -> Recipe:
 
 
 def _is_given(name: str, value: object) -> bool:
+    if value == _DEFAULTS.get(name):
+        return False
     return value is not None and (value not in ((), False) or name in _MAY_BE_NOTHING)
 
 

@@ -16,6 +16,7 @@ from beamcam.batch.work import Shop, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
 from beamcam.machine_choice import first_that_makes
+from beamcam.model.marks import marked
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.styles import css
@@ -117,7 +118,7 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
     with open(programs.path, "rb") as file:
         reading = read(file.read(), programs.path, **shop.reading)
     left = list(programs.outputs)
-    for part in counted(sound(reading)):
+    for part in marked(counted(sound(reading)), shop.mark_from):
         with suppress(BeamcamError):
             planned, _ = first_that_makes(shop.request_of(part), shop.machines_for(part), begin)
             for each in planned:

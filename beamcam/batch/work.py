@@ -23,8 +23,9 @@ from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
+from beamcam.model.marks import MarkFrom, marked
 from beamcam.model.part import Part
-from beamcam.model.plan import ContourOp, Plan
+from beamcam.model.plan import ContourOp, Order, Plan
 from beamcam.model.request import Quantity, Request
 from beamcam.pipeline import (
     Begun,
@@ -63,6 +64,9 @@ class Shop(Struct, frozen=True):
     clock: Callable[[], float] | None = None
     more: tuple[Machine, ...] = ()  #: machines of either stock that are tried after the first
     date: str = ""  #: for words of the machine
+    order: Order = "given"  #: of the pieces on a bar
+    turn: bool = False  #: whether parts may lie turned
+    mark_from: MarkFrom = "mark"  #: where marks stand
     limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
 
     @property
@@ -91,7 +95,8 @@ class Shop(Struct, frozen=True):
         """What is asked of the first machine that may make a part."""
         return Request(
             (part,), self._first_for(part), named_skips(self.skips), self.job,
-            stock=self.stock_lengths, quantity=self.quantity, strict=self.strict,
+            self.order, self.turn, self.stock_lengths,
+            quantity=self.quantity, strict=self.strict,
             verified=self.read_back, date=self.date,
         )  # fmt: skip
 
@@ -212,6 +217,7 @@ def _post_all(
         raise ReadError(rules.NO_PART.at(Source(task.name)))
     stem = os.path.splitext(os.path.basename(task.name))[0]
     names = FileNames()
+    parts = marked(parts, shop.mark_from)
     for number, part in enumerate(parts, 1):
         try:
             planned, choice = first_that_makes(

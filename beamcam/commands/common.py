@@ -262,7 +262,10 @@ def keep_refused(output: str, pieces: Iterable[bytes], read: FilesRead) -> Itera
 
 def cannot_write(output: str, error: OSError) -> Diagnostic:
     """The message for an output that the system does not allow to be written."""
-    return CANNOT_WRITE.at(Source(output), found=output, reason=error.strerror or str(error))
+    reason = error.strerror or str(error)
+    if output.endswith(("/", os.sep)) or os.path.isdir(output):
+        reason = "a folder: name a file in it, `beamcam batch` writes to folders"
+    return CANNOT_WRITE.at(Source(output), found=output, reason=reason)
 
 
 def stop_without_output(error: OSError) -> NoReturn:

@@ -7,7 +7,7 @@ import click
 
 from beamcam import readers
 from beamcam.api.comparison import compared
-from beamcam.commands.kinds import KINDS, expected
+from beamcam.commands.kinds import KINDS, STANDARD, expected
 from beamcam.diff.differ import diff_parts
 from beamcam.diff.pairing import Difference
 from beamcam.diff.programs import ProgramText
@@ -29,7 +29,12 @@ def differences_of(
     """
     kinds = [is_part(name, content) for name, content in data]
     if kinds[0] != kinds[1]:
-        raise click.UsageError("A and B have to be two programs or two parts.")
+        names = [name for name, _ in data]
+        part, program = names if kinds[0] else reversed(names)
+        raise click.UsageError(
+            f"found the part {part!r} and the program {program!r}; A and B have to be two programs "
+            "or two parts (`beamcam verify PROGRAM --against PART` compares the two)."
+        )
     if kinds[0]:
         (first, of_a), (second, of_b) = (_parts(*one, strict) for one in data)
         return diff_parts(first, second), (*of_a, *of_b)
@@ -83,6 +88,14 @@ def is_part(name: str, data: bytes) -> bool:
     return (by_name and suffix != ".json" and not is_of_programs(name)) or any(
         f.looks_like(data) for f in readers.FORMATS
     )
+
+
+def refuse_part(path: str, data: bytes) -> None:
+    """Raises UsageError for a part where a program is expected."""
+    if path != STANDARD and is_part(path, data):
+        raise click.UsageError(
+            f"found the part {path!r}; expected a program (`beamcam post` makes one of it)."
+        )
 
 
 def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:

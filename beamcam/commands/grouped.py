@@ -9,15 +9,15 @@ OTHER = "Other"
 #: Heading -> the options below it, by the names of their values, in this order.
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
-        "output", "machine", "config_file", "trust", "job", "bar", "order", "turn", "style", "show",
-        "to", "quantity", "first", "after",
+        "output", "machine", "config_file", "trust", "job", "bar", "bars", "order", "turn", "style",
+        "show", "to", "table", "quantity", "against", "mark_from", "first", "after",
     ),
     "Names and folders": ("name", "flat", "done", "refused", "samples"),
     "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
     "Members of a building model": (
         "marks", "guids", "classes", "assemblies", "force", "letter", "check"
     ),
-    "How files are read": ("units", "width", "layers", "fit", "encoding", "against"),
+    "How files are read": ("units", "width", "layers", "fit", "encoding"),
     "How sheets are cut": (
         "colours", "thickness", "material", "kerf", "kerf_by", "lead", "lead_in", "lead_out",
         "tabs", "tab_width",
@@ -25,7 +25,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
         "copies", "spacing", "sheet_size", "unrolled",
     ),
     "How the work is done": (
-        "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "once", "update",
+        "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",
+        "serve", "pace", "once", "update",
     ),
     SAID: ("as_json", "report", "unit", "quiet", "verbose", "schema"),
 }  # fmt: skip

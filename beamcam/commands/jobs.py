@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.comparison import is_part
@@ -16,9 +17,10 @@ from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
 from beamcam.machine_choice import first_that_makes
-from beamcam.model.plan import Order, Plan
+from beamcam.model.part import Part
+from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.pictures.program import ReadProgram
-from beamcam.pipeline import Posted, begin, finished, untold
+from beamcam.pipeline import Posted, begin, finished, read_back, untold, whole_job
 from beamcam.readers.content import shown_name
 
 
@@ -50,17 +52,71 @@ def read_program(data: bytes, path: str, config: Config) -> ReadProgram:
 class PostedJob(Struct, frozen=True):
     """Parts and the program that makes them."""
 
-    said: tuple[Diagnostic, ...]  #: about the parts
+    said: tuple[Diagnostic, ...]  #: about the machine
     posted: Posted
     program: ReadProgram
 
 
+#: Of commands that take a program and its parts, or parts alone.
+against = click.option(
+    "--against", is_flag=True, help="Compare the program with the parts that follow."
+)
+
+
+def is_program(inputs: Sequence[str], first: bytes, against: bool) -> bool:
+    """Whether the first input is a program and the others its parts; or else all are parts.
+
+    `first` is its content. Standard input is a program. Raises UsageError where --against does not
+    stand between a program and parts.
+    """
+    is_one = inputs[0] == STANDARD or not is_part(shown_name(inputs[0]), first)
+    if against and not is_one:
+        raise click.UsageError(
+            f"found the part {inputs[0]!r} before --against; expected a program there. Without "
+            "--against parts are posted."
+        )
+    if against and len(inputs) < 2:
+        raise click.UsageError("--against needs at least one PART.")
+    return is_one
+
+
+class AskedProgram(Struct, frozen=True):
+    """A program that is a file or was posted just now."""
+
+    program: ReadProgram
+    plan: Plan | SheetPlan | None  #: of one that was posted
+    found: tuple[Diagnostic, ...]  #: where one that is a file differs from its parts
+
+
+def asked_program(
+    inputs: Sequence[str], against: bool, config: Config, asked: Mapping[str, Any], output: str,
+    order: Order, turn: bool, voice: Voice, said: list[Diagnostic],
+) -> AskedProgram:  # fmt: skip
+    """The program among the inputs, read back against the parts behind it; or that of the parts.
+
+    What readers and planner say is added to `said`, also where it raises BeamcamError.
+    """
+    first = input_bytes(inputs[0])
+    is_file = is_program(inputs, first, against)
+    named = inputs[1:] if is_file else inputs
+    parts, told = read_parts(named, config, asked, voice) if named else ((), ())
+    said += told
+    if not is_file:
+        job = posted_job(inputs, parts, config, asked, output, order, turn, voice)
+        said += (*job.said, *job.posted.remarks)
+        return AskedProgram(job.program, job.posted.plan, ())
+    program = read_program(first, inputs[0], config)
+    asked_for = request_of(parts, config, program.machine, asked["quantity"])
+    request = replace(asked_for, name=shown_name(inputs[0]), style=program.style)
+    program = replace(program, parts=whole_job(request).parts)
+    return AskedProgram(program, None, read_back(first, request, program.bar))
+
+
 def posted_job(
-    inputs: Sequence[str], config: Config, asked: Mapping[str, Any], output: str, order: Order,
-    turn: bool, voice: Voice,
+    inputs: Sequence[str], parts: tuple[Part, ...], config: Config, asked: Mapping[str, Any],
+    output: str, order: Order, turn: bool, voice: Voice,
 ) -> PostedJob:  # fmt: skip
-    """Inputs posted as `post` would, and read back. Raises BeamcamError."""
-    parts, said = read_parts(inputs, config, asked, voice)
+    """The parts of the inputs posted as `post` would, and read back. Raises BeamcamError."""
     machines = machines_for(config, parts, output)
     request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
     stage = voice.did if voice.verbose else untold
@@ -70,7 +126,7 @@ def posted_job(
     posted = finished(begun, stage)
     # One part's program is called after its file, as a batch would; `post` is given a name.
     stem = PurePath(shown_name(inputs[0])).stem if len(inputs) == 1 else config.job
-    return PostedJob((*said, *choice), posted, _program(posted, stem))
+    return PostedJob(choice, posted, _program(posted, stem))
 
 
 def _program(posted: Posted, stem: str) -> ReadProgram:

@@ -2,29 +2,32 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import chain, repeat
 from pathlib import PurePath
 from typing import Any
 
 import click
 
-from beamcam.api.shop_lists import label_lines
+from beamcam.api.shop_lists import label_lines, programs_of
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, write
-from beamcam.commands.listed import counted_parts, refuse_missing
+from beamcam.commands.common import REFUSED, STANDARD, Voice, write
+from beamcam.commands.grouped import Grouped
+from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_missing
 from beamcam.commands.members import member_options
 from beamcam.commands.quantities import quantity
-from beamcam.commands.rules import OUTPUT_FORMAT
-from beamcam.commands.settings import files_read, machine_of_stock, settled
-from beamcam.commands.sheets import drawing_options
+from beamcam.commands.settings import files_read, settled
+from beamcam.commands.sheets import drawing_options, torch_options
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in
-from beamcam.model.part import Part
-from beamcam.pipeline import stock_of
-from beamcam.report.labels import CODES, Code, Label, Size, as_pdf, as_zpl, code_fault
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
+from beamcam.model.plan import Order
+from beamcam.model.request import Request
+from beamcam.planning.jobs import numbered
+from beamcam.planning.rules import named_skips
+from beamcam.report.labels import CODES, Code, Label, Size, as_json, as_pdf, as_zpl, code_fault
 from beamcam.report.part_list import PartCount
 
-SUFFIXES = (".pdf", ".zpl")
+FORMATS = ("pdf", "zpl", "json")
 
 
 def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
@@ -39,9 +42,10 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
     return Size(width, height)
 
 
-@click.command("labels")
+@click.command("labels", cls=Grouped)
 @options.inputs
-@options.output("A .pdf, or a .zpl for Zebra printers.")
+@options.output("A .pdf, a .zpl for Zebra printers, or a .json.", False)
+@options.to(FORMATS)
 @options.machine
 @options.config
 @quantity
@@ -53,31 +57,43 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
     "--code", type=click.Choice(CODES), default="qr", show_default=True, help="Kind of code."
 )
 @click.option("--name", metavar="TEMPLATE", help="Names of the programs, as of `batch`.")
+@options.bar
+@options.skips
+@options.order
+@options.turn
+@options.mark_from
 @member_options
 @drawing_options
+@torch_options
 @options.strict
+@options.as_json
 @options.voiced
 def command(
-    inputs: tuple[str, ...], output: str, size: Size, code: Code, voice: Voice,
-    **asked: Any,
+    inputs: tuple[str, ...], output: str, to: str | None, size: Size, code: Code, order: Order,
+    turn: bool, as_json: bool, voice: Voice, **asked: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
 
     A label has the mark, profile, length, grade, order, drawing, the number of the piece and a QR
-    code or DataMatrix: the mark and the name of the program that makes it, a line each. Exit status
-    1 if an input is refused; the others have their labels.
+    code or DataMatrix: the mark and the name of the program that makes the piece in a batch, a line
+    each. Exit status 1 if an input is refused or no machine makes a part; the others have their
+    labels.
 
     \b
     beamcam labels jobs/ -o labels.pdf
     beamcam labels jobs/ -o labels.zpl --size 80x50
     beamcam labels jobs/ -o labels.pdf --code datamatrix
+    beamcam labels jobs/ --json
     """
+    if output == STANDARD and to is None and not as_json:
+        raise click.UsageError("Say where the labels go: -o labels.pdf, or --to FORM, or --json.")
     try:
+        form = options.form_of(output, to, as_json, FORMATS)
         config = settled(asked, inputs)
         counts, said = counted_parts(inputs, config, asked, voice)
-        labels, too_long = _labels(counts, config, code)
-        said = (*said, *too_long)
-        data = _written(output, labels, size, code)
+        labels, without = _labels(counts, config, code, order, turn)
+        said = (*said, *without)
+        data = _written(form, labels, size, code)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     write(output, data, voice, files_read(config, inputs))
@@ -87,46 +103,52 @@ def command(
 
 
 def _labels(
-    counts: Sequence[PartCount], config: Config, code: Code
+    counts: Sequence[PartCount], config: Config, code: Code, order: Order, turn: bool
 ) -> tuple[tuple[Label, ...], tuple[Diagnostic, ...]]:
-    """The labels of all pieces, those of one part one behind the other; an error for a part whose
-    code would be too long, which has none."""
+    """The labels of all pieces, those of one part one behind the other; an error for a part that
+    no machine makes, or whose code would be too long, which has none."""
     labels: list[Label] = []
     said: list[Diagnostic] = []
     names = FileNames()
+    machines = machines_in_shop(config, config.name or "")
     parts_of = Counter(one.part.source.file for one in counts)
     before: Counter[str] = Counter()
     for one in counts:
-        file = one.part.source.file
+        part, file = one.part, one.part.source.file
         before[file] += 1
-        program = _program(one.part, before[file], parts_of[file] > 1, config)
-        program = names.take(program, one.part.mark)
-        fault = code_fault(Label(one.part.mark, (), program), code, one.part.source)
+        tried = machines(part)
+        request = Request(
+            (part,), tried[0], named_skips(config.allow_skips), config.job, order, turn,
+            config.stock_lengths, quantity=config.quantity, strict=config.strict,
+        )  # fmt: skip
+        try:
+            machine, pieces = programs_of(part, tried, request)
+        except PlanError as error:
+            said += error.diagnostics
+            continue
+        stem, several = PurePath(file).stem, parts_of[file] > 1
+        name = output_name(config.name, stem, part, before[file], several, machine)
+        programs = [names.take(each, part.mark) for each in numbered(name, len(pieces))]
+        fault = code_fault(Label(part.mark, (), programs[-1]), code, part.source)
         if fault is not None:
             said.append(fault)
             continue
+        # Without a quantity one program makes one piece, and runs as often as they are wanted.
+        of_piece = [*chain.from_iterable(map(repeat, programs, pieces))]
         labels += (
-            Label(one.part.mark, tuple(label_lines(one.part, piece, one.quantity)), program)
-            for piece in range(1, one.quantity + 1)
-        )
-    return tuple(labels), tuple(said)
+            Label(part.mark, tuple(label_lines(part, k + 1, one.quantity)),
+                  of_piece[min(k, len(of_piece) - 1)])
+            for k in range(one.quantity)
+        )  # fmt: skip
+    return tuple(labels), tuple(dict.fromkeys(said))
 
 
-def _program(part: Part, number: int, several: bool, config: Config) -> str:
-    """Name of a part's program in a batch."""
-    machine = machine_of_stock(config, stock_of([part]), config.name or "", is_one_of_two=True)
-    stem = PurePath(part.source.file).stem
-    return output_name(config.name, stem, part, number, several, machine)
-
-
-def _written(output: str, labels: Sequence[Label], size: Size, code: Code) -> str | bytes:
-    """The labels as the suffix of the output says. Raises BeamcamError for another suffix."""
-    suffix = PurePath(output).suffix.lower()
-    if suffix == ".zpl":
+def _written(form: str, labels: Sequence[Label], size: Size, code: Code) -> str | bytes:
+    """The labels in a form. Raises ReadError where a library is missing."""
+    if form == "zpl":
         return as_zpl(labels, size, code)
-    if suffix != ".pdf":
-        found = OUTPUT_FORMAT.at(Source(output), found=suffix, expected=", ".join(SUFFIXES))
-        raise BeamcamError((found,))
+    if form == "json":
+        return as_json(labels)
     try:
         return as_pdf(labels, size, code)
     except ImportError as error:

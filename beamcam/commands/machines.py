@@ -7,11 +7,13 @@ import click
 
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
-from beamcam.commands.common import Voice, cannot_write, say_json, say_lines
+from beamcam.commands.common import Voice, cannot_write, say_json, say_lines, write
+from beamcam.commands.pictures import picture, picture_suffix
 from beamcam.config.places import own_files
-from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.files import write_whole
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.files import FilesRead, write_whole
 from beamcam.machine import Machine, load, settings, shipped
+from beamcam.machine.load import files_of
 from beamcam.machine.names import machine_folders, own_machines, resolved
 from beamcam.machine.starting_file import starting_file
 from beamcam.machine_proof import load_proved
@@ -29,6 +31,8 @@ def command() -> None:
     beamcam machines list
     beamcam machines new mine --base beamline
     beamcam machines show beamline
+    beamcam machines check mine
+    beamcam machines plot mine -o mine.svg
     beamcam machines keys
     beamcam machines schema
     """
@@ -96,7 +100,8 @@ def new(name: str, base: str, user: bool, voice: Voice) -> None:
         voice.stop([cannot_write(path, error)])
     voice.did(f"wrote {path}")
     if not voice.quiet:
-        say_lines([f"{path}: change what differs, then `beamcam machines show {name}`"])
+        say_lines([f"{path}: change what differs, then `beamcam machines check {name}`:"])
+        _held_up(load(path), path, voice)
 
 
 @command.command("show")
@@ -123,6 +128,69 @@ def show(name: str, as_json: bool) -> None:
         shown = json.dumps(row.value, ensure_ascii=False)
         origin = "in the heads of its programs" if row.key == "checksum" else row.source
         say_lines([f"{row.key:{width}} = {shown}  # {origin or 'default'}"])
+
+
+@command.command("check")
+@click.argument("name")
+@options.voiced
+def check(name: str, voice: Voice) -> None:
+    """Hold a section up to the machine NAME: where each spindle puts a hole, to be measured.
+
+    One sentence for each spindle, in the axes of its programs. A face that the file takes for its
+    mirror image is refused, where the axes of the other spindles tell: exit status 1.
+
+    \b
+    beamcam machines check mine
+    """
+    try:
+        place = resolved(name, own_files())
+        machine = load_proved(place)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    faults = _held_up(machine, place, voice)
+    voice.did(f"held a section up to {machine.name}")
+    if faults:
+        voice.stop(faults)
+
+
+def _held_up(machine: Machine, place: str, voice: Voice) -> tuple[Diagnostic, ...]:
+    """Print where holes go; what tells that a face is mirrored comes back."""
+    from beamcam.planning.held_up import hand_faults, held_up
+
+    held = held_up(machine)
+    if not voice.quiet:
+        none = f"{machine.name} has no spindles; its words make a part that is read back"
+        say_lines((one.sentence for one in held) if held else [none])
+    return tuple(hand_faults(held, Source(place)))
+
+
+@command.command("plot")
+@click.argument("name")
+@options.output(".svg, .png or .pdf; - is SVG on standard output.")
+@options.voiced
+def plot(name: str, output: str, voice: Voice) -> None:
+    """Draw the line NAME: its stations along X, and its spindles at a section.
+
+    What the machine file says of X, of the saw's signs and of the axes of each spindle, to be held
+    against the machine itself. PNG and PDF need beamcam[pictures].
+
+    \b
+    beamcam machines plot mine -o mine.svg
+    """
+    from beamcam.pictures.line import line_scene
+
+    suffix = picture_suffix(output)
+    try:
+        place = resolved(name, own_files())
+        machine = load_proved(place)
+        if machine.stock != "beam":
+            raise click.UsageError(
+                f"found {machine.name}, a table; expected a saw or drilling line"
+            )
+        drawn = picture([line_scene(machine)], suffix)
+    except BeamcamError as error:
+        voice.stop(error.diagnostics)
+    write(output, drawn, voice, FilesRead(files_of(place)))
 
 
 @command.command("keys")

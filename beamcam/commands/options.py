@@ -7,17 +7,22 @@ What they give comes to the command under the names that stand here; `settings.s
 the configuration. An option that a configuration can set is None where it is not given.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from datetime import date
 from functools import wraps
 from math import inf, isfinite, nan
+from pathlib import PurePath
 from typing import Any
 
 import click
 
 from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.kinds import Callback
+from beamcam.commands.rules import OUTPUT_FORMAT
+from beamcam.errors import BeamcamError, Source
+from beamcam.model.marks import MARKS_FROM
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
@@ -44,7 +49,7 @@ class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take 
             number = float(value)
         if isfinite(number) and self._above < number and self._least <= number <= self._most:
             return number
-        self.fail(f"found {value!r}; expected {self._expected}.", param, ctx)
+        self.fail(f"found {value!r}; expected {self._expected}{_hint(str(value))}.", param, ctx)
 
     @property
     def _expected(self) -> str:
@@ -52,6 +57,32 @@ class Number(click.ParamType):  # type: ignore[type-arg]  # older versions take 
         limits += [f"{self._least:g} or more"] if isfinite(self._least) else []
         limits += [f"at most {self._most:g}"] if isfinite(self._most) else []
         return " ".join(["a number", ", ".join(limits)]).strip()
+
+
+#: A number as people write it, with commas or a unit.
+_WITH_UNIT = re.compile(r"([+-]?\d[\d.,]*)\s*(mm|cm|m|in|inch|ft|\"|')?")
+_MM = {
+    "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "ft": 304.8,
+    '"': 25.4, "'": 304.8,
+}  # fmt: skip
+
+
+def _hint(text: str) -> str:
+    """How a number with a unit or a comma is to be written; empty for any other text."""
+    match = _WITH_UNIT.fullmatch(text.strip())
+    if match is None:
+        return ""
+    digits, unit = match.groups()
+    if unit is None and "," not in digits and digits.count(".") < 2:
+        return ""
+    if re.fullmatch(r"[+-]?\d{1,3}(,\d{3})+(\.\d+)?", digits):
+        return f", without commas: {digits.replace(',', '')}"
+    number = digits.replace(",", ".")
+    if number.count(".") > 1:
+        return ", without signs between the digits"
+    if unit is None:
+        return f", with a point: {number}"
+    return f", without a unit: {float(number) * _MM[unit]:g} (mm)"
 
 
 def group(*options: Decorator) -> Decorator:
@@ -151,6 +182,10 @@ order = click.option(
     help="Lay parts in the order given, or so that mitres nest.",
 )
 turn = click.option("--turn", is_flag=True, help="Allow parts to be turned on the rollers.")
+mark_from = click.option(
+    "--mark-from", type=click.Choice(MARKS_FROM), default="mark", show_default=True,
+    help="Where a part's mark stands: position is the third line of a DSTV header.",
+)  # fmt: skip
 skips = click.option(
     "--allow-skips",
     "skips",
@@ -178,6 +213,35 @@ def output(help: str, required: bool = True, kind: Callback | None = None) -> De
     otherwise: dict[str, Any] = {} if required else {"default": STANDARD}
     return click.option(
         "-o", "--output", required=required, type=FILE, help=help, callback=kind, **otherwise
+    )
+
+
+def to(formats: Sequence[str]) -> Decorator:
+    """--to, by default the suffix of the output."""
+    return click.option(
+        "--to", type=click.Choice(formats), help="Form of the output; by default by its suffix."
+    )
+
+
+def form_of(
+    output: str, to: str | None, as_json: bool, formats: Sequence[str], otherwise: str | None = None
+) -> str:
+    """The form of an output: as --json or --to ask for, or by its suffix.
+
+    On standard output it is `otherwise`. Raises BeamcamError for another suffix.
+    """
+    if as_json and to not in (None, "json"):
+        raise click.UsageError(f"--json and --to {to} exclude each other.")
+    if as_json or to:
+        return to or "json"
+    suffix = PurePath(output).suffix.lower().removeprefix(".")
+    if output == STANDARD and otherwise is not None:
+        return otherwise
+    if suffix in formats:
+        return suffix
+    expected = ", ".join(f".{form}" for form in formats)
+    raise BeamcamError(
+        (OUTPUT_FORMAT.at(Source(output), found=PurePath(output).suffix, expected=expected),)
     )
 
 

@@ -11,6 +11,7 @@ from beamcam.commands.sheets import drawing_choice, drawing_options, torch_optio
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
+from beamcam.model.marks import marked
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.model.request import Quantity, Request
@@ -18,7 +19,7 @@ from beamcam.pipeline import counted, parts_of
 from beamcam.planning.rules import named_skips
 
 #: Which parts are meant, and how drawings and sheets are taken.
-part_options = options.group(member_options, drawing_options, torch_options)
+part_options = options.group(member_options, options.mark_from, drawing_options, torch_options)
 #: What a job is posted by, for commands that show what comes of it.
 job_options = options.group(
     options.skips,
@@ -42,7 +43,8 @@ def read_parts(
     `asked` holds the values of `part_options`. Raises ReadError.
     """
     how = drawing_choice(asked, config.map) | member_choice(asked, kernel=True)
-    return parts_of(read_all(inputs, config.strict, how, voice), counted)
+    parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
+    return marked(parts, asked["mark_from"]), said
 
 
 def request_of(

@@ -68,8 +68,9 @@ def command(
         if data is not None:
             scenes = [program_scene(read_program(data, inputs[0], config), unit)]
         elif show == "program" or (show is None and len(inputs) > 1):
-            job = posted_job(inputs, config, asked, output, order, turn, voice)
-            said = (*job.said, *job.posted.remarks)
+            parts, said = read_parts(inputs, config, asked, voice)
+            job = posted_job(inputs, parts, config, asked, output, order, turn, voice)
+            said = (*said, *job.said, *job.posted.remarks)
             scenes = [program_scene(job.program, unit)]
         else:
             parts, said = read_parts(inputs, config, asked, voice)

@@ -35,6 +35,7 @@ from beamcam.pipeline import (
     StrictError,
     begin,
     finished,
+    stock_of,
     untold,
 )
 
@@ -150,7 +151,8 @@ def _way_out(request: Request, tried: Sequence[Machine], config: Config) -> Diag
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
-    alike = [one for one in others if one is not None and one.stock == tried[0].stock]
+    stocks = (tried[0].stock, stock_of(request.parts))
+    alike = [one for one in others if one is not None and one.stock in stocks]
     return ways_out(request, tried, alike)
 
 

@@ -8,6 +8,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, write
+from beamcam.commands.comparison import refuse_part
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.programs import program_text
@@ -67,6 +68,7 @@ def command(
         config = settled(asked, (program,))
         target = target_of(output, to)
         text = program_text(program)
+        refuse_part(program, text.encode())
         machine = machine_for_program(config, program, text)
         if machine.controller not in READ_BY:
             raise click.UsageError(

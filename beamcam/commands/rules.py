@@ -74,9 +74,10 @@ WRITTEN = Rule(
 OTHER_CONTENT = Rule(
     "list-mark-twice",
     Severity.ERROR,
-    "found another part with the mark {found!r} in {other}; expected one content for one mark",
-    "Two parts that differ under one mark get mixed up in the shop. Give one of them another "
-    "mark, or leave its file out.",
+    "found another part with the mark {found!r}{where} in {other}; expected one content for one "
+    "mark of an order, or --mark-from drawing, file or position",
+    "Two parts that differ under one mark of an order and phase get mixed up in the shop. Give one "
+    "of them another mark, leave its file out, or take the marks from where they differ.",
 )
 MORE_BARS = Rule(
     "write-more-bars",

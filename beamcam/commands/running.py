@@ -69,6 +69,9 @@ run_options = options.group(
     ),
     options.skips,
     options.exit_left_out,
+    options.order,
+    options.turn,
+    options.mark_from,
     selection_options,
     drawing_options,
     torch_options,
@@ -114,6 +117,9 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         clock=perf_counter,
         more=(*more_bars, *more_sheets),
         date=asked.get("date") or "",
+        order=asked.get("order", "given"),
+        turn=asked.get("turn", False),
+        mark_from=asked.get("mark_from", "mark"),
     )
 
 

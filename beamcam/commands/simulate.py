@@ -9,14 +9,17 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.addresses import Address
-from beamcam.commands.common import Voice, say_lines, write
+from beamcam.commands.common import STANDARD, Voice, say_lines, write
+from beamcam.commands.grouped import Grouped
+from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.kinds import PICTURES, of_kind
+from beamcam.commands.parts import job_options
 from beamcam.commands.pictures import picture
-from beamcam.commands.programs import input_bytes
-from beamcam.commands.settings import files_read, machine_for_program, settled
+from beamcam.commands.quantities import quantity
+from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
 from beamcam.interrupts import INTERRUPTED, asked_to_end
-from beamcam.readers.content import shown_name
+from beamcam.model.plan import Order
 
 if TYPE_CHECKING:
     from beamcam.machine.machine import Machine
@@ -67,10 +70,13 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
         return Encoder(int(found[1]), float(found[3]), bool(found[2]), found[4] == "centre")
 
 
-@click.command("simulate")
-@click.argument("program", type=options.FILE)
+@click.command("simulate", cls=Grouped)
+@options.inputs
+@against
 @options.machine
 @options.config
+@options.bar
+@quantity
 @click.option(
     "-o", "--output", type=options.FILE, callback=of_kind("simulate"),
     help="The trace as .csv or .json; with --encoder its staircase as .svg, .png, .pdf or .html; "
@@ -93,31 +99,37 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
     help="Real seconds per second of machine time; 0 is as fast as possible. "
     "By default 0 to send, 1 to serve.",
 )
-@options.json_messages
+@job_options
 @options.voiced
 def command(
-    program: str,
+    inputs: tuple[str, ...],
+    against: bool,
     output: str | None,
     every: float | None,
     encoder: "Encoder | Literal['machine'] | None",
     modbus: tuple[str, int] | None,
     serve: tuple[str, int] | None,
     pace: float | None,
+    order: Order,
+    turn: bool,
     as_json: bool,
     voice: Voice,
     **asked: Any,
 ) -> None:
-    """Run PROGRAM on a model of its machine and write its axes over time.
+    """Run a program on a model of its machine and write its axes over time.
 
-    Of any machine: bars, plates, lasers, trigger programs and step tables. Axes beyond their
-    limits, cuts beyond the saw's reach and colliding bodies of the machine are warnings with
-    their time and block. --encoder adds what an encoder reads of each axis in mm, a
-    row for each count unless --every is given, and says what is lost by its resolution; as a
-    picture it is the staircase about the corner that is read furthest off. PNG and PDF need
-    beamcam[pictures].
+    INPUTs are a program, and behind it (and --against) the parts that it has to make; or parts,
+    which are posted as `post` would. Of any machine: bars, plates, lasers, trigger programs and
+    step tables. Axes beyond their limits, cuts beyond the saw's reach and colliding bodies of the
+    machine are warnings with their time and block. --encoder adds what an encoder reads of each
+    axis in mm, a row for each count unless --every is given, and says what is lost by its
+    resolution; as a picture it is the staircase about the corner that is read furthest off. PNG and
+    PDF need beamcam[pictures].
 
     \b
     beamcam simulate job.gcode --machine beamline -o trace.csv
+    beamcam simulate M58.nc1 -o trace.csv
+    beamcam simulate job.gcode --against M58.nc1 -o trace.csv
     beamcam simulate job.gcode -o trace.json --every 10ms
     beamcam simulate shield.st -o stairs.csv --encoder 512/65
     beamcam simulate shield.st -o study.svg --encoder 512/65
@@ -131,21 +143,23 @@ def command(
     drawn = output is not None and _suffix(output) in (*PICTURES, ".html")
     if drawn and encoder is None:
         raise click.UsageError(f"Found {output!r}; expected --encoder, whose staircase it draws.")
+    told: list[Diagnostic] = []
     try:
-        config = settled(asked, (program,))
-        data = input_bytes(program)
-        machine = machine_for_program(config, program, data)
+        config = settled(asked, inputs)
+        job = asked_program(inputs, against, config, asked, STANDARD, order, turn, voice, told)
+        if len(inputs) > 1 and errors_in(job.found):
+            raise VerifyError(job.found)
+        data, machine, name = job.program.data, job.program.machine, job.program.name
         from beamcam.simulate.limits import run_warnings
         from beamcam.simulate.program import simulate_program
         from beamcam.simulate.registers import check_range
         from beamcam.simulate.trace import trace_rows
 
-        name = shown_name(program)
-        done = simulate_program(data, machine, name, PurePath(program).suffix.lower())
+        done = simulate_program(data, machine, name, job.program.style)
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)
         trace = done.trace
-        said = (*done.diagnostics, *run_warnings(trace, machine, done.section, name))
+        said = (*told, *done.diagnostics, *run_warnings(trace, machine, done.section, name))
         reader = _own_encoder(machine) if encoder == "machine" else encoder
         if reader is not None:
             said += (_precision(trace, reader, name),)
@@ -169,7 +183,7 @@ def command(
                 content = _drawn(output, study)
             else:
                 content = _text(output, trace, machine, every, reader, said)
-            write(output, content, voice, files_read(config, (program,)))
+            write(output, content, voice, files_read(config, inputs))
         voice.say(said)
         if serve is not None:
             from beamcam.simulate.controller import serve as serve_rows
@@ -191,7 +205,7 @@ def command(
             if asked_so:
                 raise SystemExit(INTERRUPTED)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        voice.stop((*told, *error.diagnostics))
 
 
 def _own_encoder(machine: "Machine") -> "Encoder":

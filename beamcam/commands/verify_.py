@@ -8,6 +8,7 @@ from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
+from beamcam.commands.comparison import refuse_part
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.programs import input_bytes
@@ -99,6 +100,7 @@ def command(
         config = settled(asked, parts or (program,))
         wanted, said = read_parts(parts, config, asked, voice)
         data = input_bytes(program)
+        refuse_part(program, data)
         machine = machine_for_program(config, program, data, wanted)
         name, style = shown_name(program), PurePath(program).suffix.lower()
         head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)

@@ -1,6 +1,6 @@
 """Machine files: found by name or path, laid over their bases, checked, and explained."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from os.path import isfile
 from pathlib import Path, PurePath
@@ -33,7 +33,16 @@ from beamcam.machine.name_faults import name_faults
 from beamcam.machine.range_faults import range_faults
 from beamcam.machine.references import reference_faults
 from beamcam.machine.templates import template_faults
-from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, line_of, toml_text
+from beamcam.machine.toml import (
+    MAX_TOML_BYTES,
+    Place,
+    TomlError,
+    TomlFile,
+    keys_of,
+    line_of,
+    toml_text,
+    without,
+)
 from beamcam.system import beginning_of, portable_path
 
 MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0
@@ -70,9 +79,15 @@ def files_of(name: str) -> tuple[str, ...]:
 
 
 def source_in(name: str, key: str, text: str) -> Source:
-    """Where a machine's file or one of its bases sets a key; the line of a text in its value."""
-    _, places = merged(files_of_machine(name))
+    """Where a machine's file or one of its bases sets a key; the line of a text in its value.
+
+    Of a key that a shipped base sets it is the file over it, without which there is no fault.
+    """
+    files = files_of_machine(name)
+    _, places = merged(files)
     source = Place(places).child(key).source
+    if _is_of_shipped_base(source, files):
+        return Source(files[0].shown, line_of(files[0].text, key))
     whole = places.get(key, places[""])[1]
     first = source.line or 1
     for number, line in enumerate(whole.split("\n")[first - 1 :], first):
@@ -83,9 +98,40 @@ def source_in(name: str, key: str, text: str) -> Source:
 
 @cached("files.machine")
 def _machine(files: tuple[TomlFile, ...]) -> Machine:
-    """The machine described by a file and its bases."""
+    """The machine described by a file and its bases. Raises MachineError."""
+    try:
+        return _described(files)
+    except MachineError as error:
+        raise MachineError(tuple(_blamed(said, files) for said in error.diagnostics)) from None
+
+
+def _blamed(said: Diagnostic, files: tuple[TomlFile, ...]) -> Diagnostic:
+    """A fault of a machine where its own file brings it about, never where a shipped one stands.
+
+    The key is the first of the file without which there is no fault; else the whole file.
+    """
+    if not _is_of_shipped_base(said.source, files):
+        return said
+    own = files[0]
+    for words in keys_of(_present(own)[0]):
+        try:
+            _described(files, words)
+        except MachineError:
+            continue
+        return structs.replace(said, source=Source(own.shown, line_of(own.text, ".".join(words))))
+    return structs.replace(said, source=Source(own.shown))
+
+
+def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
+    """Whether a place is in a shipped file that the machine's own is laid over."""
+    shipped_bases = {file.shown for file in files[1:] if file.path.parent == SHIPPED}
+    return files[0].path.parent != SHIPPED and source.file in shipped_bases
+
+
+def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
+    """The machine of `_machine`, its faults where the values stand; without a key of its file."""
     remarks = tuple(said for file in files for said in _renamed(file))
-    table, places = merged(files)
+    table, places = merged(files, but)
     place = Place(places)
     _refuse_shipped_name(files[0], table["name"], place)
     try:
@@ -232,14 +278,19 @@ def _wrong_base(file: TomlFile, expected: str) -> Diagnostic:
 
 
 def merged(
-    files: tuple[TomlFile, ...],
+    files: tuple[TomlFile, ...], but: Sequence[str] = ()
 ) -> tuple[dict[str, Any], dict[str, tuple[str, str]]]:
-    """The merged table of a machine, and for each of its keys the file that sets it."""
+    """The merged table of a machine, and for each of its keys the file that sets it.
+
+    `but` has the words of a key of the first file that is left out.
+    """
     table: dict[str, Any] = {}
     places: dict[str, tuple[str, str]] = {}
     for file in reversed(files):
         own = {"name": file.path.stem, **_present(file)[0]}
         own.pop("base", None)
+        if but and file is files[0] and but[0] in own:
+            own = without(own, but)
         if file is not files[0]:
             for key in ("default_for", "choice"):
                 own.pop(key, None)

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -113,6 +113,23 @@ class Place:
             key = key.rpartition(".")[0]
         file, text = self._files.get(key, self._files[""])
         return Source(file, line_of(text, self.key) or 1)
+
+
+def keys_of(table: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
+    """The words of the key of each value in a table; a list of tables is one value."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from ((key, *words) for words in keys_of(value))
+        else:
+            yield (key,)
+
+
+def without(table: Mapping[str, Any], words: Sequence[str]) -> dict[str, Any]:
+    """A copy of a table without one of its keys, which is given by its words."""
+    first, *rest = words
+    if rest:
+        return {**table, first: without(table[first], rest)}
+    return {key: value for key, value in table.items() if key != first}
 
 
 def line_of(text: str, key: str) -> int | None:

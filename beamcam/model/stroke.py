@@ -26,7 +26,7 @@ class Strokes:
     def __init__(self, profile: Profile, machine: Machine) -> None:
         self._drill = drill = drill_of(machine)
         self.spindles: dict[Face, Spindle] = {s.face: s for s in machine.spindles}
-        self._values = {face: _values(profile, face, drill) for face in self.spindles}
+        self._values = {face: formula_values(profile, face, drill) for face in self.spindles}
 
     def axes(self, op: SpindleOp) -> tuple[Axis, Axis]:
         """The axis across the bar and the one that strokes."""
@@ -69,7 +69,7 @@ def _yz(axes: tuple[Axis, Axis], across: float, along: float) -> Place:
     return at["Y"], at["Z"]
 
 
-def _values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:
+def formula_values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:
     """The names that a machine's formulas may use, as far as the section gives them."""
     return {
         "height": profile.height,

@@ -4,14 +4,16 @@ The areas are those of EN 10365 (I and U), EN 10056-1 (angles, whose toes have h
 radius), EN 10210-2 and EN 10219-2 (hollow sections).
 """
 
-from math import pi
+from math import pi, sqrt
 
 from beamcam.geometry.curves import signed_area
-from beamcam.model.part import Part, Profile, SectionPoint
+from beamcam.geometry.plane import join_boxes
+from beamcam.model.part import Contour, Part, Profile, SectionPoint
 
 STEEL_KG_MM3 = 7850e-9
 #: Of a square with side r, what a fillet of radius r fills.
 _FILLET = 1 - pi / 4
+SAME = 0.1  #: mm between contours on two faces of a plate that are one, in their boxes
 
 
 def weight_of(part: Part) -> float | None:
@@ -30,11 +32,34 @@ def weight_of(part: Part) -> float | None:
 
 
 def plate_area(part: Part) -> float:
-    """mm2 inside the outline of a plate less its cut-outs; without contours length x width."""
-    closed = [c for c in part.contours if c.closed and c.process == "cut"]
+    """mm2 inside the outline of a plate less its cut-outs; without contours length x width.
+
+    A contour that is drawn on both faces counts once.
+    """
+    closed = single_contours(part)
     if not any(c.kind == "outer" for c in closed):
         return part.length * part.profile.height
     return sum(abs(signed_area(c.curves)) * (1 if c.kind == "outer" else -1) for c in closed)
+
+
+def single_contours(part: Part) -> list[Contour]:
+    """The closed cut contours of a plate, of those that two faces have alike the first."""
+    found: list[tuple[Contour, tuple[float, ...]]] = []
+    for contour in part.contours:
+        if not contour.closed or contour.process != "cut":
+            continue
+        box = join_boxes([curve.bbox for curve in contour.curves]) or ()
+        measures = (sqrt(abs(signed_area(contour.curves))), *box)
+        # DSTV NC: x and y of h count from the same edges as those of v.
+        twins = (
+            other.face != contour.face
+            and other.kind == contour.kind
+            and all(abs(a - b) <= SAME for a, b in zip(known, measures, strict=True))
+            for other, known in found
+        )
+        if not any(twins):
+            found.append((contour, measures))
+    return [contour for contour, _ in found]
 
 
 def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> float | None:

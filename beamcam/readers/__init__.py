@@ -5,6 +5,7 @@ bad input. `looks_like(data)` tells by the content whether the bytes are of its 
 """
 
 import os.path
+import re
 from collections.abc import Callable, Mapping
 from importlib import import_module
 
@@ -12,6 +13,7 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.errors import Source
+from beamcam.machine.defaults import is_of_programs
 from beamcam.readers import rules
 from beamcam.readers.reading import Reading
 
@@ -67,6 +69,11 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     suffix = os.path.splitext(name)[1].lower()
     if corel := _coreldraw(data, suffix):
         return Reading("unknown", (), (rules.CORELDRAW.at(Source(name), found=corel),))
+    if other := _other_format(data, suffix):
+        said = rules.OTHER_FORMAT.at(Source(name), found=other[0], expected=other[1])
+        return Reading("unknown", (), (said,))
+    if _is_program(data, name):
+        return Reading("unknown", (), (rules.PROGRAM.at(Source(name)),))
     for known in FORMATS:
         if suffix in known.suffixes:
             return _read_as(known, data, name, options)
@@ -90,6 +97,45 @@ def _coreldraw(data: bytes, suffix: str) -> str:
     if suffix == ".cdr" and not any(known.looks_like(data) for known in FORMATS):
         return suffix
     return ""
+
+
+#: How files of other programs begin, what they are, and what to export in their place.
+_PARTS = "a part as DSTV or IFC"
+_BEGINNINGS = (
+    (b"%PDF-", "a PDF", "the drawing as DXF or SVG, as its program exports it"),
+    (b"PK\3\4", "a zip archive", "its files, unpacked"),
+    (b"\xd0\xcf\x11\xe0", "a document of Office", _PARTS),
+    (b"\x89PNG", "a picture", "the drawing as DXF or SVG"),
+    (b"\xff\xd8\xff", "a picture", "the drawing as DXF or SVG"),
+    (b"solid ", "a mesh (STL)", _PARTS),
+)
+_SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*['\"]([^'\"]{1,80})")
+_HEAD_BYTES = 65_536  #: of a STEP file its schema lies within them
+_G_CODE = re.compile(rb"^(?:N\d+[ \t]*)?[GM]\d{1,3}\b", re.MULTILINE)
+
+
+def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:
+    """What a file of a common other format is, and what is expected instead of it."""
+    if any(suffix in known.suffixes for known in FORMATS):
+        return None  # the reader of that suffix says what is wrong with it
+    schema = _SCHEMA.search(data, 0, _HEAD_BYTES) if data[:13] == b"ISO-10303-21;" else None
+    if schema is not None and not schema[1].upper().startswith(b"IFC"):
+        name = schema[1].split()[0].decode("ascii", "replace")
+        return f"a STEP model ({name})", "the model exported as IFC, or its parts as DSTV"
+    if data.startswith(b"PK\3\4") and (b"word/" in data or b"xl/" in data):
+        return "a document of Office", _PARTS
+    return next(
+        ((what, expected) for begin, what, expected in _BEGINNINGS if data.startswith(begin)), None
+    )
+
+
+def _is_program(data: bytes, name: str) -> bool:
+    """Whether bytes are a machine's program: by its suffix and content, and no reader knows it."""
+    suffix = os.path.splitext(name)[1].lower()
+    if not is_of_programs(name) and suffix != ".nc":
+        return False
+    is_one = b"BEAMCAM" in data[:1024] or _G_CODE.search(data, 0, _HEAD_BYTES) is not None
+    return is_one and not any(known.looks_like(data) for known in FORMATS)
 
 
 def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object]) -> Reading:

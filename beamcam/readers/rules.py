@@ -20,6 +20,19 @@ CORELDRAW = Rule(
     "found a CorelDRAW file ({found}); expected a drawing as SVG or DXF: export it as SVG",
     "CDR is a closed format; CorelDRAW writes SVG and DXF.",
 )
+OTHER_FORMAT = Rule(
+    "read-other-format",
+    Severity.ERROR,
+    "found {found}; expected {expected}",
+    "What other programs keep their work in says nothing of holes and cuts that could be trusted.",
+)
+PROGRAM = Rule(
+    "read-program",
+    Severity.ERROR,
+    "found a program; expected parts (`beamcam verify`, `plot`, `report`, `simulate` and `recover` "
+    "take programs)",
+    "A program says what a machine does, and not what the part is.",
+)
 UNREADABLE = Rule(
     "read-file",
     Severity.ERROR,
@@ -70,6 +83,8 @@ RULES = (
     EMPTY,
     UNKNOWN_FORMAT,
     CORELDRAW,
+    OTHER_FORMAT,
+    PROGRAM,
     UNREADABLE,
     FOLDER,
     NOT_A_FILE,

@@ -131,10 +131,8 @@ def as_csv(rows: Iterable[HandRow]) -> str:
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(HEAD)
     for row in rows:
-        writer.writerow(map(harmless_cell, _cells(row)))
+        writer.writerow(
+            _rounded(value) if isinstance(value, float) else harmless_cell(value)
+            for value in row.values()
+        )
     return out.getvalue()
-
-
-def _cells(row: HandRow) -> Iterator[object]:
-    for value in row.values():
-        yield _rounded(value) if isinstance(value, float) else value

@@ -5,6 +5,7 @@ page; ZPL II for Zebra printers, whose own codes are used (commands ^BQ and ^BX)
 """
 
 import io
+import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Literal
@@ -12,11 +13,12 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
-from beamcam.plain_text import terminal_text
+from beamcam.plain_text import json_text, terminal_text
 
 Code = Literal["qr", "datamatrix"]
 CODES: tuple[Code, ...] = ("qr", "datamatrix")
 
+SCHEMA = "beamcam/labels/1"
 MM = 72 / 25.4  #: points of PDF
 DOTS = 8  #: a millimetre of a Zebra printer of 203 dpi
 MARGIN = 4.0  #: mm
@@ -159,6 +161,16 @@ def code_rows(text: str, code: Code = "qr") -> tuple[tuple[int, ...], ...]:
 def as_zpl(labels: Iterable[Label], size: Size, code: Code = "qr") -> str:
     """ZPL II for a printer of 203 dpi: each label between ^XA and ^XZ."""
     return "".join(_zpl(label, size, code) for label in labels)
+
+
+def as_json(labels: Iterable[Label]) -> str:
+    """The labels as data: mark, program, lines and the text of the code of each."""
+    rows = [
+        {"mark": one.mark, "program": one.program, "lines": one.lines, "code": one.code}
+        for one in labels
+    ]
+    record = {"schema": SCHEMA, "labels": rows}
+    return json_text(json.dumps(record, ensure_ascii=False, indent=1)) + "\n"
 
 
 def _zpl(label: Label, size: Size, code: Code) -> str:

@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
@@ -18,6 +18,7 @@ Cell = str | int | float | None
 MAX_TITLE, MAX_CELL = 31, 32_767
 #: The date of every file in the archive of an XLSX, so that the same rows give the same bytes.
 EPOCH = (1980, 1, 1, 0, 0, 0)
+RED = "FFC00000"  #: of the letters in a marked row, alpha first
 
 
 class Table(Struct, frozen=True):
@@ -27,6 +28,7 @@ class Table(Struct, frozen=True):
     head: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     decimals: tuple[int | None, ...]  #: of each column; None for text and whole numbers
+    marked: frozenset[int] = frozenset()  #: rows that stand in red, counted from 0
 
     def cells(self) -> Iterator[tuple[Cell, ...]]:
         """The rows with their numbers rounded."""
@@ -37,24 +39,36 @@ class Table(Struct, frozen=True):
             )
 
 
-def as_lines(tables: Iterable[Table]) -> Iterator[str]:
-    """Each table with its title, columns aligned, numbers to the right."""
+def as_lines(tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
+    """Each table with its title, columns aligned, numbers to the right; whether a line is marked.
+
+    Columns in which nothing stands are left out.
+    """
     for number, table in enumerate(tables):
         if number:
-            yield ""
-        yield table.title
-        shown = [table.head, *(tuple(map(_shown, row)) for row in table.cells())]
-        widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
-        numeric = [
-            bool(table.rows) and all(isinstance(c, int | float) or c is None for c in column)
-            for column in (zip(*table.rows, strict=True) if table.rows else [()] * len(table.head))
+            yield "", False
+        yield table.title, False
+        rows = [*table.cells()]
+        # Of a table without rows the head is all there is to show.
+        filled = [not rows or any(row[k] not in (None, "") for row in rows)
+                  for k in range(len(table.head))]  # fmt: skip
+        columns = [
+            (head, [_shown(row[k]) for row in rows], _is_numeric([row[k] for row in rows]))
+            for k, head in enumerate(table.head)
+            if filled[k]
         ]
-        for row in shown:
+        widths = [max(map(len, (head, *cells))) for head, cells, _ in columns]
+        for at in range(-1, len(rows)):
             cells = (
-                cell.rjust(width) if right else cell.ljust(width)
-                for cell, width, right in zip(row, widths, numeric, strict=True)
+                text.rjust(width) if numeric else text.ljust(width)
+                for width, (head, shown, numeric) in zip(widths, columns, strict=True)
+                for text in (head if at < 0 else shown[at],)
             )
-            yield ("  " + "  ".join(cells)).rstrip()
+            yield ("  " + "  ".join(cells)).rstrip(), at in table.marked
+
+
+def _is_numeric(column: Sequence[Cell]) -> bool:
+    return bool(column) and all(isinstance(c, int | float) or c is None for c in column)
 
 
 def _shown(cell: Cell) -> str:
@@ -106,6 +120,9 @@ def _fill(sheet: "Worksheet", table: Table) -> None:
         for cell in cells:
             if isinstance(cell.value, str):
                 cell.data_type = "s"
+    for number in table.marked:
+        for cell in sheet[number + 2]:
+            cell.font = Font(color=RED)
     for cell in sheet[1]:
         cell.font = Font(bold=True)
     sheet.freeze_panes = "A2"

@@ -28,6 +28,7 @@ PICTURES = {
     "laser-stepper",
     "profile.svg": "profile --distance 500 --time 4 --jerk 60",
     "difference.svg": f"diff {CHANNEL} {{other}}",
+    "line.svg": "machines plot beamline",
     "encoder.svg": "simulate {program} --encoder 512/65",
 }
 

@@ -14,6 +14,7 @@ from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
 from beamcam.machine.rules import RULES
 from beamcam.machine.toml import line_of
+from beamcam.machine_proof import load_proved
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
 from tests.unit.planning.shop import hole, part
@@ -401,3 +402,23 @@ def test_a_name_that_no_file_can_have(name: str) -> None:
     with pytest.raises(MachineError) as caught:
         load(name)
     assert caught.value.diagnostics[0].code == "machine-unknown"
+
+
+@pytest.mark.parametrize(("text", "line", "key"), [
+    ("[layout]\nmax_bar = 100\n", 3, "layout.min_bar"),
+    ("spindles = []\n", 2, "pairs.0.faces"),
+    ("title = 'ours'\ndrill = false\n", 3, "spindles.0"),
+    ('controller = "linuxcnc"\n', None, "words.change"),
+    ('codes = {"G59.1" = "none"}\nspindles = []\n', 3, "pairs.0.faces"),
+])  # fmt: skip
+def test_a_shipped_file_is_never_blamed_for_what_ones_own_says(
+    text: str, line: int | None, key: str, tmp_path: Path
+) -> None:
+    """The contradiction shows at a key of the base; the fault is in the file that brought it."""
+    own = tmp_path / "mine.toml"
+    own.write_text(f'base = "beamline"\n{text}', encoding="utf-8")
+    with pytest.raises(MachineError) as caught:
+        load_proved(str(own))
+    said = caught.value.diagnostics[0]
+    assert key in said.message
+    assert (said.source.file, said.source.line) == (str(own), line)

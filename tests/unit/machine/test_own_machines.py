@@ -68,7 +68,9 @@ def test_new_writes_a_machine_that_is_known_by_name(shop: Path) -> None:
     done = call("machines", "new", "hall-2", "--base", "beamline-annex")
     assert done.exit_code == 0
     path = shop / "shop" / "machines" / "hall-2.toml"
-    assert done.stdout == f"{path}: change what differs, then `beamcam machines show hall-2`\n"
+    first, *held_up = done.stdout.splitlines()
+    assert first == f"{path}: change what differs, then `beamcam machines check hall-2`:"
+    assert [line.split(",")[0] for line in held_up] == ["left flange", "web", "right flange"]
     assert "hall-2 " in call("machines", "list").stdout
     shown = call("machines", "show", "hall-2")
     assert f"# {path}:" in shown.stdout

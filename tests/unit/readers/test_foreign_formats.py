@@ -6,6 +6,7 @@ import zipfile
 import pytest
 
 from beamcam import readers
+from tests.conftest import SAMPLES
 
 
 def archive(*names):
@@ -47,7 +48,7 @@ def test_coreldraw_is_told_by_name(data, name, found):
     ("data", "name", "code"),
     [
         (b"RIFF\x10\0\0\0WAVEfmt ", "a.wav", "read-format"),
-        (archive("word/document.xml"), "a.docx", "read-format"),
+        (archive("word/document.xml"), "a.docx", "read-other-format"),
         (b"", "a.cdr", "read-empty"),
     ],
 )
@@ -63,3 +64,30 @@ def test_a_drawing_under_a_wrong_suffix_is_read_by_its_content():
     reading = readers.read(drawing, "saved.cdr")
     assert reading.parts
     assert not reading.refused
+
+
+@pytest.mark.parametrize(
+    ("data", "name", "found"),
+    [
+        (archive("word/document.xml"), "a.docx", "a document of Office; expected a part as DSTV"),
+        (archive("parts/A.nc1"), "a.zip", "a zip archive; expected its files, unpacked"),
+        (b"%PDF-1.7\n", "a.pdf", "a PDF; expected the drawing as DXF or SVG"),
+        (
+            b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AP203_CONFIGURATION'));\nENDSEC;\n", "a.stp",
+            "a STEP model (AP203_CONFIGURATION); expected the model exported as IFC",
+        ),
+    ],
+)  # fmt: skip
+def test_files_of_other_programs_are_told_by_name(data, name, found):
+    (message,) = readers.read(data, name).diagnostics
+    assert message.code == "read-other-format"
+    assert message.message.startswith(f"found {found}")
+
+
+def test_a_program_is_no_part_and_a_part_no_program():
+    program = b"%\n( BEAMCAM 1 MACHINE beamline 0 )\nN10 G01 X0\n"
+    for name in ("a.gcode", "a.nc", "a.ngc"):
+        assert [d.code for d in readers.read(program, name).diagnostics] == ["read-program"]
+    part = (SAMPLES / "dstv" / "tie.nc1").read_bytes()
+    for name in ("tie.nc", "tie.nc1", "tie.gcode", "tie"):
+        assert len(readers.read(part, name).parts) == 1
