@@ -377,7 +377,7 @@ class Members(Struct):
         form = self._form(element)
         if form not in self.compared:
             solid = Compared()
-            if body.removed:
+            if isinstance(body.base, Swept) or body.removed:
                 solid = check_kernel(self.model, element, shaped, profile, source)
             if profile is not None:
                 stock = check_stock(self.model, element, shaped, profile, source)
