@@ -164,7 +164,10 @@ def voids(part: Part, margins: Margins = AS_DRAWN) -> Iterator[Void]:
         if isinstance(feature, EndPlane):
             body = stock_solid(part, replace(margins, end=-FREE))
             (x, y, z), normal = feature.point, feature.normal
-            yield feature, body - behind(body, (x - copysign(1.0, normal[0]) * margins.end, y, z), normal)
+            yield (
+                feature,
+                body - behind(body, (x - copysign(1.0, normal[0]) * margins.end, y, z), normal),
+            )
         elif isinstance(feature, Hole | Slot | Contour):
             if isinstance(feature, Hole) and feature.kind == "mark":
                 continue
@@ -482,8 +485,6 @@ def _bevel(contour: Contour, bevel: Bevel, wall: Wall, margin: float) -> "Manifo
             rows.append((across, c, along, d + a * ax + b * aq))
         grown = wide * FREE / deep
         top, foot = (-FREE, deep) if near else (wall.thickness + FREE, wall.thickness - deep)
-        wedge = Polygon(
-            [(-FREE, top), (wide + grown + margin, top), (margin, foot), (-FREE, foot)]
-        )
+        wedge = Polygon([(-FREE, top), (wide + grown + margin, top), (margin, foot), (-FREE, foot)])
         body += prism(wedge, 0.0, long, (rows[0], rows[1], rows[2]))
     return body

@@ -12,9 +12,10 @@ from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
 from beamcam.readers.ifc.profiles import definition
-from beamcam.readers.ifc.same_solid import KERNEL_SLACK, across, differences, section_said
+from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
 from beamcam.readers.ifc.section import BareStock, plain_stock
 from beamcam.readers.ifc.shell import extent
+from beamcam.readers.ifc.solid_body import across
 from beamcam.readers.ifc.space import Frame
 
 STEEL = 7.85e-6  #: kg/mm3
@@ -26,6 +27,7 @@ CUBES = (1e9, 1e6, 1e3, 1.0, 25.4**3, 304.8**3)  #: mm3 in m3, dm3, cm3, mm3, cu
 SMALL_WEIGHT = 0.1  #: kg below which a rounded weight says nothing
 WITNESS_SLACK = 0.01  #: share by which the weight may be off for it to be a witness
 LENGTH_SAME = 0.1  #: mm
+FINE = Fineness(slack=0.13, facet_rad=0.1)
 
 
 def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:
@@ -110,7 +112,7 @@ def check_kernel(
         lengths = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
         fault = rules.KERNEL.at(source, found=lengths[0], expected=lengths[1])
         return Compared((), fault, built.volume)
-    said = differences(shaped, body, stock.shape, KERNEL_SLACK).said(source)
+    said = differences(shaped, body, stock, FINE, built.volume).said(source)
     if any(d.severity is Severity.ERROR for d in said):
         return Compared((), said[0], built.volume)
     return Compared(said, None, built.volume)
@@ -127,7 +129,9 @@ def check_stock(
     # The kernel draws the flanges of a Z by half a web longer than their measure says.
     said = section_said(shaped, stock, source)
     if shaped.section.code == "SO" and not profile.is_a("IfcZShapeProfileDef"):
-        return tuple(rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in said)
+        return tuple(
+            rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in said
+        )
     return said
 
 

@@ -7,7 +7,6 @@
 """
 
 from collections.abc import Iterator, Sequence
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -33,8 +32,8 @@ from beamcam.readers.ifc.region import (
     pieces_of,
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
-from beamcam.readers.ifc.same_solid import KERNEL_SLACK, differences, section_area, section_said
-from beamcam.readers.ifc.section import BareStock, Section, area_by_measures, plain_stock
+from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
+from beamcam.readers.ifc.section import Section, plain_stock
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
     Shell,
@@ -48,6 +47,7 @@ from beamcam.readers.ifc.shell import (
     vec,
 )
 from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
+from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
 from beamcam.readers.ifc.stock import plate_stock
 from beamcam.readers.ifc.walls import Wall, walls_of
@@ -62,8 +62,8 @@ SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls giv
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
-FACET_SLACK = 0.04  #: mm that the corners of a mesh may be off
-ROUNDEST = 0.01  #: mm of a file's stated precision that is believed
+MESH = Fineness(slack=0.13, facet_rad=0.25)  #: that the kernel makes of its solid
+FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
 
 
 def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
@@ -77,7 +77,7 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
     shell = replace(built.shell, cylinders=exact.cylinders)
-    found = read_shell(shell, (), source, model.precision, built.volume)
+    found = read_shell(shell, (), source, built.volume)
     return replace(found, fitted=exact.others)
 
 
@@ -85,7 +85,6 @@ def read_shell(
     shell: Shell,
     cutters: Sequence[Cutter],
     source: Source,
-    precision: float = 0.0,
     volume: float | None = None,
 ) -> Shaped:
     """The member of a shell, checked against it. Raises Unreadable, which says what was found.
@@ -101,7 +100,7 @@ def read_shell(
         if cutters:  # which the shell does not show
             return found
         try:
-            said = _unexplained(found, shell, source, precision, volume)
+            said = _unexplained(found, shell, source, volume)
         except Unreadable as reason:
             fault = fault or reason
             continue
@@ -154,7 +153,7 @@ def _is_on_edge(stock: Rolled) -> bool:
 
 
 def _unexplained(
-    found: Shaped, shell: Shell, source: Source, precision: float, volume: float | None
+    found: Shaped, shell: Shell, source: Source, volume: float | None
 ) -> tuple[Diagnostic, ...]:
     """What of a shell its member does not explain. Raises Unreadable where that is most of it."""
     body = shell.moved(found.frame.inverse())
@@ -167,10 +166,10 @@ def _unexplained(
             raise OddSection("a kinked member")
         return (rules.UNEXPLAINED.at(source, found=beyond),)
     stock = found.stock or plain_stock(found.section)
-    slack = KERNEL_SLACK if volume is not None else max(FACET_SLACK, min(precision, ROUNDEST))
-    apart = differences(found, body, stock.shape, slack)
-    if abs(apart.off) > EXPLAINED * theirs:
-        raise _not_explained(theirs, theirs - apart.off)
+    by = MESH if volume is not None else FACES
+    apart = differences(found, body, stock, by, volume)
+    if abs(apart.volume - apart.expected) > EXPLAINED * theirs:
+        raise _not_explained(theirs, apart.expected)
     return (*apart.said(source), *section_said(found, stock, source))
 
 

@@ -251,7 +251,7 @@ class Members(Struct):
         """The member of a shell and what is cut off it; or why it is none."""
         try:
             taken = body.cutters(self.model, IDENTITY)
-            return read_shell(base, taken, source, self.model.precision)
+            return read_shell(base, taken, source)
         except (Kinked, OddCut) as reason:
             return reason
         except Unreadable as reason:

@@ -25,7 +25,9 @@ from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.region import Shape, rectangle
 from beamcam.readers.ifc.section import BareStock, Section, area_by_measures
-from beamcam.readers.ifc.shell import ALONG, Shell, section
+from beamcam.readers.ifc.shell import Shell
+from beamcam.readers.ifc.solid_body import across, section_area, solid_of, stretches
+from beamcam.readers.ifc.space import cross, dot
 from beamcam.readers.ifc.walls import Wall, walls_of
 from beamcam.solid.kernel import kernel, prism
 from beamcam.solid.part_solid import ALONG as SECTIONS
@@ -37,24 +39,34 @@ if TYPE_CHECKING:
 
 BOUND = 100.0  #: mm3 that lumps of a kind may be in all
 MIN_LUMP = 20.0  #: mm3
+MIN_CORE = 3.0  #: mm3 of a lump that stick out of the margins
 #: Share of a volume from which on it is an error that steel leans, or that it is of a root fillet.
 GROSS = 0.005
+SPREAD = 0.0005  #: share of a volume that facets and roundings may be, which no lump shows
 LEVEL_REACH = 0.15  #: thicknesses of a wall that a level may lie inside it
 LEAN_REACH = 2.0  #: thicknesses of a wall that an edge may lean through it
-WELDED = 5  #: decimals of a mm to which corners of faces are one
-FACET_RAD = 0.6  #: between two corners of a mesh on one arc, at most
-NEAR_EVENTS = 0.05  #: mm between two x that are one
-MOST_STATIONS = 160  #: that are looked at; the longest stretches come first
 TOUCHING = 0.05  #: mm of a cut or beside an arc that is rounding
 BESIDE = 0.35  #: mm from a cut to the steel beside it; its margins lie between
-KERNEL_SLACK = 0.13  #: mm that a reading of the kernel's solid may be off
 SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
 FILM = 0.15  #: mm, half of what facets of a section may be off
 WALL_SLACK = 0.01  #: mm by which steel of a wall may stand out of it
+FAR = 1e5  #: mm
+ROUNDING = 1e-6  #: mm
 SHOWN = 3  #: lumps that a message names
 FILLET = "the root fillet"
 #: Takes (x, y, z) to (Y, Z, x), for sections across.
 ACROSS = ((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+
+
+#: The axis that an arc lies across (1 is y), its centre (x, q) and its radius.
+ArcAt = tuple[int, float, float, float]
+
+
+class Fineness(Struct, frozen=True):
+    """How closely a body shows what it stands for."""
+
+    slack: float  #: mm that surfaces may be off
+    facet_rad: float  #: between two corners of a mesh on one arc, at most
 
 
 class Lump(Struct, frozen=True):
@@ -80,12 +92,7 @@ class Differences(Struct, frozen=True):
     fillets: tuple[Lump, ...] = ()  #: root fillets, which no contour of a flange describes
     leaning: tuple[Lump, ...] = ()  #: beside edges that do not go square through their wall
     volume: float = 0.0  #: mm3 of the body
-
-    @property
-    def off(self) -> float:
-        """mm3 that the body has more than its part."""
-        every = (*self.lumps, *self.fillets, *self.leaning)
-        return sum(one.volume if one.more else -one.volume for one in every)
+    expected: float = 0.0  #: mm3 of the part
 
     def said(self, source: Source) -> tuple[Diagnostic, ...]:
         """The diagnostics of it."""
@@ -95,34 +102,39 @@ class Differences(Struct, frozen=True):
             share = f"{100 * GROSS:g}"
             return (rules.ROOT_CUT.at(source, found=_told(self.fillets), share=share),)
         pairs = (rules.ROOT_FILLET, self.fillets), (rules.LEANING, self.leaning)
+        off = abs(self.volume - self.expected)
+        if not self.fillets and not self.leaning and off > max(BOUND, SPREAD * self.volume):
+            rule = rules.VOLUME_OFF if off > GROSS * self.volume else rules.VOLUME
+            found, expected = (f"{v / 1e3:.2f}" for v in (self.volume, self.expected))
+            return (rule.at(source, found=found, expected=expected),)
         return tuple(rule.at(source, found=_told(found)) for rule, found in pairs if found)
 
 
-def differences(shaped: Shaped, body: Shell, stock: Shape, slack: float) -> Differences:
+def differences(
+    shaped: Shaped, body: Shell, stock: BareStock, by: Fineness, volume: float | None = None
+) -> Differences:
     """What of a body, in the part's place, is not explained by its part.
 
-    `stock` is the section that the body was cut from, in (Y, Z), with the facets that it has there.
-    Surfaces may be `slack` mm off. Raises Unreadable if the part has no solid.
+    `stock` is the section that the body was cut from, `volume` that of the solid in mm3 where the
+    body only stands for it. Raises Unreadable if the part has no solid.
     """
-    part = part_of(shaped)
+    frame, part = shaped.frame, part_of(shaped)
+    if dot(cross(frame.x, frame.y), frame.z) <= 0.0:
+        raise Unreadable("a part that is the mirror image of its solid")
     try:
-        least, most = (part_solid(part, margins) for margins in _margins(part, stock, slack))
+        drawn = part_solid(part, Margins(section=stock.shape, square_below=0.0))
+        solid = solid_of(body)
+        if solid is None:
+            rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
+            volume, pieces = section_area(body), [*_by_stations(body, drawn, by.slack + rise)]
+        else:
+            volume = volume or float(solid.volume())
+            pieces = _apart(solid, drawn, part, stock.shape, by)
     except BeamcamError as reason:
         raise Unreadable(str(reason.diagnostics[0])) from reason
-    solid = solid_of(body)
-    if solid is not None:
-        apart = [(True, solid - most), (False, least - solid)]
-        volume = float(solid.volume())
-    else:
-        apart, volume = [*_by_stations(body, least, most, slack)], section_area(body)
     check_member()
-    arcs = _arcs(part)
     found = [
-        lump
-        for more, shape in apart
-        for piece in shape.decompose()
-        if piece.volume() > MIN_LUMP and not _is_of_facets(piece, arcs)
-        for lump in _by_face(piece, more, part, shaped.section)
+        lump for more, one in pieces for lump in _by_face(one, more, part, shaped.section, by.slack)
     ]
     found = sorted(_joined(found), key=lambda one: -one.volume)
     fillets = tuple(one for one in found if one.face == FILLET)
@@ -130,10 +142,40 @@ def differences(shaped: Shaped, body: Shell, stock: Shape, slack: float) -> Diff
     if sum(one.volume for one in leaning) > GROSS * volume:
         leaning = ()  # too much for a cut whose edge leans
     rest = tuple(one for one in found if one not in fillets and one not in leaning)
-    kinds = [
+    rest, fillets, leaning = (
         kind if sum(one.volume for one in kind) > BOUND else () for kind in (rest, fillets, leaning)
+    )
+    expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
+    if part.profile.code == "C":
+        expected = volume  # cuts of lips are not known
+    return Differences(rest, fillets, leaning, volume, expected)
+
+
+def _apart(
+    solid: "Manifold", drawn: "Manifold", part: Part, stock: Shape, by: Fineness
+) -> "list[tuple[bool, Manifold]]":
+    """The lumps in which two solids differ beyond the margins, and whether the first has them."""
+    more, less = solid - drawn, drawn - solid
+    if more.volume() + less.volume() <= BOUND:
+        return []
+    check_member()
+    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
+    arcs = _arcs(part)
+    return [
+        (is_more, _grown(one, exact, by.slack))
+        for is_more, rest, exact in ((True, solid - most, more), (False, least - solid, less))
+        for one in rest.decompose()
+        if one.volume() > MIN_CORE and not _is_of_facets(one, arcs, by)
     ]
-    return Differences(*kinds, volume)
+
+
+def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
+    """All of a lump of which only the core is known, that sticks out of the margins."""
+    box, by = piece.bounding_box(), slack + ROUNDING
+    size = [box[k + 3] - box[k] + 2 * by for k in range(3)]
+    near = kernel().Manifold.cube(size).translate([box[k] - by for k in range(3)])
+    parts = [one for one in (exact ^ near).decompose() if not (one ^ piece).is_empty()]
+    return max(parts, key=lambda one: one.volume(), default=piece)
 
 
 def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
@@ -168,91 +210,42 @@ def part_of(shaped: Shaped) -> Part:
     )  # fmt: skip
 
 
-def _margins(part: Part, stock: Shape, slack: float) -> Iterator[Margins]:
-    """Of the least steel and of the most; the lips of a channel, which no part holds, may be there."""
+def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
+    """Of the least steel and of the most.
+
+    The lips of a channel, which no part holds, may be there or not.
+    """
     sections = stock, stock
     if part.profile.code == "C":
         drawn = outline(part)
         sections = stock.intersection(drawn), stock.union(drawn)
-    for off, shape in zip((slack, -slack), sections, strict=True):
-        yield Margins(
-            lambda _, off=off: off, depth=off, end=off, outline=off, skin=off, section=shape,
+
+    def by(off: float, section: Shape) -> Margins:
+        return Margins(
+            lambda _: off, depth=off, end=off, outline=off, skin=off, section=section,
             square_below=0.0,
         )  # fmt: skip
 
-
-def solid_of(body: Shell) -> "Manifold | None":
-    """A shell as a solid; None where its faces do not close one."""
-    m = kernel()
-    points, places = np.unique(body.points.round(WELDED) + 0.0, axis=0, return_inverse=True)
-    corners = places.reshape(-1)[_triangles(body)]
-    a, b, c = corners.T
-    corners = corners[(a != b) & (b != c) & (c != a)]
-    found = m.Manifold(m.Mesh64(np.ascontiguousarray(points), corners.astype(np.uint64)))
-    if found.status() == m.Error.NoError and found.volume() < 0.0:
-        corners = corners[:, ::-1]
-        found = m.Manifold(
-            m.Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(corners.astype(np.uint64)))
-        )
-    return None if found.status() != m.Error.NoError or found.is_empty() else found
+    return by(slack, sections[0]), by(-slack, sections[1])
 
 
-def _triangles(body: Shell) -> Any:
-    """The corners of triangles that the faces of a shell are made of, counter-clockwise."""
-    rings = body.rings
-    sizes = np.bincount(rings.ring, minlength=len(rings.face))
-    counts = np.bincount(rings.face)  # of the rings of each face
-    plain = (counts[rings.face] == 1) & (sizes == 3)
-    found = [rings.start[plain][:, None] + np.arange(3)]
-    odd = np.flatnonzero(~plain)
-    for face in np.unique(rings.face[odd]).tolist():
-        normal = body.area_normals[face]
-        drop = int(np.abs(normal).argmax())
-        u, v = ((1, 2), (2, 0), (0, 1))[drop]
-        places, flat = [], []
-        for k, ring in enumerate(np.flatnonzero(rings.face == face).tolist()):
-            here = np.arange(rings.start[ring], rings.start[ring] + sizes[ring])
-            x, y = body.points[here][:, (u, v)].T
-            left = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) * normal[drop] > 0
-            if k and left:
-                here = here[::-1]  # hollows run the other way
-            places.append(here)
-            flat.append(
-                np.ascontiguousarray(body.points[here][:, (u, v)] * (1.0, np.sign(normal[drop])))
-            )
-        found.append(np.concatenate(places)[kernel().triangulate(flat)])
-    return np.concatenate(found)
-
-
-def _by_stations(
-    body: Shell, least: "Manifold", most: "Manifold", slack: float
-) -> "Iterator[tuple[bool, Manifold]]":
+def _by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple[bool, Manifold]]":
     """As the differences of two solids, of a body that is none: by sections across.
 
     They lie between all x at which body or part change their form.
     """
-    parts = [one.transform(ACROSS) for one in (least, most)]
-    events = [body.points[:, 0], *(one.to_mesh64().vert_properties[:, 2] for one in parts)]
-    for x0, x1 in _stretches(np.concatenate(events)):
+    lying = drawn.transform(ACROSS)
+    for x0, x1 in stretches(np.concatenate((body.points[:, 0], _points(lying)[:, 2]))):
         check_member()
-        x = (x0 + x1) / 2
-        theirs = across(body, x)
-        low, high = (_section(one, x) for one in parts)
-        for more, shape in ((True, theirs.difference(high)), (False, low.difference(theirs))):
-            yield more, prism(shape.buffer(-slack).buffer(slack), x0, x1, SECTIONS)
+        theirs, ours = across(body, (x0 + x1) / 2), _section(lying, (x0 + x1) / 2)
+        for more, shape in ((True, theirs.difference(ours)), (False, ours.difference(theirs))):
+            wide = shape.buffer(-slack).buffer(slack)
+            if not wide.is_empty:
+                yield more, prism(wide, x0, x1, SECTIONS)
 
 
-def _stretches(events: Any) -> list[tuple[float, float]]:
-    """The stretches between some x, the longest if there are too many."""
-    marks = np.unique(events.round(4))
-    edges = np.array([m for i, m in enumerate(marks) if i == 0 or m - marks[i - 1] > NEAR_EVENTS])
-    chosen = np.sort(np.argsort(-np.diff(edges), kind="stable")[:MOST_STATIONS])
-    return [(float(edges[k]), float(edges[k + 1])) for k in chosen.tolist()]
-
-
-def across(body: Shell, x: float) -> Shape:
-    """The body's section at x, in (Y, Z)."""
-    return section(body, (x, 0.0, 0.0), ALONG, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+def _points(solid: "Manifold") -> Any:
+    return solid.to_mesh64().vert_properties
 
 
 def _section(solid: "Manifold", x: float) -> Shape:
@@ -264,31 +257,26 @@ def _section(solid: "Manifold", x: float) -> Shape:
     return shape
 
 
-def section_area(body: Shell) -> float:
-    """mm3 of a body by its sections, which crossings measure even where faces lie twice."""
-    stretches = _stretches(body.points[:, 0])
-    return sum(float(across(body, (x0 + x1) / 2).area) * (x1 - x0) for x0, x1 in stretches)
-
-
-def _by_face(piece: "Manifold", more: bool, part: Part, of: Section) -> Iterator[Lump]:
+def _by_face(
+    piece: "Manifold", more: bool, part: Part, of: Section, slack: float
+) -> Iterator[Lump]:
     """The steel of a lump by the walls that it lies in, and beside them."""
     walls = sorted(walls_of(of), key=lambda wall: wall.normal == "z")
     for wall in walls:
-        box = prism(
-            rectangle(-FAR, -WALL_SLACK, FAR, wall.width + WALL_SLACK),
-            wall.low - WALL_SLACK, wall.high + WALL_SLACK, _frame(wall),
-        )  # fmt: skip
-        inside, piece = piece.split(box)
-        if inside.volume() > MIN_LUMP:
-            yield _lump(inside, wall.face, more, _leans(inside, more, wall, part))
+        inside, rest = piece.split(_box_of(wall, WALL_SLACK))
+        if (inside ^ _box_of(wall, -slack)).volume() > MIN_CORE:  # or it only grazes the wall
+            piece = rest
+            if inside.volume() > MIN_LUMP:
+                yield _lump(inside, wall.face, more, _leans(inside, more, wall, part))
     if piece.volume() > MIN_LUMP:
-        face = (
-            _face_beside(piece, walls, of) if walls else ("the section" if of.code == "SO" else "v")
-        )
-        yield _lump(piece, face, more, False)
+        bare = "the section" if of.code == "SO" else "v"
+        yield _lump(piece, _face_beside(piece, walls, of) if walls else bare, more, False)
 
 
-FAR = 1e6  #: mm
+def _box_of(wall: Wall, larger: float) -> "Manifold":
+    """All of a wall, larger on every side."""
+    shape = rectangle(-FAR, -larger, FAR, wall.width + larger)
+    return prism(shape, wall.low - larger, wall.high + larger, _frame(wall))
 
 
 def _lump(piece: "Manifold", face: str, more: bool, leans: bool) -> Lump:
@@ -322,42 +310,44 @@ def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
     The part has the outline of both sides of the wall together, so that it may lack no more than
     what lies between its surface and the level at which it was looked at.
     """
-    gone = _cut_of(wall, part)
-    if gone.is_empty:
-        return False
+    from shapely import union_all
+
+    cuts = _cuts_of(wall, part)
+    gone = union_all(cuts)
 
     def through(shape: Shape) -> "Manifold":
         return prism(shape, wall.low - FREE, wall.high + FREE, _frame(wall))
 
-    if (piece ^ through(gone.buffer(BESIDE))).is_empty():
+    if gone.is_empty or (piece ^ through(gone.buffer(BESIDE))).is_empty():
         return False
-    if not more:
-        far = piece - through(gone.buffer(LEAN_REACH * wall.thickness))
-        return bool(far.volume() < MIN_LUMP)
-    far = piece ^ through(gone.buffer(-LEVEL_REACH * wall.thickness))
-    return bool((far + (piece - through(gone.buffer(BESIDE)))).volume() < MIN_LUMP)
+    near = gone.buffer(LEAN_REACH * wall.thickness)
+    if more:
+        near = union_all([cut.boundary for cut in cuts]).buffer(LEVEL_REACH * wall.thickness)
+    return bool((piece - through(near)).volume() < MIN_LUMP)
 
 
-def _cut_of(wall: Wall, part: Part) -> Shape:
-    """What contours and their bevels take of a wall, in (x, q)."""
+def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
+    """What contours take of a wall, and each of their bevels, in (x, q)."""
     from shapely import LineString, union_all
 
-    inner = [shape_of(c.curves) for c in part.contours if c.face == wall.face and c.kind == "inner"]
-    outer = [shape_of(c.curves) for c in part.contours if c.face == wall.face and c.kind == "outer"]
+    contours = [c for c in part.contours if c.face == wall.face]
+    gone = [shape_of(c.curves) for c in contours if c.kind == "inner"]
+    outer = [shape_of(c.curves) for c in contours if c.kind == "outer"]
     if outer:
         whole = rectangle(0.0, 0.0, part.length, wall.width)
-        inner.append(whole.difference(union_all(outer)))
-    for contour in (c for c in part.contours if c.face == wall.face):
+        gone.append(whole.difference(union_all(outer)))
+    found = [union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
+    for contour in contours:
         for bevel in contour.bevels:
             wide = (wall.thickness - bevel.land) * tan(radians(abs(bevel.angle)))
             edge = contour.curves[bevel.curve]
-            inner.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
-    return union_all(inner).buffer(-TOUCHING).buffer(TOUCHING)
+            found.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
+    return found
 
 
-def _arcs(part: Part) -> list[tuple[int, float, float, float]]:
-    """The arcs of a part: the axis that they are across of (1 is y), centre (x, q) and radius."""
-    found = []
+def _arcs(part: Part) -> list[ArcAt]:
+    """The arcs of a part's holes, slots and contours."""
+    found: list[ArcAt] = []
     for f in part.features:
         axis = 1 if getattr(f, "face", "v") in ("o", "u") else 2
         if isinstance(f, Hole):
@@ -369,17 +359,22 @@ def _arcs(part: Part) -> list[tuple[int, float, float, float]]:
     return found
 
 
-def _is_of_facets(piece: "Manifold", arcs: Sequence[tuple[int, float, float, float]]) -> bool:
+def _is_of_facets(piece: "Manifold", arcs: Sequence[ArcAt], by: Fineness) -> bool:
     """Whether a lump lies between an arc of the part and the chords that a mesh has for it."""
-    points = piece.to_mesh64().vert_properties
+    points = _points(piece)
     thin = 2.0 * float(piece.volume()) / float(piece.surface_area())
     for axis, x, q, radius in arcs:
-        rise = radius * (1.0 - cos(FACET_RAD / 2))
+        rise = _rise(radius, by)
         if thin < rise:
             off = np.hypot(points[:, 0] - x, points[:, 3 - axis] - q)
             if off.min() > radius - rise - TOUCHING and off.max() < radius + TOUCHING:
                 return True
     return False
+
+
+def _rise(radius: float, by: Fineness) -> float:
+    """mm between an arc and the longest chord that a mesh has for it."""
+    return radius * (1.0 - cos(by.facet_rad / 2))
 
 
 def _joined(found: Sequence[Lump]) -> list[Lump]:

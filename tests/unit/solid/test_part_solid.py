@@ -360,7 +360,7 @@ def test_without_the_kernel_one_line_says_what_is_missing(monkeypatch: pytest.Mo
         part_solid(part(IPE))
     (said,) = refused.value.diagnostics
     assert said.code == "solid-kernel"
-    assert "pip install 'beamcam[solid]'" in said.message
+    assert "pip install manifold3d" in said.message
 
 
 def _closed(*points: tuple[float, float]) -> tuple[Line, ...]:
