@@ -321,10 +321,10 @@ def _beside(shape: Shape, wall: Wall) -> Shape:
 
 def _through(shape: Shape, wall: Wall) -> Iterator["Manifold"]:
     """A cutter through a wall, and through what fillets stand on it."""
-    yield prism(shape, 0.0, wall.thickness, wall.frame)
-    yield prism(
-        _beside(shape, wall), -wall.before - FREE, wall.thickness + wall.behind + FREE, wall.frame
-    )
+    beside = _beside(shape, wall)
+    if not beside.equals(shape):
+        yield prism(shape, 0.0, wall.thickness, wall.frame)
+    yield prism(beside, -wall.before - FREE, wall.thickness + wall.behind + FREE, wall.frame)
 
 
 def _blind(shape: Shape, wall: Wall, depth: float) -> Iterator["Manifold"]:

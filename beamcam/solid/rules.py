@@ -7,7 +7,7 @@ error, warning, note = rule_makers("solid")
 NO_KERNEL = error(
     "kernel",
     "found no manifold3d; expected it for solids: pip install manifold3d",
-    "Solids are cut and compared by this library. It is installed with beamcam; here it is missing.",
+    "Solids are cut and compared by this library. It comes with beamcam; here it is missing.",
 )
 NO_SOLID = error(
     "none",

@@ -27,7 +27,7 @@ CUBES = (1e9, 1e6, 1e3, 1.0, 25.4**3, 304.8**3)  #: mm3 in m3, dm3, cm3, mm3, cu
 SMALL_WEIGHT = 0.1  #: kg below which a rounded weight says nothing
 WITNESS_SLACK = 0.01  #: share by which the weight may be off for it to be a witness
 LENGTH_SAME = 0.1  #: mm
-FINE = Fineness(slack=0.13, facet_rad=0.1)
+FINE = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.FINE_CHORD * 1e3)
 
 
 def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:

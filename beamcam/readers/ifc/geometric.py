@@ -22,7 +22,7 @@ from beamcam.readers.ifc.entities import Entity, Kinked, Model, OddSection, Unre
 from beamcam.readers.ifc.exact import Circle, circles_in
 from beamcam.readers.ifc.features import opening
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
-from beamcam.readers.ifc.kernel import build_both
+from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
 from beamcam.readers.ifc.plates import box_of
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
@@ -62,7 +62,7 @@ SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls giv
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
-MESH = Fineness(slack=0.13, facet_rad=0.25)  #: that the kernel makes of its solid
+MESH = Fineness(slack=0.13, facet_rad=ANGLE, chord=CHORD * 1e3)  #: of the kernel's solid
 FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
 
 

@@ -20,8 +20,7 @@ from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
 
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
-#: Closer facets, of solids that parts are held against.
-FINE = {"mesher-linear-deflection": 0.00002, "mesher-angular-deflection": 0.1}
+FINE_CHORD = 0.0001  #: m, of solids that parts are held against
 FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
 WRITTEN = ("serialized_element", "SerializedElement")
 SPLINE_CHORD = 0.01  #: mm between a spline and the polyline that the kernel has for it
@@ -49,13 +48,17 @@ def build(model: Model, element: Entity) -> Built:
 
     Raises Unreadable if it has none.
     """
-    return _built(_solid(model, element, FINE))
+    return _built(_solid(model, element, {"mesher-linear-deflection": FINE_CHORD}))
 
 
 def build_stock(model: Model, element: Entity) -> Built:
     """As `build`, before anything was cut off. Raises Unreadable."""
-    uncut = {"disable-boolean-result": True, "disable-opening-subtractions": True}
-    return _built(_solid(model, element, FINE | uncut))
+    asked = {
+        "mesher-linear-deflection": FINE_CHORD,
+        "disable-boolean-result": True,
+        "disable-opening-subtractions": True,
+    }
+    return _built(_solid(model, element, asked))
 
 
 def _built(solid: Any) -> Built:

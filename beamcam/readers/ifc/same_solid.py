@@ -10,7 +10,7 @@ What sticks out on either side is named by face and x.
 """
 
 from collections.abc import Iterator, Sequence
-from math import cos, radians, tan
+from math import cos, inf, radians, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -67,6 +67,7 @@ class Fineness(Struct, frozen=True):
 
     slack: float  #: mm that surfaces may be off
     facet_rad: float  #: between two corners of a mesh on one arc, at most
+    chord: float = inf  #: mm between an arc and a chord, at most
 
 
 class Lump(Struct, frozen=True):
@@ -155,18 +156,17 @@ def _apart(
     solid: "Manifold", drawn: "Manifold", part: Part, stock: Shape, by: Fineness
 ) -> "list[tuple[bool, Manifold]]":
     """The lumps in which two solids differ beyond the margins, and whether the first has them."""
-    more, less = solid - drawn, drawn - solid
-    if more.volume() + less.volume() <= BOUND:
-        return []
-    check_member()
     least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
     arcs = _arcs(part)
-    return [
-        (is_more, _grown(one, exact, by.slack))
-        for is_more, rest, exact in ((True, solid - most, more), (False, least - solid, less))
-        for one in rest.decompose()
-        if one.volume() > MIN_CORE and not _is_of_facets(one, arcs, by)
-    ]
+    found = []
+    # Surfaces that lie in one another are dear to cut, so that they come where there is a lump.
+    for more, rest in ((True, solid - most), (False, least - solid)):
+        cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
+        cores = [one for one in cores if not _is_of_facets(one, arcs, by)]
+        if cores:
+            exact = solid - drawn if more else drawn - solid
+            found += [(more, _grown(one, exact, by.slack)) for one in cores]
+    return found
 
 
 def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
@@ -374,7 +374,7 @@ def _is_of_facets(piece: "Manifold", arcs: Sequence[ArcAt], by: Fineness) -> boo
 
 def _rise(radius: float, by: Fineness) -> float:
     """mm between an arc and the longest chord that a mesh has for it."""
-    return radius * (1.0 - cos(by.facet_rad / 2))
+    return min(by.chord, radius * (1.0 - cos(by.facet_rad / 2)))
 
 
 def _joined(found: Sequence[Lump]) -> list[Lump]:
