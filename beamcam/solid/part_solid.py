@@ -121,12 +121,13 @@ def end_planes(
 
 def _drawn(part: Part, faces: str, side: int) -> tuple[float, Contour | None]:
     """The angle of an end that the outlines of some faces draw as one straight line from edge to
-    edge, and one of them; of flanges where all agree. A plate's ends are in its outline."""
+    edge, and one of them; of two flanges where both agree. A plate's ends are in its outline."""
     outer = [
         c for c in part.contours if c.face in faces and c.kind == "outer" and c.process == "cut"
     ]  # fmt: skip
     found = [_line_across(c, part, side) for c in outer]
-    there = {c.face for c in outer} == set(faces) & walls(part.profile).keys()
+    two_flanges = part.profile.code in ("I", "U", "C", "M")
+    there = not two_flanges or {c.face for c in outer} == set(faces)
     if part.profile.code == "B" or not found or not there or max(found) - min(found) > AGREE_DEG:
         return 0.0, None
     return found[0], outer[0] if found[0] else None
