@@ -116,7 +116,7 @@ def test_facets_and_surfaces_of_one_solid_are_those_of_two() -> None:
     (element,) = model.file.by_type("IfcBeam")
     built, exact = build_both(model, element)
     finer = build(model, element)
-    assert 26 < built.shell.count < finer.shell.count
+    assert 26 < built.shell.count <= finer.shell.count
     assert built.volume == finer.volume
     assert exact.cylinders == build_both(model, element)[1].cylinders != ()
 
