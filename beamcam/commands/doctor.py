@@ -19,14 +19,13 @@ from beamcam.machine import shipped
 from beamcam.system import user_folder
 from beamcam.version import __version__
 
-LIBRARIES = ("click", "ezdxf", "ifcopenshell", "msgspec", "numpy", "shapely")
+LIBRARIES = ("click", "ezdxf", "ifcopenshell", "manifold3d", "msgspec", "numpy", "shapely")
 #: Extra of beamcam -> what it is for, and the packages that it installs.
 EXTRAS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "dask": ("batches on a cluster", ("distributed",)),
     "labels": ("labels for pieces", ("ppf.datamatrix", "reportlab", "segno")),
     "modbus": ("simulate --modbus", ("pymodbus",)),
     "pictures": ("pictures as PNG and PDF", ("pillow", "reportlab")),
-    "solid": ("solids of parts and programs", ("manifold3d",)),
     "xlsx": ("lists as spreadsheets", ("openpyxl",)),
 }
 #: A beam with a hole and a mitre, as a shop's detailer writes it.

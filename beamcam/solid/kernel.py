@@ -26,7 +26,7 @@ def kernel() -> Any:
     try:
         import manifold3d
     except ImportError as missing:
-        raise BeamcamError(NO_KERNEL.at(Source("beamcam[solid]"))) from missing
+        raise BeamcamError(NO_KERNEL.at(Source("beamcam"))) from missing
     return manifold3d
 
 

@@ -7,10 +7,11 @@ the straight, flat part; nor are marks, texts and threads beyond their core.
 
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from math import atan2, cos, degrees, hypot, radians, sin, tan
+from math import atan2, copysign, cos, degrees, hypot, radians, sin, tan
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.polylines import polylines
@@ -58,6 +59,8 @@ class Margins(Struct, frozen=True):
     run_out: float = 0.0  #: of a blind thread's core below the thread
     sink: float = 0.0  #: of a countersink's depth
     square_below: float = LEAST_ANGLE  #: degrees; ends nearer to square are square
+    skin: float = 0.0  #: off all surfaces of the stock
+    section: Shape | None = None  #: the stock's, in (Y, Z), where a file shows more than measures
 
 
 AS_DRAWN = Margins()
@@ -80,7 +83,10 @@ def stock_solid(part: Part, margins: Margins = AS_DRAWN) -> "Manifold":
         if body is not None:
             return body
     over = part.profile.height + part.profile.width + FREE
-    body = prism(outline(part), -over, part.length + over, ALONG)
+    section = margins.section if margins.section is not None else outline(part)
+    if margins.skin:
+        section = section.buffer(-margins.skin, join_style="mitre")
+    body = prism(section, -over, part.length + over, ALONG)
     for point, normal in end_planes(part, margins):
         body = behind(body, point, normal)
     return body
@@ -115,12 +121,14 @@ def end_planes(
 
 def _drawn(part: Part, faces: str, side: int) -> tuple[float, Contour | None]:
     """The angle of an end that the outlines of some faces draw as one straight line from edge to
-    edge, and one of them; of both flanges where they agree. A plate's ends are in its outline."""
+    edge, and one of them; of two flanges where both agree. A plate's ends are in its outline."""
     outer = [
         c for c in part.contours if c.face in faces and c.kind == "outer" and c.process == "cut"
     ]  # fmt: skip
     found = [_line_across(c, part, side) for c in outer]
-    if part.profile.code == "B" or not found or max(found) - min(found) > AGREE_DEG:
+    two_flanges = part.profile.code in ("I", "U", "C", "M")
+    there = not two_flanges or {c.face for c in outer} == set(faces)
+    if part.profile.code == "B" or not found or not there or max(found) - min(found) > AGREE_DEG:
         return 0.0, None
     return found[0], outer[0] if found[0] else None
 
@@ -143,7 +151,7 @@ def _drawn_ends(part: Part, margins: Margins) -> Iterator[Void]:
     for side, header, (point, normal) in zip((-1, 1), by_header, drawn, strict=True):
         if header != (point, normal):
             contour = _drawn(part, "v", side)[1] or _drawn(part, "ou", side)[1]
-            body = stock_solid(part, Margins(end=-FREE))  # to the air behind a square end
+            body = stock_solid(part, replace(margins, end=-FREE))  # to the air behind a square end
             if contour is not None:
                 yield contour, body - behind(body, point, normal)
 
@@ -155,8 +163,12 @@ def voids(part: Part, margins: Margins = AS_DRAWN) -> Iterator[Void]:
     pilots = {(h.face, h.x, h.y): h.diameter for h in part.holes if h.kind == "through"}
     for feature in part.features:
         if isinstance(feature, EndPlane):
-            body = stock_solid(part)
-            yield feature, body - behind(body, feature.point, feature.normal)
+            body = stock_solid(part, replace(margins, end=-FREE))
+            (x, y, z), normal = feature.point, feature.normal
+            yield (
+                feature,
+                body - behind(body, (x - copysign(1.0, normal[0]) * margins.end, y, z), normal),
+            )
         elif isinstance(feature, Hole | Slot | Contour):
             if isinstance(feature, Hole) and feature.kind == "mark":
                 continue
@@ -233,7 +245,7 @@ def _plate(part: Part, margins: Margins) -> "Manifold | None":
         return None
     outline(part)  # for its thickness
     wall = walls(part.profile)["v"]
-    body = prism(shape, 0.0, wall.thickness, wall.frame)
+    body = prism(shape, margins.skin, wall.thickness - margins.skin, wall.frame)
     cut = part.cuts
     if max(abs(cut.flange_start), abs(cut.flange_end)) < 0.2:
         return body
@@ -246,7 +258,7 @@ def _contour(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Iter
     """What a contour takes of its wall: outside an outer one, inside an inner one; its bevels."""
     from shapely import box
 
-    yield from _bevels(contour, wall, part)
+    yield from _bevels(contour, wall, part, margins)
     if part.profile.code == "B" and _has_outline(part):
         return
     shape = shape_of(contour.curves)
@@ -288,8 +300,8 @@ def _is_of_ends(gone: Shape, wall: Wall, part: Part) -> bool:
             chain.append(((min(xs) if side > 0 else max(xs)), q))
         ends.append(chain)
     (a, b), (c, d) = ends
-    kept = gone.intersection(Polygon([a, c, d, b]))
-    return bool(kept.buffer(-OUTLINE_NOISE / 2).is_empty)
+    inner = Polygon([a, c, d, b]).buffer(-OUTLINE_NOISE)
+    return bool(gone.intersection(inner).buffer(-CHORD).is_empty)
 
 
 def _beside(shape: Shape, wall: Wall) -> Shape:
@@ -310,10 +322,10 @@ def _beside(shape: Shape, wall: Wall) -> Shape:
 
 def _through(shape: Shape, wall: Wall) -> Iterator["Manifold"]:
     """A cutter through a wall, and through what fillets stand on it."""
-    yield prism(shape, 0.0, wall.thickness, wall.frame)
-    yield prism(
-        _beside(shape, wall), -wall.before - FREE, wall.thickness + wall.behind + FREE, wall.frame
-    )
+    beside = _beside(shape, wall)
+    if not beside.equals(shape):
+        yield prism(shape, 0.0, wall.thickness, wall.frame)
+    yield prism(beside, -wall.before - FREE, wall.thickness + wall.behind + FREE, wall.frame)
 
 
 def _blind(shape: Shape, wall: Wall, depth: float) -> Iterator["Manifold"]:
@@ -397,16 +409,18 @@ def slot_shape(slot: Slot, larger: float = 0.0) -> Shape:
     """A slot or a rectangle with round corners, in (x, q) of its face."""
     from shapely import MultiPoint
 
+    radius = slot.diameter / 2 + larger
+    return MultiPoint([p for at in slot_corners(slot) for p in circle(*at, radius)]).convex_hull
+
+
+def slot_corners(slot: Slot) -> list[tuple[float, float]]:
+    """The centres of the circles at its corners."""
     c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
-    points = [
-        corner
+    return [
+        (slot.x + a * c - b * s, slot.y + a * s + b * c)
         for a in (-slot.length / 2, slot.length / 2)
         for b in (-slot.height / 2, slot.height / 2)
-        for corner in circle(
-            slot.x + a * c - b * s, slot.y + a * s + b * c, slot.diameter / 2 + larger
-        )
     ]
-    return MultiPoint(points).convex_hull
 
 
 def _radial(hole: Hole, part: Part, margins: Margins) -> "Manifold":
@@ -427,22 +441,22 @@ def _radial(hole: Hole, part: Part, margins: Margins) -> "Manifold":
     return turned([(wide, -FREE), (wide, depth)], frame)
 
 
-def _bevels(contour: Contour, wall: Wall, part: Part) -> Iterator["Manifold"]:
+def _bevels(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Iterator["Manifold"]:
     """The wedges of its bevels; of a bar not those that only show its skew end."""
     if not contour.bevels:
         return
     short = None
     if part.profile.code != "B":
-        short = stock_solid(part)
+        short = stock_solid(part, Margins(section=margins.section))
         for point, normal in end_planes(part, Margins(end=OUTLINE_NOISE / 2), True):
             short = behind(short, point, normal)
     for bevel in contour.bevels:
-        wedge = _bevel(contour, bevel, wall)
+        wedge = _bevel(contour, bevel, wall, margins.outline)
         if short is None or (wedge ^ short).volume() > OUTLINE_NOISE:
             yield wedge
 
 
-def _bevel(contour: Contour, bevel: Bevel, wall: Wall) -> "Manifold":
+def _bevel(contour: Contour, bevel: Bevel, wall: Wall, margin: float) -> "Manifold":
     """What a bevel takes: a wedge along its edge, from a surface to its land."""
     from shapely import Point, Polygon
 
@@ -472,6 +486,6 @@ def _bevel(contour: Contour, bevel: Bevel, wall: Wall) -> "Manifold":
             rows.append((across, c, along, d + a * ax + b * aq))
         grown = wide * FREE / deep
         top, foot = (-FREE, deep) if near else (wall.thickness + FREE, wall.thickness - deep)
-        wedge = Polygon([(-FREE, top), (wide + grown, top), (0.0, foot), (-FREE, foot)])
+        wedge = Polygon([(-FREE, top), (wide + grown + margin, top), (margin, foot), (-FREE, foot)])
         body += prism(wedge, 0.0, long, (rows[0], rows[1], rows[2]))
     return body

@@ -6,8 +6,8 @@ error, warning, note = rule_makers("solid")
 
 NO_KERNEL = error(
     "kernel",
-    "found no manifold3d; expected it for solids: pip install 'beamcam[solid]'",
-    "Solids are cut and compared by this library, which is not installed with beamcam itself.",
+    "found no manifold3d; expected it for solids: pip install manifold3d",
+    "Solids are cut and compared by this library. It comes with beamcam; here it is missing.",
 )
 NO_SOLID = error(
     "none",

@@ -6,6 +6,7 @@ import pytest
 
 from beamcam.errors import Severity
 from beamcam.readers.ifc import Options, read
+from beamcam.solid.kernel import CHORD
 from beamcam.solid.part_solid import part_solid
 from tests.property.ifc_cut_families import FAMILIES
 from tests.property.ifc_cuts import model_of
@@ -27,6 +28,9 @@ def test_volumes_are_the_kernels(family: str) -> None:
         if not volume or said or len(reading.parts) != 1:
             continue
         (part,) = reading.parts
-        assert part_solid(part).volume() / 1000 == pytest.approx(volume, rel=2e-4, abs=0.1), seed
+        # A round bar's chords take 4/3 of CHORD over its radius off its section.
+        chords = 2.7 * CHORD / part.profile.height if part.profile.code == "RU" else 0.0
+        solid = part_solid(part).volume() / 1000
+        assert solid == pytest.approx(volume, rel=2e-4 + chords, abs=0.1), seed
         measured += 1
     assert measured

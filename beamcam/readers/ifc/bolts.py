@@ -22,11 +22,15 @@ from beamcam.readers.ifc.options import Options
 from beamcam.readers.ifc.solids import mapping
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.readers.ifc.walls import Wall, walls_of
+from beamcam.solid.kernel import prism
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.section import walls as solid_walls
 
 SQUARE_DEG = 1.0  #: by which a bolt may be off square to its wall and still be drilled square
 NEAR_DEG = 30.0  #: a bolt that leans more than this does not clamp the wall
 REACH = 0.5  #: mm that a shank may fall short of a surface
 NEAR = 1e-3  #: mm of steel round a hole
+AIR = 0.5  #: mm3 of a hole that lie in no steel; less is rounding
 IN_LINE = 0.05  #: mm within which two bolts make one hole
 INCH = 25.4
 
@@ -157,7 +161,7 @@ def _drilled(
     except (Unreadable, *NOT_WELL_FORMED) as reason:
         return None, [rules.GEOMETRY.at(part.source, found=reason)]
     holes, skew = _through_member(bolts, world, part, shaped, options, name)
-    holes, in_air = _in_steel(holes, shaped)
+    holes, in_air = _in_steel(holes, part)
     said = [*_told_in_air(in_air, part), *(map(rules.forced, skew) if options.force else skew)]
     if skew and not options.force:
         return None, said
@@ -231,30 +235,20 @@ def _near_head(bolt: Bolt, world: Frame, part: Part, shaped: Shaped) -> Vec | No
     return head[0], head[1], head[2]
 
 
-def _in_steel(holes: Sequence[Hole], shaped: Shaped) -> tuple[list[Hole], list[Hole]]:
+def _in_steel(holes: Sequence[Hole], part: Part) -> tuple[list[Hole], list[Hole]]:
     """The holes whose circles lie within what the cuts leave of their walls, and the others."""
     if not holes:
         return [], []
     from shapely import Point
 
-    from beamcam.readers.ifc.explained import plain_stocks
-    from beamcam.readers.ifc.rebuilt import rebuilt
-
-    made = rebuilt(shaped, plain_stocks(shaped.section).exact)
-    walls = {w.face: w for w in walls_of(shaped.section)}
+    solid, walls = part_solid(part), solid_walls(part.profile)
     steel: list[Hole] = []
     air: list[Hole] = []
     for hole in holes:
         wall = walls[hole.face]
         circle = Point(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
-        x0, y0, x1, y1 = circle.bounds
-        held = y0 >= 0.0 and y1 <= wall.width
-        for end in (made.start, made.end):
-            for p in ((x, q, c) for x in (x0, x1) for q in (y0, y1) for c in (wall.low, wall.high)):
-                x, y, z = wall.point(*p)
-                held = held and end.side * (x - end.x(y, z)) <= 0.0
-        gone = any(c.wall == wall and c.shape.intersects(circle) for c in made.cuts)
-        (steel if held and not gone else air).append(hole)
+        bore = prism(circle, 0.0, wall.thickness, wall.frame)
+        (air if (bore - solid).volume() > AIR else steel).append(hole)
     return steel, air
 
 

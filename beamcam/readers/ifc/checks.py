@@ -9,13 +9,13 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.model.part import Contour, EndCuts, Part
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.explained import KERNEL_SLACK, difference, plain_stocks
 from beamcam.readers.ifc.finish import Shaped
-from beamcam.readers.ifc.lumps import across
 from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
 from beamcam.readers.ifc.profiles import definition
-from beamcam.readers.ifc.section import Stocks
+from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
+from beamcam.readers.ifc.section import BareStock, plain_stock
 from beamcam.readers.ifc.shell import extent
+from beamcam.readers.ifc.solid_body import across
 from beamcam.readers.ifc.space import Frame
 
 STEEL = 7.85e-6  #: kg/mm3
@@ -26,8 +26,8 @@ VOLUME_NEAR = 0.01  #: deviation from which on a net volume is reported
 CUBES = (1e9, 1e6, 1e3, 1.0, 25.4**3, 304.8**3)  #: mm3 in m3, dm3, cm3, mm3, cubic inch and foot
 SMALL_WEIGHT = 0.1  #: kg below which a rounded weight says nothing
 WITNESS_SLACK = 0.01  #: share by which the weight may be off for it to be a witness
-SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
 LENGTH_SAME = 0.1  #: mm
+FINE = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.FINE_CHORD * 1e3)
 
 
 def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:
@@ -99,7 +99,7 @@ def check_kernel(
     """Regions of the kernel's solid that what was read does not account for."""
     try:
         built = kernel.build(model, element)
-        stocks = stocks_of(model, element, shaped, profile)
+        stock = stock_of(model, element, shaped, profile)
     except Unreadable as reason:
         fault = rules.KERNEL.at(source, found=f"no solid ({reason})", expected="a solid")
         return Compared(disputed=fault)
@@ -112,11 +112,7 @@ def check_kernel(
         lengths = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
         fault = rules.KERNEL.at(source, found=lengths[0], expected=lengths[1])
         return Compared((), fault, built.volume)
-    off = difference(
-        shaped, body, stocks, volume=built.volume, slack=KERNEL_SLACK, precision=model.precision,
-        faceted=False,
-    )  # fmt: skip
-    said = off.said(source)
+    said = differences(shaped, body, stock, FINE, built.volume).said(source)
     if any(d.severity is Severity.ERROR for d in said):
         return Compared((), said[0], built.volume)
     return Compared(said, None, built.volume)
@@ -125,39 +121,38 @@ def check_kernel(
 def check_stock(
     model: Model, element: Entity, shaped: Shaped, profile: Entity, source: Source
 ) -> tuple[Diagnostic, ...]:
-    """Whether the section that a part holds has the area of the one that was modelled."""
+    """Whether the section that a part holds is the one that was modelled."""
     try:
-        area = stocks_of(model, element, shaped, profile).area
+        stock = stock_of(model, element, shaped, profile)
     except Unreadable:
         return ()  # there is no other section to compare with
-    if abs(area - shaped.section.area) <= SECTION_SLACK * area:
-        return ()
-    found, expected = (f"{v / 100:.2f}" for v in (area, shaped.section.area))
     # The kernel draws the flanges of a Z by half a web longer than their measure says.
-    by_outline = shaped.section.code == "SO" and not profile.is_a("IfcZShapeProfileDef")
-    rule = rules.OUTLINE if by_outline else rules.SECTION_AREA
-    return (rule.at(source, found=found, expected=expected),)
+    said = section_said(shaped, stock, source)
+    if shaped.section.code == "SO" and not profile.is_a("IfcZShapeProfileDef"):
+        return tuple(
+            rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in said
+        )
+    return said
 
 
-def stocks_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | None) -> Stocks:
+def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | None) -> BareStock:
     """The section of a member's stock as the kernel builds it. Raises Unreadable."""
     section = shaped.section
-    if shaped.stocks is not None:
-        return shaped.stocks
+    if shaped.stock is not None:
+        return shaped.stock
     if section.code == "B" and abs(section.area - section.height * section.width) < 0.01:
-        return plain_stocks(section)
+        return plain_stock(section)
     if profile is None:
-        return _built_stocks(model, element, shaped.frame)
+        return _built_stock(model, element, shaped.frame)
     key = definition(profile), section
-    return model.once("stocks", key, _built_stocks, model, element, shaped.frame)
+    return model.once("stock", key, _built_stock, model, element, shaped.frame)
 
 
-def _built_stocks(model: Model, element: Entity, frame: Frame) -> Stocks:
-    built, fine = kernel.build_stock(model, element)
-    to = frame.inverse()
-    low, high = extent(built.shell.moved(to), (1.0, 0.0, 0.0))
-    exact, faceted = (across(s.moved(to), (low + high) / 2) for s in (fine, built.shell))
-    return Stocks(exact, faceted, built.volume / (high - low))
+def _built_stock(model: Model, element: Entity, frame: Frame) -> BareStock:
+    built = kernel.build_stock(model, element)
+    body = built.shell.moved(frame.inverse())
+    low, high = extent(body, (1.0, 0.0, 0.0))
+    return BareStock(across(body, (low + high) / 2), built.volume / (high - low))
 
 
 def settled(compared: Compared, shaped: Shaped, data: Data) -> tuple[Diagnostic, ...]:

@@ -21,7 +21,7 @@ from beamcam.readers.ifc.ends import End, Level, fitted_end, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.features import contour, opening, shifted, sorted_features, sorted_holes
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
-from beamcam.readers.ifc.section import Section, Stocks
+from beamcam.readers.ifc.section import BareStock, Section
 from beamcam.readers.ifc.space import IDENTITY, Frame
 from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
@@ -46,7 +46,7 @@ class Shaped(Struct, frozen=True, gc=False):
     x0: float = 0.0  #: where the part's start lies on the stock
     frame: Frame = IDENTITY  #: the part's coordinates in the element's
     fitted: tuple[str, ...] = ()  #: surfaces of the kernel that only facets stand for
-    stocks: Stocks | None = None  #: regions of the section, where a shell showed them
+    stock: BareStock | None = None  #: the section, where a shell showed it
     said: tuple[Diagnostic, ...] = ()  #: of what no feature explains, where a body was compared
 
     def at(self, source: Source) -> "Shaped":

@@ -7,7 +7,6 @@
 """
 
 from collections.abc import Iterator, Sequence
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -21,10 +20,9 @@ from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import MIN_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Kinked, Model, OddSection, Unreadable
 from beamcam.readers.ifc.exact import Circle, circles_in
-from beamcam.readers.ifc.explained import KERNEL_SLACK, difference, measured, plain_stocks
 from beamcam.readers.ifc.features import opening
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
-from beamcam.readers.ifc.kernel import build_both
+from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
 from beamcam.readers.ifc.plates import box_of
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
@@ -34,7 +32,8 @@ from beamcam.readers.ifc.region import (
     pieces_of,
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
-from beamcam.readers.ifc.section import Section, Stocks, area_by_measures
+from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
+from beamcam.readers.ifc.section import Section, plain_stock
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
     Shell,
@@ -48,6 +47,7 @@ from beamcam.readers.ifc.shell import (
     vec,
 )
 from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
+from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
 from beamcam.readers.ifc.stock import plate_stock
 from beamcam.readers.ifc.walls import Wall, walls_of
@@ -62,9 +62,8 @@ SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls giv
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
-SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
-CHAMFER = pi / 4 - 0.5  #: of the radius squared, by which one facet differs from a rounding
-FACET_SLACK = 0.02  #: mm, half of what the corners of a mesh may be off
+MESH = Fineness(slack=0.13, facet_rad=ANGLE, chord=CHORD * 1e3)  #: of the kernel's solid
+FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
 
 
 def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
@@ -78,7 +77,7 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
     shell = replace(built.shell, cylinders=exact.cylinders)
-    found = read_shell(shell, (), source, model.precision, built.volume)
+    found = read_shell(shell, (), source, built.volume)
     return replace(found, fitted=exact.others)
 
 
@@ -86,7 +85,6 @@ def read_shell(
     shell: Shell,
     cutters: Sequence[Cutter],
     source: Source,
-    precision: float = 0.0,
     volume: float | None = None,
 ) -> Shaped:
     """The member of a shell, checked against it. Raises Unreadable, which says what was found.
@@ -102,20 +100,25 @@ def read_shell(
         if cutters:  # which the shell does not show
             return found
         try:
-            said = _unexplained(found, shell, source, precision, volume)
+            said = _unexplained(found, shell, source, volume)
         except Unreadable as reason:
             fault = fault or reason
             continue
         found = replace(found, said=said)
-        if not any(d.severity is Severity.ERROR for d in said):
+        if not said:
             return found
-        best = best or found
+        if best is None or (_denied(best) and not _denied(found)):
+            best = found
     if best is not None:
         return best
     kink = kinked(shell)
     if kink is not None:
         raise Kinked(f"a member kinked by {kink:.1f} degrees")
     raise fault or OddSection(f"a shell of {shell.count} faces without a constant section")
+
+
+def _denied(found: Shaped) -> bool:
+    return any(d.severity is Severity.ERROR for d in found.said)
 
 
 def _readings(
@@ -135,7 +138,7 @@ def _readings(
         except Unreadable as reason:
             yield reason
         else:
-            yield replace(in_place(made, stock.frame), stocks=stock.stocks)
+            yield replace(in_place(made, stock.frame), stock=stock.stock)
 
 
 def _is_on_edge(stock: Rolled) -> bool:
@@ -150,11 +153,11 @@ def _is_on_edge(stock: Rolled) -> bool:
 
 
 def _unexplained(
-    found: Shaped, shell: Shell, source: Source, precision: float, volume: float | None
+    found: Shaped, shell: Shell, source: Source, volume: float | None
 ) -> tuple[Diagnostic, ...]:
     """What of a shell its member does not explain. Raises Unreadable where that is most of it."""
     body = shell.moved(found.frame.inverse())
-    theirs = volume if volume is not None else measured(body)
+    theirs = volume or body.volume or section_area(body)
     if abs(theirs - found.volume) > SURELY_OTHER * theirs:  # building the part again takes long
         raise _not_explained(theirs, found.volume)
     beyond = _beyond(body, found.section)
@@ -162,15 +165,12 @@ def _unexplained(
         if kinked(shell) is not None:
             raise OddSection("a kinked member")
         return (rules.UNEXPLAINED.at(source, found=beyond),)
-    stocks = found.stocks or plain_stocks(found.section)
-    slack = KERNEL_SLACK if volume is not None else FACET_SLACK
-    off = difference(
-        found, body, stocks, volume=theirs, slack=slack, precision=precision,
-        faceted=volume is None,
-    )  # fmt: skip
-    if abs(off.off) > EXPLAINED * theirs:
-        raise _not_explained(theirs, theirs - off.off)
-    return (*off.said(source), *_other_area(found, stocks, source))
+    stock = found.stock or plain_stock(found.section)
+    by = MESH if volume is not None else FACES
+    apart = differences(found, body, stock, by, volume)
+    if abs(apart.volume - apart.expected) > EXPLAINED * theirs:
+        raise _not_explained(theirs, apart.expected)
+    return (*apart.said(source), *section_said(found, stock, source))
 
 
 def _beyond(body: Shell, section: Section) -> str | None:
@@ -189,22 +189,6 @@ def _not_explained(theirs: float, explained: float) -> OddSection:
         f"a shell of {theirs / 1e3:.1f} cm3 whose section and cuts explain "
         f"{explained / 1e3:.1f} cm3"
     )
-
-
-def _other_area(found: Shaped, stocks: Stocks, source: Source) -> tuple[Diagnostic, ...]:
-    """Where the section that a shell shows has another area than its measures give.
-
-    Of a round one the facets give the diameter, and the lips of a channel are not measures.
-    """
-    s = found.section
-    if s.code in ("RO", "RU", "C", "SO"):
-        return ()
-    sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
-    area = area_by_measures(s.code, *sizes)
-    if abs(area - stocks.area) <= SECTION_SLACK * area + 4 * CHAMFER * s.radius**2:
-        return ()
-    texts = f"{stocks.area / 100:.2f}", f"{area / 100:.2f}"
-    return (rules.SECTION_AREA.at(source, found=texts[0], expected=texts[1]),)
 
 
 def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Source) -> Shaped:

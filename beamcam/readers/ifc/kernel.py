@@ -20,8 +20,7 @@ from beamcam.readers.ifc.surfaces import Cylinder, Unnamed
 
 CHORD = 0.0002  #: m between a curve and its facets
 ANGLE = 0.25  #: rad between two facets, 26 on a circle; every vertex lies on the curve
-FINE_CHORD = 0.00002  #: m, of facets that a section is measured by
-FINE_ANGLE = 0.06  #: rad
+FINE_CHORD = 0.0001  #: m, of solids that parts are held against
 FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
 WRITTEN = ("serialized_element", "SerializedElement")
 SPLINE_CHORD = 0.01  #: mm between a spline and the polyline that the kernel has for it
@@ -45,15 +44,21 @@ class Exact(Struct, frozen=True):
 
 
 def build(model: Model, element: Entity) -> Built:
-    """The kernel's solid of an element, openings taken off. Raises Unreadable if it has none."""
-    return _built(_solid(model, element))
+    """The kernel's solid of an element, openings taken off, in closer facets than a reading needs.
+
+    Raises Unreadable if it has none.
+    """
+    return _built(_solid(model, element, {"mesher-linear-deflection": FINE_CHORD}))
 
 
-def build_stock(model: Model, element: Entity) -> tuple[Built, Shell]:
-    """As `build`, before anything was cut off; and with closer facets. Raises Unreadable."""
-    uncut = {"disable-boolean-result": True, "disable-opening-subtractions": True}
-    fine = {"mesher-linear-deflection": FINE_CHORD, "mesher-angular-deflection": FINE_ANGLE}
-    return _built(_solid(model, element, uncut)), _facets(_solid(model, element, uncut | fine))
+def build_stock(model: Model, element: Entity) -> Built:
+    """As `build`, before anything was cut off. Raises Unreadable."""
+    asked = {
+        "mesher-linear-deflection": FINE_CHORD,
+        "disable-boolean-result": True,
+        "disable-opening-subtractions": True,
+    }
+    return _built(_solid(model, element, asked))
 
 
 def _built(solid: Any) -> Built:
@@ -61,7 +66,7 @@ def _built(solid: Any) -> Built:
 
 
 def build_both(model: Model, element: Entity) -> tuple[Built, Exact]:
-    """As `build` and `build_exact`, of a solid that is built once."""
+    """The kernel's solid of an element in facets, and its surfaces. Raises Unreadable."""
     solid = _solid(model, element)
     return _built(solid), _surfaces(solid)
 

@@ -251,7 +251,7 @@ class Members(Struct):
         """The member of a shell and what is cut off it; or why it is none."""
         try:
             taken = body.cutters(self.model, IDENTITY)
-            return read_shell(base, taken, source, self.model.precision)
+            return read_shell(base, taken, source)
         except (Kinked, OddCut) as reason:
             return reason
         except Unreadable as reason:
@@ -377,7 +377,7 @@ class Members(Struct):
         form = self._form(element)
         if form not in self.compared:
             solid = Compared()
-            if body.removed:
+            if isinstance(body.base, Swept) or body.removed:
                 solid = check_kernel(self.model, element, shaped, profile, source)
             if profile is not None:
                 stock = check_stock(self.model, element, shaped, profile, source)

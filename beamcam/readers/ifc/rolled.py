@@ -10,10 +10,9 @@ from beamcam.geometry.curves import Point
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.exact import circles_in
-from beamcam.readers.ifc.explained import plain_stocks
 from beamcam.readers.ifc.outline import sharpened
 from beamcam.readers.ifc.region import Circles, chain_of_ring, pieces_of, points_of, polygon_of
-from beamcam.readers.ifc.section import Section, Stocks, placed
+from beamcam.readers.ifc.section import BareStock, Section, placed, plain_stock
 from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
 from beamcam.readers.ifc.slices import Segments, arcs_of, region_within
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
@@ -35,7 +34,7 @@ class Rolled(Struct, frozen=True):
     x0: float
     x1: float
     outline: tuple[Point, ...]  #: (Y, Z) of the section's border
-    stocks: Stocks
+    stock: BareStock
 
 
 def other_axes(shell: Shell, along: Vec) -> list[Vec]:
@@ -104,14 +103,13 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
 
     def turned(points: Any) -> Any:
         off = points - np.array(found.origin)
-        return np.column_stack((off @ np.array(found.z), off @ np.array(found.y)))
+        return np.column_stack((off @ np.array(found.y), off @ np.array(found.z)))
 
     if found.is_plain_flat:  # its edges may be bevelled all along
         found = replace(found, area=found.height * found.width)
-        return Rolled(found, frame, x0, x1, border, plain_stocks(found))
-    exact, faceted = (transform(shape, turned) for shape in best[3:])
-    stocks = Stocks(exact, faceted, float(exact.area))
-    return Rolled(found, frame, x0, x1, border, stocks)
+        return Rolled(found, frame, x0, x1, border, plain_stock(found))
+    shown = BareStock(transform(best[4], turned), float(best[3].area))
+    return Rolled(found, frame, x0, x1, border, shown)
 
 
 def _same(lines: Segments, others: Segments) -> bool:

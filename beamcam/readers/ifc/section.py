@@ -109,12 +109,19 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
         return self.turned()
 
 
-class Stocks(Struct, frozen=True, eq=False):
-    """The section of a stock as regions in (Z, Y)."""
+class BareStock(Struct, frozen=True, eq=False):
+    """The section that a body was cut from, as its faces show it."""
 
-    exact: Any  #: as exact as it is known
-    faceted: Any  #: with the facets of the body
-    area: float  #: mm2, of the section that `exact` stands for
+    shape: Any  #: in (Y, Z), with the facets of the body
+    area: float  #: mm2, of the section that its facets stand for
+
+
+def plain_stock(section: Section) -> BareStock:
+    """That of a flat bar or a plate."""
+    from shapely import box
+
+    height, thickness = section.height, section.width
+    return BareStock(box(0.0, 0.0, height, thickness), height * thickness)
 
 
 def area_by_measures(

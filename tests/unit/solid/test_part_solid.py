@@ -278,6 +278,38 @@ def test_a_cope_of_a_beam_is_of_the_walls_that_it_is_drawn_on() -> None:
     assert taken(plain, web, top) == pytest.approx(web_only + 100 * 10.7 * (150 - 7.1))
 
 
+def test_an_outline_of_one_flange_is_no_end_of_the_other() -> None:
+    skew = Contour("u", "outer", _closed((0, 0), (1000, 0), (940, 80), (0, 80)), SRC)
+    body = part_solid(part(UPE, skew))
+    # A triangle 60 x 80 of the lower flange; its root fillet and the upper flange stay.
+    assert taken(UPE, skew) == pytest.approx(60.0 * 80.0 / 2 * 11.0, rel=1e-6)
+    assert box(body)[3] == 1000.0
+    both = skew, replace(skew, face="o")
+    assert taken(UPE, *both) > 2 * 60.0 * 80.0 / 2 * 11.0
+
+
+def test_a_cut_as_narrow_as_a_saw_goes_through_a_flange() -> None:
+    """What two outlines leave between them is no rounding of an exporter."""
+    halves = (
+        Contour("o", "outer", _closed((0, 0), (500, 0), (500, 150), (0, 150)), SRC),
+        Contour("o", "outer", _closed((501, 0), (1000, 0), (1000, 150), (501, 150)), SRC),
+    )
+    assert taken(IPE, *halves) == pytest.approx(150.0 * 10.7, rel=1e-6)
+
+
+def test_margins_part_the_least_steel_from_the_most() -> None:
+    """A skin off all surfaces, and ends with planes of their own as others."""
+    skew = EndPlane((950.0, 0.0, 0.0), (1.0, 0.2, 0.1), SRC)
+    least, drawn, most = (
+        part_solid(part(TUBE, skew), Margins(skin=off, end=off)) for off in (0.1, 0.0, -0.1)
+    )
+    for less, more in ((least, drawn), (drawn, most)):
+        assert (less - more).volume() == pytest.approx(0.0, abs=1e-6)
+    skins = drawn.surface_area() * 0.1
+    assert (drawn - least).volume() == pytest.approx(skins, rel=0.05)
+    assert (most - drawn).volume() == pytest.approx(skins, rel=0.05)
+
+
 def test_a_plate_is_what_its_outlines_enclose() -> None:
     outer = Contour("v", "outer", _closed((0, 0), (300, 0), (300, 100), (0, 200)), SRC)
     circle = (Arc((100.0, 80.0), 20.0, 0.0, 360.0),)
@@ -360,7 +392,7 @@ def test_without_the_kernel_one_line_says_what_is_missing(monkeypatch: pytest.Mo
         part_solid(part(IPE))
     (said,) = refused.value.diagnostics
     assert said.code == "solid-kernel"
-    assert "pip install 'beamcam[solid]'" in said.message
+    assert "pip install manifold3d" in said.message
 
 
 def _closed(*points: tuple[float, float]) -> tuple[Line, ...]:

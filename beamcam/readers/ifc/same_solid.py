@@ -1,0 +1,400 @@
+"""A part beside the body that it was read from: the steel that only one of them has.
+
+The part is the solid that `verify --solid` takes it for, built of its section and its features. It
+stands twice, with every void as large as facets and roundings may make it (`least` steel) and as
+small (`most`):
+
+    least steel  <=  body  <=  most steel
+
+What sticks out on either side is named by face and x.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import cos, inf, radians, tan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.budget import check_member
+from beamcam.errors import BeamcamError, Diagnostic, Source
+from beamcam.geometry.curves import Arc
+from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.readers.ifc import rules
+from beamcam.readers.ifc.entities import Unreadable
+from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.region import Shape, rectangle
+from beamcam.readers.ifc.section import BareStock, Section, area_by_measures
+from beamcam.readers.ifc.shell import Shell
+from beamcam.readers.ifc.solid_body import across, section_area, solid_of, stretches
+from beamcam.readers.ifc.space import cross, dot
+from beamcam.readers.ifc.walls import Wall, walls_of
+from beamcam.solid.kernel import kernel, prism
+from beamcam.solid.part_solid import ALONG as SECTIONS
+from beamcam.solid.part_solid import Margins, part_solid, shape_of, slot_corners
+from beamcam.solid.section import FREE, outline
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+BOUND = 100.0  #: mm3 that lumps of a kind may be in all
+MIN_LUMP = 20.0  #: mm3
+MIN_CORE = 3.0  #: mm3 of a lump that stick out of the margins
+#: Share of a volume from which on it is an error that steel leans, or that it is of a root fillet.
+GROSS = 0.005
+SPREAD = 0.0005  #: share of a volume that facets and roundings may be, which no lump shows
+LEVEL_REACH = 0.15  #: thicknesses of a wall that a level may lie inside it
+LEAN_REACH = 2.0  #: thicknesses of a wall that an edge may lean through it
+TOUCHING = 0.05  #: mm of a cut or beside an arc that is rounding
+BESIDE = 0.35  #: mm from a cut to the steel beside it; its margins lie between
+SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
+FILM = 0.15  #: mm, half of what facets of a section may be off
+WALL_SLACK = 0.01  #: mm by which steel of a wall may stand out of it
+FAR = 1e5  #: mm
+ROUNDING = 1e-6  #: mm
+SHOWN = 3  #: lumps that a message names
+FILLET = "the root fillet"
+#: Takes (x, y, z) to (Y, Z, x), for sections across.
+ACROSS = ((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+
+
+#: The axis that an arc lies across (1 is y), its centre (x, q) and its radius.
+ArcAt = tuple[int, float, float, float]
+
+
+class Fineness(Struct, frozen=True):
+    """How closely a body shows what it stands for."""
+
+    slack: float  #: mm that surfaces may be off
+    facet_rad: float  #: between two corners of a mesh on one arc, at most
+    chord: float = inf  #: mm between an arc and a chord, at most
+
+
+class Lump(Struct, frozen=True):
+    """Steel that only the body has, or only the part."""
+
+    face: str  #: v, o, u, h, or FILLET, "no face", "the section"
+    x0: float
+    x1: float
+    volume: float  #: mm3
+    more: bool  #: the body has it, and the part that was read has not
+    leans: bool  #: it lies beside a cut, no further than an edge may lean through its wall
+
+    def __str__(self) -> str:
+        where = f"face {self.face}" if len(self.face) == 1 else self.face
+        what = "more" if self.more else "less"
+        return f"{self.volume / 1e3:.2f} cm3 {what} on {where} at x {self.x0:.1f} to {self.x1:.1f}"
+
+
+class Differences(Struct, frozen=True):
+    """Regions of a body that no feature of its part accounts for, the largest first."""
+
+    lumps: tuple[Lump, ...] = ()
+    fillets: tuple[Lump, ...] = ()  #: root fillets, which no contour of a flange describes
+    leaning: tuple[Lump, ...] = ()  #: beside edges that do not go square through their wall
+    volume: float = 0.0  #: mm3 of the body
+    expected: float = 0.0  #: mm3 of the part
+
+    def said(self, source: Source) -> tuple[Diagnostic, ...]:
+        """The diagnostics of it."""
+        if self.lumps:
+            return (rules.UNEXPLAINED.at(source, found=_told(self.lumps)),)
+        if sum(one.volume for one in self.fillets) > GROSS * self.volume > 0.0:
+            share = f"{100 * GROSS:g}"
+            return (rules.ROOT_CUT.at(source, found=_told(self.fillets), share=share),)
+        pairs = (rules.ROOT_FILLET, self.fillets), (rules.LEANING, self.leaning)
+        off = abs(self.volume - self.expected)
+        if not self.fillets and not self.leaning and off > max(BOUND, SPREAD * self.volume):
+            rule = rules.VOLUME_OFF if off > GROSS * self.volume else rules.VOLUME
+            found, expected = (f"{v / 1e3:.2f}" for v in (self.volume, self.expected))
+            return (rule.at(source, found=found, expected=expected),)
+        return tuple(rule.at(source, found=_told(found)) for rule, found in pairs if found)
+
+
+def differences(
+    shaped: Shaped, body: Shell, stock: BareStock, by: Fineness, volume: float | None = None
+) -> Differences:
+    """What of a body, in the part's place, is not explained by its part.
+
+    `stock` is the section that the body was cut from, `volume` that of the solid in mm3 where the
+    body only stands for it. Raises Unreadable if the part has no solid.
+    """
+    frame, part = shaped.frame, part_of(shaped)
+    if dot(cross(frame.x, frame.y), frame.z) <= 0.0:
+        raise Unreadable("a part that is the mirror image of its solid")
+    try:
+        drawn = part_solid(part, Margins(section=stock.shape, square_below=0.0))
+        solid = solid_of(body)
+        if solid is None:
+            rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
+            volume, pieces = section_area(body), [*_by_stations(body, drawn, by.slack + rise)]
+        else:
+            volume = volume or float(solid.volume())
+            pieces = _apart(solid, drawn, part, stock.shape, by)
+    except BeamcamError as reason:
+        raise Unreadable(str(reason.diagnostics[0])) from reason
+    check_member()
+    found = [
+        lump for more, one in pieces for lump in _by_face(one, more, part, shaped.section, by.slack)
+    ]
+    found = sorted(_joined(found), key=lambda one: -one.volume)
+    fillets = tuple(one for one in found if one.face == FILLET)
+    leaning = tuple(one for one in found if one.leans)
+    if sum(one.volume for one in leaning) > GROSS * volume:
+        leaning = ()  # too much for a cut whose edge leans
+    rest = tuple(one for one in found if one not in fillets and one not in leaning)
+    rest, fillets, leaning = (
+        kind if sum(one.volume for one in kind) > BOUND else () for kind in (rest, fillets, leaning)
+    )
+    expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
+    if part.profile.code == "C":
+        expected = volume  # cuts of lips are not known
+    return Differences(rest, fillets, leaning, volume, expected)
+
+
+def _apart(
+    solid: "Manifold", drawn: "Manifold", part: Part, stock: Shape, by: Fineness
+) -> "list[tuple[bool, Manifold]]":
+    """The lumps in which two solids differ beyond the margins, and whether the first has them."""
+    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
+    arcs = _arcs(part)
+    found = []
+    # Surfaces that lie in one another are dear to cut, so that they come where there is a lump.
+    for more, rest in ((True, solid - most), (False, least - solid)):
+        cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
+        cores = [one for one in cores if not _is_of_facets(one, arcs, by)]
+        if cores:
+            exact = solid - drawn if more else drawn - solid
+            found += [(more, _grown(one, exact, by.slack)) for one in cores]
+    return found
+
+
+def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
+    """All of a lump of which only the core is known, that sticks out of the margins."""
+    box, by = piece.bounding_box(), slack + ROUNDING
+    size = [box[k + 3] - box[k] + 2 * by for k in range(3)]
+    near = kernel().Manifold.cube(size).translate([box[k] - by for k in range(3)])
+    parts = [one for one in (exact ^ near).decompose() if not (one ^ piece).is_empty()]
+    return max(parts, key=lambda one: one.volume(), default=piece)
+
+
+def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
+    """Whether the section that a body was cut from is the one that its part holds.
+
+    Of open sections rounded toes and missing fillets count, but not slopes about the thickness
+    that is given. Of others no figure of a part gives the inner roundings and the lips.
+    """
+    section, area, expected = shaped.section, stock.area, shaped.section.area
+    if section.code in ("I", "U", "L", "T"):
+        drawn = outline(part_of(shaped))
+        more, less = (
+            float(one.buffer(-FILM).buffer(FILM).area)
+            for one in (stock.shape.difference(drawn), drawn.difference(stock.shape))
+        )
+        s = section
+        sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
+        expected = area_by_measures(s.code, *sizes)
+        area = expected + more - less
+    if abs(area - expected) <= SECTION_SLACK * area:
+        return ()
+    found, by_measures = (f"{v / 100:.2f}" for v in (area, expected))
+    return (rules.SECTION_AREA.at(source, found=found, expected=by_measures),)
+
+
+def part_of(shaped: Shaped) -> Part:
+    """The part of a member without its names."""
+    section = shaped.section
+    return Part(
+        mark="", profile=section.profile(""), length=shaped.length, source=Source(""),
+        cuts=shaped.cuts, features=shaped.features, section=section.points,
+    )  # fmt: skip
+
+
+def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
+    """Of the least steel and of the most.
+
+    The lips of a channel, which no part holds, may be there or not.
+    """
+    sections = stock, stock
+    if part.profile.code == "C":
+        drawn = outline(part)
+        sections = stock.intersection(drawn), stock.union(drawn)
+
+    def by(off: float, section: Shape) -> Margins:
+        return Margins(
+            lambda _: off, depth=off, end=off, outline=off, skin=off, section=section,
+            square_below=0.0,
+        )  # fmt: skip
+
+    return by(slack, sections[0]), by(-slack, sections[1])
+
+
+def _by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple[bool, Manifold]]":
+    """As the differences of two solids, of a body that is none: by sections across.
+
+    They lie between all x at which body or part change their form.
+    """
+    lying = drawn.transform(ACROSS)
+    for x0, x1 in stretches(np.concatenate((body.points[:, 0], _points(lying)[:, 2]))):
+        check_member()
+        theirs, ours = across(body, (x0 + x1) / 2), _section(lying, (x0 + x1) / 2)
+        for more, shape in ((True, theirs.difference(ours)), (False, ours.difference(theirs))):
+            wide = shape.buffer(-slack).buffer(slack)
+            if not wide.is_empty:
+                yield more, prism(wide, x0, x1, SECTIONS)
+
+
+def _points(solid: "Manifold") -> Any:
+    return solid.to_mesh64().vert_properties
+
+
+def _section(solid: "Manifold", x: float) -> Shape:
+    from shapely import Polygon, union_all
+
+    shape = union_all([])
+    for ring in solid.slice(x).to_polygons():
+        shape = shape.symmetric_difference(Polygon(ring).buffer(0))
+    return shape
+
+
+def _by_face(
+    piece: "Manifold", more: bool, part: Part, of: Section, slack: float
+) -> Iterator[Lump]:
+    """The steel of a lump by the walls that it lies in, and beside them."""
+    walls = sorted(walls_of(of), key=lambda wall: wall.normal == "z")
+    for wall in walls:
+        inside, rest = piece.split(_box_of(wall, WALL_SLACK))
+        if (inside ^ _box_of(wall, -slack)).volume() > MIN_CORE:  # or it only grazes the wall
+            piece = rest
+            if inside.volume() > MIN_LUMP:
+                yield _lump(inside, wall.face, more, _leans(inside, more, wall, part))
+    if piece.volume() > MIN_LUMP:
+        bare = "the section" if of.code == "SO" else "v"
+        yield _lump(piece, _face_beside(piece, walls, of) if walls else bare, more, False)
+
+
+def _box_of(wall: Wall, larger: float) -> "Manifold":
+    """All of a wall, larger on every side."""
+    shape = rectangle(-FAR, -larger, FAR, wall.width + larger)
+    return prism(shape, wall.low - larger, wall.high + larger, _frame(wall))
+
+
+def _lump(piece: "Manifold", face: str, more: bool, leans: bool) -> Lump:
+    box = piece.bounding_box()
+    return Lump(face, float(box[0]), float(box[3]), float(piece.volume()), more, leans)
+
+
+def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
+    """Where steel lies that is in no wall: in the fillets between two, or at none."""
+    from shapely import box, union_all
+
+    reach = of.radius + 0.01 * of.height
+    fillets = union_all([
+        box(a.low - reach, b.low - reach, a.high + reach, b.high + reach)
+        for a in walls if a.normal == "y"
+        for b in walls if b.normal == "z"
+    ])  # fmt: skip
+    inside = piece ^ prism(fillets, -FAR, FAR, SECTIONS)
+    return FILLET if inside.volume() > piece.volume() / 2 else "no face"
+
+
+def _frame(wall: Wall) -> Any:
+    """Takes (x, q, c) of a wall to (x, y, z)."""
+    along, first, second = (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)
+    return (along, second, first) if wall.normal == "y" else (along, first, second)
+
+
+def _leans(piece: "Manifold", more: bool, wall: Wall, part: Part) -> bool:
+    """Whether a lump is what an edge leaves that does not go square through its wall.
+
+    The part has the outline of both sides of the wall together, so that it may lack no more than
+    what lies between its surface and the level at which it was looked at.
+    """
+    from shapely import union_all
+
+    cuts = _cuts_of(wall, part)
+    gone = union_all(cuts)
+
+    def through(shape: Shape) -> "Manifold":
+        return prism(shape, wall.low - FREE, wall.high + FREE, _frame(wall))
+
+    if gone.is_empty or (piece ^ through(gone.buffer(BESIDE))).is_empty():
+        return False
+    near = gone.buffer(LEAN_REACH * wall.thickness)
+    if more:
+        near = union_all([cut.boundary for cut in cuts]).buffer(LEVEL_REACH * wall.thickness)
+    return bool((piece - through(near)).volume() < MIN_LUMP)
+
+
+def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
+    """What contours take of a wall, and each of their bevels, in (x, q)."""
+    from shapely import LineString, union_all
+
+    contours = [c for c in part.contours if c.face == wall.face]
+    gone = [shape_of(c.curves) for c in contours if c.kind == "inner"]
+    outer = [shape_of(c.curves) for c in contours if c.kind == "outer"]
+    if outer:
+        whole = rectangle(0.0, 0.0, part.length, wall.width)
+        gone.append(whole.difference(union_all(outer)))
+    found = [union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
+    for contour in contours:
+        for bevel in contour.bevels:
+            wide = (wall.thickness - bevel.land) * tan(radians(abs(bevel.angle)))
+            edge = contour.curves[bevel.curve]
+            found.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
+    return found
+
+
+def _arcs(part: Part) -> list[ArcAt]:
+    """The arcs of a part's holes, slots and contours."""
+    found: list[ArcAt] = []
+    for f in part.features:
+        axis = 1 if getattr(f, "face", "v") in ("o", "u") else 2
+        if isinstance(f, Hole):
+            found.append((axis, f.x, f.y, f.diameter / 2))
+        elif isinstance(f, Slot):
+            found += [(axis, x, y, f.diameter / 2) for x, y in slot_corners(f)]
+        elif isinstance(f, Contour):
+            found += [(axis, *c.centre, c.radius) for c in f.curves if isinstance(c, Arc)]
+    return found
+
+
+def _is_of_facets(piece: "Manifold", arcs: Sequence[ArcAt], by: Fineness) -> bool:
+    """Whether a lump lies between an arc of the part and the chords that a mesh has for it."""
+    points = _points(piece)
+    thin = 2.0 * float(piece.volume()) / float(piece.surface_area())
+    for axis, x, q, radius in arcs:
+        rise = _rise(radius, by)
+        if thin < rise:
+            off = np.hypot(points[:, 0] - x, points[:, 3 - axis] - q)
+            if off.min() > radius - rise - TOUCHING and off.max() < radius + TOUCHING:
+                return True
+    return False
+
+
+def _rise(radius: float, by: Fineness) -> float:
+    """mm between an arc and the longest chord that a mesh has for it."""
+    return min(by.chord, radius * (1.0 - cos(by.facet_rad / 2)))
+
+
+def _joined(found: Sequence[Lump]) -> list[Lump]:
+    """The lumps with those joined that follow one another on a face."""
+    out: list[Lump] = []
+    for one in sorted(found, key=lambda lump: lump.x0):
+        for i, known in enumerate(out):
+            same = (known.face, known.more, known.leans) == (one.face, one.more, one.leans)
+            if same and one.x0 - known.x1 < 5.0:
+                volume = known.volume + one.volume
+                out[i] = Lump(
+                    one.face, known.x0, max(one.x1, known.x1), volume, one.more, one.leans
+                )
+                break
+        else:
+            out.append(one)
+    return out
+
+
+def _told(found: Sequence[Lump]) -> str:
+    text = "; ".join(map(str, found[:SHOWN]))
+    more = len(found) - SHOWN
+    return f"{text}; and {more} more" if more > 0 else text
