@@ -247,7 +247,11 @@ class File:
         The others, of which there are many, are not made.
         """
         if self._written is not None:
-            yield from (one for one in entity.values[place] if one.values[0] in names)
+            for one in entity.values[place]:
+                if isinstance(one, Entity) and not isinstance(one, Missing):
+                    first = one.held.inner.lstrip()
+                    if first[:1] == "'" and first[1:].partition("'")[0] in names:
+                        yield one
             return
         for one in self._read(entity.held, place) or ():
             if self._read(one, 0) in names:
