@@ -19,7 +19,7 @@ _RECORDS = re.compile(
 )
 _END = re.compile(r"ENDSEC\s*;")
 _AFTER = re.compile(r"[^#;]*+#")  # a record that is in no section
-_NAME = re.compile(r"#(\d++)\s*+=")
+_NAME = re.compile(r"(?<![(,])#(\d++)\s*+=")
 _REFERENCE = re.compile(r"#(\d++)")
 _STRING = re.compile(r"'[^']*+(?:'|\Z)")
 _COMMENT = re.compile(r"('[^']*+')|/\*.*?\*/", re.DOTALL)

@@ -121,7 +121,7 @@ def test_what_is_no_record_is_named(body: str, found: str, line: int) -> None:
     "values",
     [
         "#1,#2", "(#1,$)", "(1.,,2.)", "(1.,)", ",", "()", "(())", "(1.\n2.)", "((1.,*))", "1E9",
-        "(#1 #1)", "IFCLABEL($)", "((((1.))))", "#1234567890",
+        "(#1 #1)", "IFCLABEL($)", "#1=#1", "((((1.))))", "#1234567890",
     ],
 )  # fmt: skip
 def test_what_ifcopenshell_passes_over_is_doubtful(values: str) -> None:
