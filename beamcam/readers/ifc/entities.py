@@ -69,12 +69,11 @@ class Model(Struct):
     """An open file with its units and what was already worked out of it."""
 
     file: File
-    data: bytes  #: for the geometry kernel, which reads the file by itself
+    data: bytes  #: for other processes, which open the file by themselves
     mm: float  #: mm in the file's length unit
     radians: float  #: radians in the file's plane angle unit
     kilograms: float  #: kg in the file's mass unit
     placements: dict[Entity, Frame] = field(default_factory=dict)
-    properties: dict[str, Any] = field(default_factory=dict)  #: by their texts; most asked for
     known: dict[Any, Any] = field(default_factory=dict)  #: by what it is and its key; see `once`
 
     def once(self, what: str, key: Any, made: Callable[..., Known], *of: Any) -> Known:

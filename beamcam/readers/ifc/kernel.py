@@ -188,15 +188,11 @@ def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
 
 
 def load(model: Model) -> Any:
-    """The model as the kernel reads it, once. Raises Unreadable if it does not."""
-    return model.once("kernel", None, _loaded, model.data)
-
-
-def _loaded(data: bytes) -> Any:
-    try:
-        return _kernel().file.from_string(data.decode("latin-1"))
-    except Exception as fault:  # the parser's own errors have no class of their own
-        raise Unreadable(f"a file that the kernel does not read ({fault})") from fault
+    """The file as ifcopenshell has it open. Raises Unreadable if it does not open it."""
+    _kernel()
+    if model.file.opened is None:
+        raise Unreadable(f"a file that the kernel does not read ({model.file.why_not})")
+    return model.file.opened
 
 
 def _blunted(a: Cylinder, b: Cylinder) -> bool:
@@ -210,7 +206,7 @@ def _blunted(a: Cylinder, b: Cylinder) -> bool:
 
 
 def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None:
-    """Make what the kernel cannot build a little different, in its own copy of the file.
+    """Make what the kernel cannot build a little different, in the file that it has open.
 
     Rounded rectangles whose radius is half of a side become a hair less round, as slots as round
     as they are it leaves out of the solid without an error to its caller. Splines of outlines, of
@@ -226,7 +222,7 @@ def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None
             spline = file.by_id(entity.id())
             owners = file.get_inverse(spline)
             if owners:
-                _put_in_place(spline, _polyline(model, file, entity), owners)
+                _put_in_place(model, spline, _polyline(model, file, entity), owners)
 
 
 def _polyline(model: Model, file: Any, entity: Entity) -> Any:
@@ -236,9 +232,13 @@ def _polyline(model: Model, file: Any, entity: Entity) -> Any:
     return file.create_entity("IfcPolyline", corners)
 
 
-def _put_in_place(old: Any, new: Any, owners: Iterable[Any]) -> None:
-    """Let the owners of an entity of the kernel's file have another one."""
+def _put_in_place(model: Model, old: Any, new: Any, owners: Iterable[Any]) -> None:
+    """Let the owners of an entity of the kernel's file have another one.
+
+    The reader has its own values of each of them before, which stay as they are written.
+    """
     for owner in owners:
+        assert model.file.entity(owner.id()).values
         for k, value in enumerate(owner):
             if value == old:
                 owner[k] = new

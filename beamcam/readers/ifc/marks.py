@@ -1,15 +1,14 @@
 """Data of a member besides its geometry: marks, grade, weights."""
 
 import re
-from collections.abc import Iterator, Mapping
-from itertools import chain
+from collections.abc import Iterator
 
 from msgspec import Struct, field
 
 from beamcam.caches import cached
+from beamcam.readers.ifc.doubts import Typed
 from beamcam.readers.ifc.entities import Entity, Model
 from beamcam.readers.ifc.relations import tied
-from beamcam.readers.ifc.step import Typed
 
 Value = str | float
 
@@ -29,11 +28,9 @@ LENGTHS = ("Length", "NetLength")
 WEIGHTS = ("NetWeight", "Net weight", "Weight (net)")
 VOLUMES = ("NetVolume", "Net volume", "Volume (net)")
 CUTOUTS = "cutout"  #: in the name of a property set that lists copes and mitres
-#: The names of the properties that matter, as they are written.
-_WANTED = tuple(
-    f"'{name}'" for name in (*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS,
-                             *VOLUMES, "Reference", "Phase")
-)  # fmt: skip
+#: The names of the properties that matter.
+_WANTED = frozenset((*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS, *VOLUMES,
+                     "Reference", "Phase"))  # fmt: skip
 _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
 _GRADE = re.compile(r"\b(?:S ?\d{3}|A\d{2,3}|Q\d{3}|C\d{3})[A-Z0-9+]*")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
@@ -75,10 +72,8 @@ def data_of(model: Model, element: Entity) -> Data:
     """The property sets and quantities of an element."""
     sets: list[str] = []
     rows: dict[str, list[tuple[str, Value]]] = {}
-    names = "IFCPROPERTYSINGLEVALUE", _WANTED
-    wanted = model.once("wanted", None, model.file.records.beginning, *names)
-    for name in tied(element, "definitions"):
-        of, values = model.once("set", name, _set_of, model, model.file.entity(name), wanted)
+    for definition in tied(element, "definitions"):
+        of, values = model.once("set", definition, _set_of, model, definition)
         if of not in sets and (values or CUTOUTS in of.lower()):
             sets.append(of)
             for key, value in values.items():
@@ -86,15 +81,11 @@ def data_of(model: Model, element: Entity) -> Data:
     return Data(tuple(sets), rows)
 
 
-def _set_of(
-    model: Model, definition: Entity, wanted: Mapping[str, str]
-) -> tuple[str, dict[str, Value]]:
-    """The name of a property set and those of its values that matter here.
-
-    `wanted` are the texts of properties of a single value, by the names of their records.
-    """
-    name = definition.label or "" if definition.is_a("IfcPropertySetDefinition") else ""
-    return name, dict(_values(model, definition, wanted)) if _matters(name) else {}
+def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
+    """The name of a property set and those of its values that matter here."""
+    named = definition.is_a("IfcPropertySetDefinition")
+    name = definition.file.peek(definition, 2) or "" if named else ""
+    return name, dict(_values(model, definition)) if _matters(name) else {}
 
 
 @cached("ifc.property_set")
@@ -102,17 +93,14 @@ def _matters(name: str) -> bool:
     return _SETS.search(name) is not None
 
 
-def _values(
-    model: Model, definition: Entity, wanted: Mapping[str, str]
-) -> Iterator[tuple[str, Value]]:
+def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
     if definition.is_a("IfcPropertySet"):
-        # Most properties are of no interest, and stay unread; many of the others are alike.
-        for inner in filter(None, map(wanted.get, definition.listed)):
-            if inner not in model.properties:
-                model.properties[inner] = _property(model, inner)
-            row = model.properties[inner]
-            if row is not None:
-                yield row
+        properties = definition.type.places["HasProperties"]
+        for one in definition.file.listed(definition, properties, _WANTED):
+            if one.is_a("IfcPropertySingleValue"):
+                value = one.NominalValue
+                if value is not None:
+                    yield one.Name, _value(model, value)
     elif definition.is_a("IfcElementQuantity"):
         for one in definition.Quantities:
             if one.is_a("IfcQuantityLength"):
@@ -121,12 +109,6 @@ def _values(
                 yield one.Name, one.WeightValue * model.kilograms
             elif one.is_a("IfcQuantityVolume"):
                 yield one.Name, one.VolumeValue
-
-
-def _property(model: Model, inner: str) -> tuple[str, Value] | None:
-    """Name and value of an IfcPropertySingleValue; None if it has no value."""
-    name, _, value, *_ = model.file.tokens.values(inner)
-    return None if value is None else (name, _value(model, value))
 
 
 def _value(model: Model, value: Typed) -> Value:
@@ -163,8 +145,7 @@ def assembly_of(element: Entity, data: Data) -> str:
     mark = data.text(*_ASSEMBLY_MARKS)
     if mark:
         return mark
-    for name in tied(element, "wholes"):
-        whole = element.file.entity(name)
+    for whole in tied(element, "wholes"):
         if whole.is_a("IfcElementAssembly"):
             return str(whole.Tag or whole.Name or whole.guid).strip()
     return ""
@@ -172,10 +153,9 @@ def assembly_of(element: Entity, data: Data) -> str:
 
 def material_of(model: Model, element: Entity) -> str:
     """The name of an element's material, or of its type's; empty if it has none."""
-    types = (model.file.entity(name) for name in tied(element, "types"))
-    for one in chain((element,), types):
-        for name in tied(one, "materials"):
-            return model.once("material", name, _name_of, model.file.entity(name))
+    for one in (element, *tied(element, "types")):
+        for material in tied(one, "materials"):
+            return model.once("material", material, _name_of, material)
     return ""
 
 
@@ -225,8 +205,8 @@ def grades_apart(material: str, data: Data) -> tuple[str, str] | None:
 
 def profile_set_names(model: Model, element: Entity) -> tuple[str, ...]:
     """The names of sections that the profile set of an element's material states."""
-    for name in tied(element, "materials"):
-        return model.once("profile set", name, _profile_names, model.file.entity(name))
+    for material in tied(element, "materials"):
+        return model.once("profile set", material, _profile_names, material)
     return ()
 
 

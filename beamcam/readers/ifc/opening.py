@@ -15,7 +15,7 @@ from beamcam.plain_text import fault_text
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Model, open_model
 from beamcam.readers.ifc.records import File
-from beamcam.readers.ifc.step import Malformed
+from beamcam.readers.ifc.text import Malformed
 
 _SCHEMA = re.compile(rb"FILE_SCHEMA\s*\(\s*\(\s*'([^']*)'", re.IGNORECASE)
 #: Bytes that an archive may unpack to whatever its size, and how many times its size beyond: STEP

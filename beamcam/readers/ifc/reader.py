@@ -14,7 +14,7 @@ from beamcam.readers.ifc.member import Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
 from beamcam.readers.ifc.shares import shares, workers_for
-from beamcam.readers.ifc.step import Malformed
+from beamcam.readers.ifc.text import Malformed
 from beamcam.readers.reading import Reading
 from beamcam.system import start_method
 
@@ -97,8 +97,8 @@ def lettered(part: Part) -> Part:
 
 def _others(model: Model, read: Set[str]) -> Counter[str]:
     """Number of elements of classes that are not read."""
-    there = model.file.counts(name.upper() for name in OTHERS if name not in read)
-    return Counter({name: there[name.upper()] for name in OTHERS if there.get(name.upper())})
+    there = model.file.counts(name for name in OTHERS if name not in read)
+    return Counter({name: count for name, count in there.items() if count})
 
 
 def _told(counts: Counter[str]) -> str:

@@ -1,65 +1,39 @@
-"""A model's entities: their attributes by name or place, and the relations between them."""
+"""A model's entities as ifcopenshell reads them: attributes by name or place, relations.
 
+An entity is made when it is first referred to, and has its values from ifcopenshell when one is
+first asked for, all at once and once: every look at an instance of its costs a few microseconds. So
+what the kernel is given in place of what it cannot build never shows here.
+"""
+
+import re
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Set
+from functools import cached_property
 from typing import Any
 
-import numpy as np
 from msgspec import Struct
 
-from beamcam.readers.ifc.characters import Places
-from beamcam.readers.ifc.columns import Alike
-from beamcam.readers.ifc.schema import EntityType, entity_types
-from beamcam.readers.ifc.step import MISSING, Malformed, records
-from beamcam.readers.ifc.tuples import KINDS, objects, tuples
-from beamcam.readers.ifc.values import Tokens, Values, text_of
+from beamcam.caches import cached
+from beamcam.interrupts import interrupts_waiting
+from beamcam.readers.ifc.doubts import Typed, Values, values_of
+from beamcam.readers.ifc.text import Malformed, Record, escaped, look_over, plain, records
 
-#: Classes of which a model has many: all their values are read when those of one are asked for.
-MANY = frozenset(
-    (
-        "IFCARBITRARYCLOSEDPROFILEDEF",
-        "IFCARBITRARYPROFILEDEFWITHVOIDS",
-        "IFCBEAM",
-        "IFCBOOLEANCLIPPINGRESULT",
-        "IFCBOOLEANRESULT",
-        "IFCCIRCLE",
-        "IFCCIRCLEPROFILEDEF",
-        "IFCCOLUMN",
-        "IFCCOMPOSITECURVE",
-        "IFCCOMPOSITECURVESEGMENT",
-        "IFCEXTRUDEDAREASOLID",
-        "IFCFACE",
-        "IFCFACEBOUND",
-        "IFCFACEOUTERBOUND",
-        "IFCHALFSPACESOLID",
-        "IFCISHAPEPROFILEDEF",
-        "IFCLOCALPLACEMENT",
-        "IFCLSHAPEPROFILEDEF",
-        "IFCMAPPEDITEM",
-        "IFCMEMBER",
-        "IFCOPENINGELEMENT",
-        "IFCPLANE",
-        "IFCPLATE",
-        "IFCPOLYLINE",
-        "IFCPOLYLOOP",
-        "IFCPRODUCTDEFINITIONSHAPE",
-        "IFCRECTANGLEHOLLOWPROFILEDEF",
-        "IFCRECTANGLEPROFILEDEF",
-        "IFCRELVOIDSELEMENT",
-        "IFCROUNDEDRECTANGLEPROFILEDEF",
-        "IFCSHAPEREPRESENTATION",
-        "IFCTRIMMEDCURVE",
-        "IFCTSHAPEPROFILEDEF",
-        "IFCUSHAPEPROFILEDEF",
-    )
-)
+_SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
+_POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))
+_PLACEMENTS = {"IfcAxis2Placement2D": 2, "IfcAxis2Placement3D": 3}  #: and how many values they have
+_PLAIN = (str, float, int, type(None))  #: what ifcopenshell's values and ours have in common
 
 
-_NO_TYPE = EntityType("", frozenset(), {})
+class EntityType(Struct, frozen=True):
+    """An entity type of a schema (EXPRESS)."""
+
+    name: str  #: IfcBeam
+    kinds: frozenset[str]  #: its name and those of its supertypes
+    places: dict[str, int]  #: of its attributes among its values
 
 
 class Entity(Struct, eq=False, gc=False):
-    """A record of the file. Its values are read from the text when one is first asked for.
+    """A record of the file. Its values are read when one is first asked for.
 
     `beam.Tag` is an attribute by its name, `beam.values[7]` the same by its place, which is
     faster.
@@ -69,18 +43,19 @@ class Entity(Struct, eq=False, gc=False):
     """
 
     file: "File"
-    index: int  #: of its record
+    number: int
     type: EntityType  #: what the schema says of it; of an entity that it does not know, its name
+    held: Any  #: ifcopenshell's instance, or the record where the file is doubtful
     values: Values = ()  #: none until they are asked for: deleted, so that `__getattr__` reads them
 
     @property
     def name(self) -> str:
         """#12"""
-        return self.file.records.name(self.index)
+        return f"#{self.number}"
 
     def id(self) -> int:
         """Its number, by which the geometry kernel knows it."""
-        return int(self.name[1:])
+        return self.number
 
     def is_a(self, name: str | None = None) -> Any:
         """The entity's class; or whether it is of a class, be it as a subtype."""
@@ -95,7 +70,7 @@ class Entity(Struct, eq=False, gc=False):
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
-            self.file.fill(self)
+            self.values = self.file.values(self)
             return self.values
         place = self.type.places.get(name)
         if place is not None:
@@ -108,25 +83,8 @@ class Entity(Struct, eq=False, gc=False):
         found = self.values[0] if self.values else None
         return found if isinstance(found, str) else self.name
 
-    @property
-    def label(self) -> str | None:
-        """The Name of a rooted entity, its third value, without a look at the others."""
-        # '', GlobalId, ',#1,', Name, ',$,...'
-        parts = self.file.records.inner(self.index).split("'", 4)
-        if len(parts) == 5 and parts[2].count(",") == 2 and parts[4][:1] == ",":
-            return text_of(parts[3])
-        found: str | None = self.values[2]
-        return found
-
-    @property
-    def listed(self) -> list[str]:
-        """The names in its last value, which is a list of references, without a look at them."""
-        inner = self.file.records.inner(self.index)
-        listed = inner[inner.rfind("(") + 1 : inner.rfind(")")]
-        return "".join(listed.split()).split(",")  # without line breaks
-
     def __repr__(self) -> str:
-        return f"{self.name}=({self.file.records.inner(self.index)})"
+        return f"{self.name}={self.type.name}"
 
 
 class Missing(Entity):
@@ -135,12 +93,6 @@ class Missing(Entity):
     Raises LookupError when it is looked at.
     """
 
-    written: str = ""
-
-    @property
-    def name(self) -> str:
-        return self.written
-
     def __getattr__(self, name: str) -> Any:
         raise LookupError(f"a reference to {self.name}, which is not in the file")
 
@@ -148,131 +100,188 @@ class Missing(Entity):
 class File:
     """A model's records, with its schema; an entity is made when it is first referred to.
 
-    Points, directions and placements are not entities but tuples; see tuples.py.
+    Points, directions and placements are not entities but tuples.
     """
 
     def __init__(self, text: str, schema: str) -> None:
         """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
-        self.records = records(text)
-        self._types = entity_types(schema)
-        self._type_of = {
-            number: self._types.get(kind.upper()) or EntityType(kind, frozenset((kind,)), {})
-            for number, kind in self.records.kinds.items()
-        }
-        #: What stands for each record, and whether it was met yet.
-        self._things, self._met = tuples(self.records)
-        self._numbers = self._met.copy()  #: which of them are points and directions
-        #: Classes of points, directions and placements that are to be looked at one by one.
-        self._unusual = {
-            number
-            for number, kind in self.records.kinds.items()
-            if kind.upper() in KINDS and not self._met[self.records.of_kind(number)[0]]
-        }
-        self.tokens = Tokens(self._referred)
-        self._unread = {n for n, kind in self.records.kinds.items() if kind.upper() in MANY}
-        self.tied: dict[str, dict[int, list[str]]] = {}  #: names by indices; see relations.py
+        text = _SCHEMA.sub(rf"\g<1>{identifier_of(schema)}", plain(text), count=1)
+        looked = look_over(text)
+        self._names = looked.names
+        self._types: dict[str, EntityType] = {}
+        self._things: dict[int, Any] = {}  #: what stands for each record that was met
         self._related: dict[str, dict[Entity, list[Entity]]] = {}
+        self.tied: dict[str, dict[int, list[Any]]] = {}  #: by numbers; see relations.py
+        #: Value of an instance by its place, without its wrapper's checks; so since 0.9.
+        instances = parser().entity_instance
+        self._read = getattr(instances, "get_argument", instances.__getitem__)
+        self._instance: Any = instances
+        self.opened: Any = None  #: the file of ifcopenshell; None if it does not open it
+        self.why_not = ""  #: what it says then
+        #: The records as they are written, where ifcopenshell does not read all of them so.
+        self._written: dict[int, Record] | None = None
+        if self._open(text, looked.doubtful):
+            self._meet_points()
+        else:
+            self._written = {record.number: record for record in records(text)}
+
+    def _open(self, text: str, doubtful: bool) -> bool:
+        """Whether ifcopenshell reads the text as it is written."""
+        parser().get_log()  # what others left there
+        try:
+            self.opened = parser().file.from_string(escaped(text))
+            names = self.opened.entity_names()
+        except Exception as fault:  # the parser's own errors have no class of their own
+            self.why_not = str(fault)
+            return False
+        said = str(parser().get_log()).strip()
+        return not doubtful and not said and len(names) == len(self._names)
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
-        self._related = {}
-        for thing in self._things[self._met & ~self._numbers].tolist():
+        self._related, self.tied = {}, {}
+        for thing in self._things.values():
             if isinstance(thing, Entity):
                 thing.values = ()  # which may lead back to it
-        del self.tokens, self._things
+        self._things = {}
+        self.opened = None
 
-    def _referred(self, name: str, number: int) -> Any:
-        """What stands for a name among values; a missing entity fails when it is looked at."""
-        index = self.records.find(number)
-        if index == MISSING:
-            missing = Missing(self, index, _NO_TYPE, (), name)
-            del missing.index, missing.type, missing.values
-            return missing
-        if not self._met[index]:
-            self._things[index] = self._made(index, self.records.kind(index))
-            self._met[index] = True
-        return self._things[index]
+    def _meet_points(self) -> None:
+        """Read all points, directions and placements at once, most of a file's records."""
+        read, things = self._read, self._things
+        for kind in _POINTS:
+            for instance in self.opened.by_type(kind):
+                numbers = read(instance, 0)
+                if numbers and type(numbers) is tuple and type(numbers[0]) is float:
+                    things[instance.id()] = numbers
+        for kind, count in _PLACEMENTS.items():
+            for instance in self.opened.by_type(kind):
+                values = [read(instance, place) for place in range(count)]
+                met = [(type(v) is self._instance and things.get(v.id())) or None for v in values]
+                if all(one is not None or v is None for one, v in zip(met, values, strict=True)):
+                    things[instance.id()] = tuple(met)
 
-    def _all_referred(self, numbers: Places) -> list[Any] | None:
-        """As `_referred`, by many numbers; None if one of the records is missing."""
-        indices = self.records.find_all(numbers)
-        return None if (indices == MISSING).any() else self._standing(indices)
-
-    def _standing(self, indices: Places) -> list[Any]:
-        """What stands for records; where one was not met before, all of its class are made."""
-        for kind in set(self.records.kinds_of(indices[~self._met[indices]]).tolist()):
-            of = self.records.of_kind(kind)
-            of, kind_type = of[~self._met[of]], self._type_of[kind]
-            if kind in self._unusual:
-                made = [self._made(index, kind) for index in of.tolist()]
-            else:
-                made = [Entity(self, index, kind_type) for index in of.tolist()]
-                for entity in made:
-                    del entity.values
-            self._things[of] = objects(made)
-            self._met[of] = True
-        things: list[Any] = self._things[indices].tolist()
-        return things
-
-    def _made(self, index: int, kind: int) -> Any:
-        """What stands for a record that was not met before: an entity, or its numbers."""
-        made = Entity(self, index, self._type_of[kind])
-        del made.values
-        if kind not in self._unusual:
+    def entity(self, number: int) -> Any:
+        """What stands for a number among values; a missing entity fails when it is looked at."""
+        if number in self._things:
+            return self._things[number]
+        if self._written is None:
+            return self._met(number, self.opened.by_id(number))
+        record = self._written.get(number)
+        if record is None:
+            made = Missing(self, number, _NO_TYPE, None)
+            del made.type, made.held, made.values
             return made
-        values = made.values
-        if made.is_a("IfcPlacement"):
-            return values
-        try:
-            return tuple(map(float, values[0]))
-        except (IndexError, TypeError, ValueError):
-            raise Malformed(f"{made.name} without numbers") from None
+        return self._met(number, record)
 
-    def entity(self, name: str) -> Entity:
-        """The entity of a name."""
-        found: Entity = self.tokens[name]
-        return found
+    def _met(self, number: int, held: Any) -> Any:
+        """What stands for a record that was not met before: an entity, or its numbers."""
+        kind = held.kind if self._written is not None else held.is_a()
+        known = self._types.get(kind) or self._type(kind)
+        made: Any = Entity(self, number, known, held)
+        del made.values
+        if known.name in _PLACEMENTS:
+            made = made.values
+        elif known.name in _POINTS:
+            values = made.values
+            try:
+                made = tuple(map(float, values[0]))
+            except (IndexError, TypeError, ValueError):
+                raise Malformed(f"#{number} without numbers") from None
+        self._things[number] = made
+        return made
 
-    def find(self, name: str) -> int:
-        """The index of the record of a name, or MISSING."""
-        return self.records.find(int(name[1:]))
+    def _type(self, kind: str) -> EntityType:
+        """What the schema says of a class, or else what IFC4 does."""
+        known = entity_type(self.schema, kind) or entity_type("IFC4", kind)
+        known = self._types[kind] = known or EntityType(kind, frozenset((kind,)), {})
+        return known
 
-    def values(self, index: int) -> Values:
-        """The values of a record. Raises Malformed."""
-        return self.tokens.values(self.records.inner(index))
+    def values(self, entity: Entity) -> Values:
+        """The values of an entity. Raises Malformed."""
+        if self._written is not None:
+            return values_of(entity.held.inner, self.entity)
+        read, held, instances, things = self._read, entity.held, self._instance, self._things
+        found = []
+        for place in range(len(entity.type.places)):
+            value = read(held, place)
+            if type(value) is instances and (number := value.id()):
+                thing = things.get(number)
+                value = self._met(number, value) if thing is None else thing
+            elif not isinstance(value, _PLAIN):
+                value = self._value(value)
+            found.append(value)
+        return tuple(found)
 
-    def fill(self, entity: Entity) -> None:
-        """Give an entity its values, and with it all others of one of MANY. Raises Malformed."""
-        kind = self.records.kind(entity.index)
-        if kind not in self._unread or not self._fill_class(kind):
-            entity.values = self.values(entity.index)
+    def _value(self, value: Any) -> Any:
+        """A list of ifcopenshell's, or an instance, as one of ours."""
+        if isinstance(value, tuple):
+            plain = not value or isinstance(value[0], _PLAIN)
+            return value if plain else tuple(map(self._value, value))
+        if not isinstance(value, self._instance):
+            return value
+        if not (number := value.id()):
+            return Typed(value.is_a().upper(), self._value(self._read(value, 0)))
+        thing = self._things.get(number)
+        return self._met(number, value) if thing is None else thing
 
-    def _fill_class(self, kind: int) -> bool:
-        """Give all entities of a class their values, if they are written alike."""
-        self._unread.remove(kind)
-        indices = self.records.of_kind(kind)
-        inners = self.records.inners(indices)
-        found = Alike(self.tokens, self._all_referred).values(inners)
-        if found is None:
-            return False
-        for entity, values in zip(self._standing(indices), found, strict=True):
-            entity.values = values
-        return True
+    def sides(self, relation: str, *places: int) -> Iterator[tuple[Any, ...]]:
+        """Some values of each relation of a class, in the order of the file."""
+        for one in self._of(relation):
+            if self._written is not None:
+                values = self.entity(one.number).values
+                yield tuple(values[place] for place in places)
+            else:
+                yield tuple(self._value(self._read(one, place)) for place in places)
+
+    def peek(self, entity: Entity, place: int) -> Any:
+        """One of an entity's values, without a look at the others."""
+        if self._written is not None:
+            return entity.values[place]
+        return self._value(self._read(entity.held, place))
+
+    def listed(self, entity: Entity, place: int, names: Set[str]) -> Iterator[Entity]:
+        """Those of the entities in a list among an entity's values whose first value is a name.
+
+        The others, of which there are many, are not made.
+        """
+        if self._written is not None:
+            for one in entity.values[place]:
+                if isinstance(one, Entity) and not isinstance(one, Missing):
+                    first = one.held.inner.lstrip()
+                    if first[:1] == "'" and first[1:].partition("'")[0] in names:
+                        yield one
+            return
+        for one in self._read(entity.held, place) or ():
+            if self._read(one, 0) in names:
+                yield self._value(one)
 
     def counts(self, names: Iterable[str]) -> dict[str, int]:
-        """Number of records of classes, given in capitals."""
-        written = {kind.upper() for kind in self.records.kinds.values()}
-        return {name: len(self.records.of(name)) for name in names if name in written}
+        """Number of records of classes, without those of their subtypes."""
+        return {name: len(self._of(name, subtypes=False)) for name in names}
 
-    def by_type(self, name: str) -> list[Entity]:
+    def by_type(self, name: str) -> list[Any]:
         """The entities of a class and of its subtypes, in the order of the file."""
-        return self._standing(np.array(self.indices(name), np.int64))
+        if self._written is not None:
+            return [self.entity(record.number) for record in self._of(name)]
+        return list(map(self._value, self._of(name)))
 
-    def indices(self, name: str) -> list[int]:
-        """The records of a class and of its subtypes, in the order of the file."""
-        kinds = [kind for kind, kind_type in self._types.items() if name in kind_type.kinds]
-        return sorted(index for kind in kinds for index in self.records.of(kind).tolist())
+    def _of(self, name: str, *, subtypes: bool = True) -> list[Any]:
+        """The instances, or else the records, of a class."""
+        if self._written is not None:
+            kinds = {r.kind: self._type(r.kind) for r in self._written.values()}
+            meant = {k for k, t in kinds.items() if name in (t.kinds if subtypes else (t.name,))}
+            return [record for record in self._written.values() if record.kind in meant]
+        if entity_type(self.schema, name) is None:
+            return []
+        found = self.opened.by_type(name, include_subtypes=subtypes)
+        return sorted(found, key=lambda instance: self._order(instance.id()))
+
+    @cached_property
+    def _order(self) -> Callable[[int], int]:
+        """The place of a record in the file, by its number."""
+        return {int(number): place for place, number in enumerate(self._names)}.__getitem__
 
     def related(self, name: str) -> dict[Entity, list[Entity]]:
         """The relations of a class to a feature each, by the elements that have the features."""
@@ -282,3 +291,40 @@ class File:
             for relation in self.by_type(name):
                 known[relation.values[4]].append(relation)
         return known
+
+
+_NO_TYPE = EntityType("", frozenset(), {})
+
+
+@cached("ifc.parser")
+def parser() -> Any:
+    """The module of ifcopenshell. An interrupt waits until it is loaded: it would swallow it."""
+    with interrupts_waiting():
+        import ifcopenshell
+    return ifcopenshell
+
+
+@cached("ifc.class")
+def entity_type(schema: str, name: str) -> EntityType | None:
+    """What a schema (IFC2X3, IFC4 or IFC4X3) says of a class, by its name in any letters."""
+    wrapper = parser().ifcopenshell_wrapper
+    try:
+        declared = wrapper.schema_by_name(identifier_of(schema)).declaration_by_name(name)
+    except RuntimeError:
+        return None
+    entity = above = declared.as_entity()
+    if entity is None:
+        return None
+    kinds = []
+    while above is not None:
+        kinds.append(above.name())
+        above = above.supertype()
+    places = {a.name(): place for place, a in enumerate(entity.all_attributes())}
+    return EntityType(entity.name(), frozenset(kinds), places)
+
+
+@cached("ifc.identifier")
+def identifier_of(schema: str) -> str:
+    """The name by which ifcopenshell knows a schema: IFC4X3_ADD2 for IFC4X3."""
+    names: tuple[str, ...] = parser().ifcopenshell_wrapper.schema_names()
+    return next(name for name in names if name == schema or name.startswith(f"{schema}_"))

@@ -12,7 +12,7 @@ from beamcam.readers.ifc.kernel import build, reached
 from beamcam.readers.ifc.references import broken_reference
 from beamcam.readers.ifc.region import Circles, points_of
 from tests.conftest import SAMPLES
-from tests.unit.readers.ifc.models import opened
+from tests.unit.readers.ifc.models import Small, opened
 
 SAMPLE = SAMPLES / "ifc" / "beam_openings.ifc"
 DATA = SAMPLE.read_bytes()
@@ -72,6 +72,25 @@ def test_points_without_numbers(values: str) -> None:
         found = read(broken, "broken.ifc")
         assert found.refused
         assert found.diagnostics
+
+
+def test_a_property_that_is_not_there_costs_no_member() -> None:
+    m = Small()
+    beam = m.element(m.extruded(m.ipe300(), 1000.0))
+    m.properties(beam, "Tekla Common", Reference="IFCLABEL('B7')", Other="IFCLABEL('x')")
+    data = m.data
+    for broken in (
+        re.sub(rb"#\d+=IFCPROPERTYSINGLEVALUE\('Other'[^;]*;", b"", data),
+        data.replace(b"('Other',$,IFCLABEL('x'),$)", b"('Other',$,,IFCLABEL('x')"),
+    ):
+        assert broken != data
+        assert read(broken, "m.ifc").parts == read(data, "m.ifc").parts != ()
+
+
+def test_a_quote_without_another_refuses_the_file() -> None:
+    broken = DATA.replace(b"IFCPROJECT('", b"IFCPROJECT(")
+    (said,) = read(broken, "m.ifc").diagnostics
+    assert said.code == "ifc-syntax"
 
 
 def test_an_arc_of_a_huge_circle() -> None:

@@ -1,0 +1,181 @@
+"""The text of a model (ISO 10303-21), looked over before ifcopenshell reads it.
+
+    #12=IFCCIRCLEPROFILEDEF(.AREA.,'bolt hole',#5,9.);
+
+Its parser passes over rubbish between records, over references that lead nowhere and over values
+of another kind, and after a string with a stray backslash over all that follows, without an error
+to its caller. So a few regular expressions look at the text as a whole. Its records are told apart
+only where there is a doubt; see doubts.py.
+"""
+
+import re
+from collections.abc import Iterator
+
+from msgspec import Struct
+
+_SECTION = re.compile(r"\bDATA\s*(?:\([^;]*\)\s*)?;")
+_RECORDS = re.compile(
+    r"(?:\s*+#\d{1,18}+\s*+=\s*+\w++\s*+\((?:[^;)]++|\)(?!\s*+;))*+\)\s*+;)*+\s*+", re.ASCII
+)
+_END = re.compile(r"ENDSEC\s*;")
+_AFTER = re.compile(r"[^#;]*+#")  # a record that is in no section
+_NAME = re.compile(r"(?<![(,])#(\d++)\s*+=")
+_REFERENCE = re.compile(r"#(\d++)")
+_STRING = re.compile(r"'[^']*+(?:'|\Z)")
+_COMMENT = re.compile(r"('[^']*+')|/\*.*?\*/", re.DOTALL)
+_RECORD = re.compile(
+    r"#(\d++)\s*+=\s*+(\w++)\s*+\(((?:[^;')]++|'[^']*+'|\)(?!\s*+;))*+)\)\s*+;", re.ASCII
+)
+ESCAPE = re.compile(
+    r"\\X2\\((?:[0-9A-F]{4})*+)\\X0\\|\\X4\\((?:[0-9A-F]{8})*+)\\X0\\|\\X\\([0-9A-F]{2})"
+    r"|\\S\\([^'])|\\P[A-I]\\|\\(\\?)",
+)
+_LETTERS = re.compile(r"[^\x00-\x7f]++")
+
+_VALUE = r"(?![-+]?+\d++[Ee])[^\s,();=$*]++"  # a real number has a point
+
+
+def _listed(deep: int) -> str:
+    """Pattern of a list, without `$`, in which lists and typed values are so deep at most."""
+    value = rf"(?:{_VALUE}\s*+(?:{_listed(deep - 1)})?+|{_listed(deep - 1)})" if deep else _VALUE
+    return rf"\(\s*+{value}\s*+(?:,\s*+{value}\s*+)*+\)"
+
+
+_EACH = rf"(?:[$*]|{_VALUE}\s*+(?:{_listed(2)})?+|{_listed(2)})\s*+"
+#: Records whose values ifcopenshell does not pass over: it does not ask for commas between them.
+_SOUND = re.compile(
+    rf"(?:\s*+#\d{{1,9}}+\s*+=\s*+\w++\s*+\(\s*+(?:{_EACH}(?:,\s*+{_EACH})*+)?+\)\s*+;)*+\s*+",
+    re.ASCII,
+)
+
+
+class Malformed(ValueError):
+    """A file that is not a STEP file; `line` is where, counted from 1."""
+
+    def __init__(self, text: str, line: int | None = None) -> None:
+        super().__init__(text)
+        self.line = line
+
+
+class Record(Struct, frozen=True, gc=False):
+    """A record as it is written."""
+
+    number: int
+    kind: str  #: its class
+    inner: str  #: what is between its brackets
+    start: int  #: its place in the text
+
+
+class Looked(Struct, frozen=True):
+    """What the text of a file holds."""
+
+    names: list[str]  #: the numbers of its records, in their order
+    doubtful: bool  #: whether it has references to no record, or values of another form
+
+
+def plain(text: str) -> str:
+    """The text without comments, and with the letters that its escapes stand for.
+
+    A backslash is written twice, also where it is no escape. Lines stay lines.
+    """
+    if "/*" in text:
+        text = _COMMENT.sub(lambda m: m[1] or " " + "\n" * m[0].count("\n"), text)
+    return ESCAPE.sub(_unescaped, text) if "\\" in text else text
+
+
+def _unescaped(found: re.Match[str]) -> str:
+    letters = letters_of(found)
+    if re.search(r"[\x00-\x1f]", letters):
+        return found[0]
+    return letters.replace("'", "''").replace("\\", r"\\")
+
+
+def letters_of(found: re.Match[str]) -> str:
+    """What an escape stands for."""
+    two, four, one, upper, slash = found.groups()
+    if two is not None:
+        return bytes.fromhex(two).decode("utf-16-be", "replace")
+    if four is not None:
+        return bytes.fromhex(four).decode("utf-32-be", "replace")
+    if one is not None:
+        return chr(int(one, 16))
+    return chr(ord(upper) % 128 + 128) if upper is not None else "\\" * (slash is not None)
+
+
+def escaped(text: str) -> str:
+    """A plain text with escapes for the letters that are not ASCII; ifcopenshell drops them."""
+    if text.isascii():
+        return text
+    return _LETTERS.sub(lambda m: "\\X4\\" + _hex(m[0]) + "\\X0\\", text)
+
+
+def _hex(letters: str) -> str:
+    return letters.encode("utf-32-be").hex().upper()
+
+
+def look_over(text: str) -> Looked:
+    """The records of a plain text. Raises Malformed for what is none, and for a number again."""
+    try:
+        return _looked("''".join(text.split("'")[::2]), text)
+    except Malformed:
+        # Once more with all in its place, for the line and the words that stand there.
+        _looked(_STRING.sub(lambda m: "'" * len(m[0]), text), text)
+        raise
+
+
+def _looked(bare: str, text: str) -> Looked:
+    """As `look_over`, of a text without what is in its strings."""
+    section = _SECTION.search(bare)
+    first = at = section.end() if section is not None else len(bare)
+    sound = True
+    while section is not None:
+        at = _past(_SOUND, bare, section.end())
+        if (end := _END.match(bare, at)) is None:
+            sound = False
+            at = _past(_RECORDS, bare, section.end())
+            end = _END.match(bare, at)
+        if end is None and at == len(bare):
+            raise Malformed("a DATA section without an end", _line(text, first))
+        if end is None:
+            raise _no_record(text, at)
+        at = end.end()
+        section = _SECTION.search(bare, at)
+        if outside := _AFTER.match(bare, at, section.start() if section else len(bare)):
+            raise _no_record(text, outside.end() - 1)
+    names, asked = _NAME.findall(bare, first), set(_REFERENCE.findall(bare, first))
+    if "#0" in bare:
+        names = [name.lstrip("0") for name in names]
+        asked = {one.lstrip("0") for one in asked}
+    there = set(names)
+    if len(there) < len(names):
+        met: set[int] = set()
+        for found in _NAME.finditer(bare, first):
+            if int(found[1]) in met:
+                raise Malformed(f"record #{int(found[1])} twice", _line(text, found.start()))
+            met.add(int(found[1]))
+    return Looked(names, not sound or len(asked) > len(there))
+
+
+def _past(pattern: re.Pattern[str], bare: str, at: int) -> int:
+    """The place behind what a pattern, which may be nothing, takes."""
+    found = pattern.match(bare, at)
+    return at if found is None else found.end()
+
+
+def _no_record(text: str, at: int) -> Malformed:
+    return Malformed(f"{text[at : at + 40].strip()!r} where a record begins", _line(text, at))
+
+
+def records(text: str) -> Iterator[Record]:
+    """The records of a plain text that was looked over."""
+    for found in _RECORD.finditer(text):
+        yield Record(int(found[1]), found[2], found[3], found.start())
+
+
+def line_of(text: str, record: Record) -> int:
+    """The line on which a record begins."""
+    return _line(text, record.start)
+
+
+def _line(text: str, at: int) -> int:
+    return text.count("\n", 0, at) + 1
