@@ -54,8 +54,14 @@ DIALECTS = {
         renamed=PLCOPEN_NAMES,
         library="plcopen_blocks",
         without=(
-            "path_objects", "path_object", "package", "uses", "max_data", "stop",
-            "homing_slow_mm_s", "late_factor",
+            "path_objects",
+            "path_object",
+            "package",
+            "uses",
+            "max_data",
+            "stop",
+            "homing_slow_mm_s",
+            "late_factor",
         ),
     ),
 }  #: by the controller of a machine

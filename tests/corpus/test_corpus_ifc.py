@@ -133,10 +133,18 @@ def test_concrete_is_left_out_of_the_revit_model() -> None:
     assert "12 members of concrete" in said.message
 
 
+#: Members drawn with another section than their measures say, by count: angles with toes that no
+#: measure gives (14.63 for 15.01 cm2), and an I with fillets larger than its radius.
+OTHER_SECTIONS = {
+    "revit2021_pfc_angle_frame.ifc": 18, "bsi_ifc4x3_beam-straight-i-shape-tessellated.ifc": 1,
+}  # fmt: skip
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_the_kernel_agrees(name: str) -> None:
     checked = reading(name, kernel=True)
-    assert [d for d in checked.diagnostics if d.severity is not Severity.NOTE] == []
+    said = [d.code for d in checked.diagnostics if d.severity is not Severity.NOTE]
+    assert said == ["ifc-section-area"] * OTHER_SECTIONS.get(name, 0)
     assert len(checked.parts) == len(reading(name).parts)
 
 
