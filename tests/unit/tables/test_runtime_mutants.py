@@ -37,6 +37,7 @@ LAWS = (
         )
         for what, cycles in ((homing.close, 1), (homing.close, 5), (homing.release, 5))
     ),
+    partial(homing.test_what_fails_for_good_ends_in_its_fault, homing.freeze(0), {7}, False),
     laws.test_one_disturbed_reading_stops_nothing_and_two_do,
     laws.test_homing_that_takes_too_long_is_a_fault,
     laws.test_homing_leaves_a_high_switch_but_does_not_meet_it_again,
