@@ -125,7 +125,8 @@ class _Simulation:
         elif role in ("coolant-on", "coolant-off"):
             self.state = replace(self.state, coolant=role == "coolant-on")
         elif role == "saw":
-            feed = said["feed"] * self.per_minute if "feed" in said else None
+            # No blade goes down at 0 or below; the read-back refuses it, here it takes its own time.
+            feed = max(said.get("feed", 0.0), 0.0) * self.per_minute or None
             legs = self.cell.cut(said.get("angle", 0.0), said.get("tilt", 0.0), feed)
             for leg, sawing in legs:
                 self.state = replace(self.state, sawing=sawing)

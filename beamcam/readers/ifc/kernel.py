@@ -133,6 +133,8 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
         settings.set(name, value)
     file = load(model)
     instances = [_instance(file, each) for each in (element, *openings)]
+    if _is_in_itself(instances[0]):
+        raise Unreadable("an assembly that contains itself")
     for each in used:
         _make_buildable(model, file, each or ())
     _log()  # what earlier solids left
@@ -153,6 +155,16 @@ def _instance(file: Any, element: Entity) -> Any:
         if broken is not None:
             raise Unreadable(f"a broken reference ({broken})")
     return instance
+
+
+def _is_in_itself(instance: Any) -> bool:
+    """Whether an element is a part of its own assembly, whose placement the kernel never finds."""
+    seen: set[int] = set()
+    while instance is not None and instance.id() not in seen:
+        seen.add(instance.id())
+        above = [relation.RelatingObject for relation in getattr(instance, "Decomposes", ())]
+        instance = above[0] if above else None
+    return instance is not None
 
 
 def _log() -> tuple[str, ...]:

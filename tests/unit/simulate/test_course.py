@@ -165,3 +165,14 @@ def test_a_machine_without_axes() -> None:
     bare = replace(ANNEX, axes=())
     with pytest.raises(MachineError, match="machine-missing: found no key 'axes'"):
         course_of(PROGRAM, bare)
+
+
+@pytest.mark.parametrize("feed", ["F-41.667", "F0"])
+def test_a_blade_without_a_feed_of_its_own_takes_the_saws(feed: str) -> None:
+    """The read-back refuses such a cut; a trace of it is finite all the same."""
+    sound = PROGRAM
+    cut = next(line for line in sound.splitlines() if " M42 " in f" {line} ")
+    changed = sound.replace(cut, f"{cut.partition(' F')[0]} {feed}")
+    own, other = (bar_trace(course_of(p, BEAM, PART.profile), BEAM) for p in (sound, changed))
+    assert np.isfinite(other.time_s).all()
+    assert other.time_s[-1] == pytest.approx(own.time_s[-1], rel=0.2)

@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from beamcam.readers.ifc import Options, read
 from beamcam.readers.ifc.kernel import reached
 from tests.conftest import SAMPLES
@@ -30,3 +32,21 @@ def test_a_boolean_of_itself_is_seen() -> None:
     found = read(data, "loop.ifc", options=Options(kernel=True))
     assert [d.code for d in found.diagnostics if d.source.where == beam.GlobalId]
     assert beam.GlobalId not in {part.guid for part in found.parts}
+
+
+@pytest.mark.parametrize("through", ["", "an assembly"])
+def test_an_assembly_of_itself_is_seen(through: str) -> None:
+    """The kernel goes up from a part to its assembly for as long as there is one."""
+    beam = opened(DATA).file.by_type("IfcBeam")[0]
+    rows = f"#999990=IFCRELAGGREGATES('x',$,$,$,{beam.name},({beam.name}));"
+    if through:
+        rows = (
+            "#999989=IFCELEMENTASSEMBLY('y',$,'A',$,$,$,$,'A2',.FACTORY.,.USERDEFINED.);"
+            f"#999990=IFCRELAGGREGATES('x',$,$,$,{beam.name},(#999989));"
+            f"#999991=IFCRELAGGREGATES('z',$,$,$,#999989,({beam.name}));"
+        )
+    end = DATA.rindex(b"ENDSEC;")
+    data = DATA[:end] + rows.encode() + b"\n" + DATA[end:]
+    found = read(data, "loop.ifc", options=Options(kernel=True))
+    said = [str(d) for d in found.diagnostics if d.source.where == beam.GlobalId]
+    assert any("an assembly that contains itself" in one for one in said), said
