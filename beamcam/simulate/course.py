@@ -125,7 +125,7 @@ class _Simulation:
         elif role in ("coolant-on", "coolant-off"):
             self.state = replace(self.state, coolant=role == "coolant-on")
         elif role == "saw":
-            # No blade goes down at 0 or below; the read-back refuses it, here it takes its own time.
+            # No blade goes down at 0 or below; the read-back refuses that, a trace takes its own.
             feed = max(said.get("feed", 0.0), 0.0) * self.per_minute or None
             legs = self.cell.cut(said.get("angle", 0.0), said.get("tilt", 0.0), feed)
             for leg, sawing in legs:
