@@ -344,7 +344,8 @@ def test_message(case: Case) -> None:
 
 
 def test_every_rule_has_its_message_here() -> None:
-    assert {case[0] for case in CASES} == {rule.code for rule in RULES}
+    # What a machine's file says of faces is checked without a part (test_machines_check.py).
+    assert {case[0] for case in CASES} == {rule.code for rule in RULES} - {"machine-hand"}
     assert len({rule.code for rule in RULES}) == len(RULES)
 
 

@@ -183,9 +183,10 @@ def test_a_law_of_every_dialect(
      laws.test_an_encoder_that_jitters_by_a_count_stops_nothing],
 )  # fmt: skip
 def test_a_law_at_any_time(law: Callable[..., None], monkeypatch: pytest.MonkeyPatch) -> None:
-    """A plain program has no task that the system calls for faults."""
+    """A plain program has no task that the system calls for faults, and no stop input."""
     monkeypatch.setattr(laws, "plant", plant)
-    monkeypatch.setitem(laws.DEEDS, "fault task", (alarm(0), (2,)))
+    for kind in ("fault task", "stop button"):
+        monkeypatch.setitem(laws.DEEDS, kind, (alarm(0), (2,)))
     law()
 
 
