@@ -106,5 +106,5 @@ def test_a_mistake_is_answered_with_a_line_that_helps(
     lines = [" ".join(line.split()) for line in done.stderr.splitlines()]
     assert any(answer in line for line in lines), done.stderr
     said = [line for line in lines if line and not line.startswith(("Usage:", "Try "))]
-    assert len(said) <= 4, done.stderr  # nobody reads on
+    assert len(said) <= 4, done.stderr
     assert before == {path: path.read_bytes() for path in before}

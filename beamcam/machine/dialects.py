@@ -1,7 +1,7 @@
 """The dialects of Structured Text that trigger programs are written in.
 
-What differs between them is said here and in the shipped texts of `runtime`; whoever writes, reads
-or runs such programs asks for it.
+Their differences are data, here and in the shipped texts of `runtime`, for the emitter, the reader
+and the simulation alike.
 """
 
 from msgspec import Struct

@@ -1,8 +1,8 @@
 """A section held up to a line's spindles: where each of them puts a hole.
 
-Whoever has written a machine file can measure it in a minute. A face that was taken for its mirror
-image shows in how the axes count too: what one spindle calls up is up for all that the same letter
-of the program moves, unless each counts by itself.
+The author of a machine file measures it in a minute. A face that was taken for its mirror image
+shows in how the axes count too: what one spindle calls up is up for all that the same letter of the
+program moves, unless each counts by itself.
 
     coordinate   across the faces   grows                        strokes
     up           v, h               y towards o                  o downwards, u upwards

@@ -6,6 +6,7 @@ drops out while MC_Power is called with Enable is in the state ErrorStop. MC_Hom
 low limit switch and rests on it.
 """
 
+from abc import abstractmethod
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
@@ -82,9 +83,9 @@ class _Block(Native):
         self.inputs.update(inputs)
         self.call()
 
+    @abstractmethod
     def call(self) -> None:
         """What a call does."""
-        raise NotImplementedError
 
 
 class _Power(_Block):
@@ -132,9 +133,9 @@ class _Command(_Block):
         elif self.arrived(axis):
             self.values.update(BUSY=False, DONE=True)
 
+    @abstractmethod
     def arrived(self, axis: Axis) -> bool:
         """Whether the axis has done it; what is next to be done on the way is done."""
-        raise NotImplementedError
 
 
 class _Move(_Command):

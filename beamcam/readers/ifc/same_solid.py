@@ -230,7 +230,7 @@ def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
 
 
 def _by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple[bool, Manifold]]":
-    """As the differences of two solids, of a body that is none: by sections across.
+    """The differences from a body whose faces close no solid, by sections across.
 
     They lie between all x at which body or part change their form.
     """

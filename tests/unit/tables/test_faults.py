@@ -405,7 +405,7 @@ def test_a_command_that_is_refused_is_a_fault() -> None:
     assert not one.tool_on
 
 
-def test_a_stop_that_is_refused_is_repeated() -> None:
+def test_a_stop_that_is_refused_is_repeated(stop: str = "_STOP") -> None:
     one = plant()
     one.press_start()
     while not one.tool_on or one.still:
@@ -413,7 +413,7 @@ def test_a_stop_that_is_refused_is_repeated() -> None:
     real, refused = one.command, [0]
 
     def command(name: str, values: dict[str, object], line: int) -> int:
-        if name == "_STOP" and refused[0] < 3:
+        if name == stop and refused[0] < 3:
             refused[0] += 1
             return 1
         return real(name, values, line)

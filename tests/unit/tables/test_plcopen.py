@@ -154,6 +154,7 @@ LAWS: tuple[tuple[Callable[..., None], tuple[object, ...]], ...] = (
     (laws.test_a_low_switch_that_closes_in_work_is_a_fault, (0,)),
     (laws.test_a_low_switch_that_closes_in_work_is_a_fault, (2,)),
     (laws.test_one_disturbed_reading_stops_nothing_and_two_do, ()),
+    (laws.test_a_stop_that_is_refused_is_repeated, ("MC_STOP",)),
     (laws.test_homing_that_takes_too_long_is_a_fault, (0,)),
     (laws.test_homing_leaves_a_high_switch_but_does_not_meet_it_again, ()),
     (laws.test_an_axis_that_drops_out_in_mid_cut, ()),
@@ -294,27 +295,6 @@ def test_a_command_that_is_refused_is_a_fault(refused: str) -> None:
     assert not one.tool_on
 
 
-def test_a_stop_that_is_refused_is_repeated() -> None:
-    one = plant()
-    one.press_start()
-    while not one.tool_on or one.still:
-        one.cycle()
-    real, refused = one.command, [0]
-
-    def command(name: str, values: dict[str, object], line: int) -> int:
-        if name == "MC_STOP" and refused[0] < 3:
-            refused[0] += 1
-            return 1
-        return real(name, values, line)
-
-    one.command = command  # type: ignore[method-assign]
-    close(1)(one)
-    one.wait(STOPPED_S)
-    assert refused == [3]
-    assert one.still
-    assert one.axes[0].position < 5.0, "the axis ran on to its end at 6"
-
-
 def test_an_axis_that_is_held_by_a_stop_is_let_go_by_the_acknowledgement() -> None:
     one = plant()
     one.press_start()
@@ -393,7 +373,7 @@ OF_MUTANTS: tuple[tuple[Callable[..., None], tuple[object, ...]], ...] = (
     (test_the_window_goes_by_the_speed_of_each_axis, ()),
     (test_a_low_switch_that_sticks_is_a_fault_of_homing, ()),
     (test_a_command_that_is_refused_is_a_fault, ("MC_MOVEABSOLUTE",)),
-    (test_a_stop_that_is_refused_is_repeated, ()),
+    (laws.test_a_stop_that_is_refused_is_repeated, ("MC_STOP",)),
     (test_a_homing_that_was_stopped_begins_anew, ()),
     (test_an_axis_that_is_held_by_a_stop_is_let_go_by_the_acknowledgement, ()),
     (laws.test_an_encoder_that_jitters_by_a_count_stops_nothing, ()),
