@@ -405,7 +405,8 @@ def test_a_command_that_is_refused_is_a_fault() -> None:
     assert not one.tool_on
 
 
-def test_a_stop_that_is_refused_is_repeated(stop: str = "_STOP") -> None:
+@pytest.mark.parametrize("stop", ["_STOP"])
+def test_a_stop_that_is_refused_is_repeated(stop: str) -> None:
     one = plant()
     one.press_start()
     while not one.tool_on or one.still:

@@ -65,7 +65,7 @@ def outcome(one: Plant, kept: object, deed: Deed, cycles: int) -> str:
     return f"fault {one.value('faultNumber')}" if one.value("workState") == FAULT else "zero"
 
 
-@pytest.mark.parametrize("index", [0, 1])
+@pytest.mark.parametrize("index", [0, pytest.param(1, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize(
     ("style", "cycles"), [("chain", 1), ("table", 1), ("chain", 2), ("chain", 5), ("chain", 30)]
 )
@@ -86,7 +86,7 @@ def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
     assert found <= {"zero", "fault 8", "fault 3"}
 
 
-@pytest.mark.parametrize("path_objects", [False, True])
+@pytest.mark.parametrize("path_objects", [False, pytest.param(True, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize(
     ("deed", "numbers"),
     [

@@ -42,6 +42,7 @@ def test_the_grammar_of_a_stranger_accepts_it(name: str, style: str) -> None:
 OPERATIONS = re.compile(r"FUNCTION_BLOCK FB_Operations.*?END_FUNCTION_BLOCK", re.DOTALL)
 
 
+@pytest.mark.exhaustive
 def test_the_parser_of_another_stranger_accepts_it() -> None:
     """Whose dialect has no configurations. It is slow: of a table, the block that differs."""
     blark = pytest.importorskip("blark.parse", reason="no blark")

@@ -380,7 +380,12 @@ OF_MUTANTS: tuple[tuple[Callable[..., None], tuple[object, ...]], ...] = (
 )
 
 
-@pytest.mark.parametrize(("where", "find", "put"), RUNTIME_MUTANTS)
+#: Every third of them; the exhaustive tests try the others too.
+TRIED = [pytest.param(*row, marks=[pytest.mark.exhaustive] * (k % 3 > 0)) for k, row in
+         enumerate(RUNTIME_MUTANTS)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("where", "find", "put"), TRIED)
 def test_a_changed_runtime_breaks_a_law(
     where: str, find: str, put: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -60,6 +60,7 @@ ARGUMENTS = {
     laws.test_axes_that_trail_by_the_lag_stop_nothing: ("chain", False),
     homing.test_both_switches_of_an_axis_at_once_are_a_fault: (0,),
     laws.test_homing_that_takes_too_long_is_a_fault: (0,),
+    laws.test_a_stop_that_is_refused_is_repeated: ("_STOP",),
 }
 
 NEVER = "FALSE"
@@ -123,7 +124,12 @@ def changed(where: str, find: str, put: str) -> tuple[Unit, ...]:
     return units_of(mutant, machine)
 
 
-@pytest.mark.parametrize(("where", "find", "put"), MUTANTS)
+#: Every sixth of them; the exhaustive tests try the others too.
+TRIED = [pytest.param(*row, marks=[pytest.mark.exhaustive] * (k % 6 > 0)) for k, row in
+         enumerate(MUTANTS)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("where", "find", "put"), TRIED)
 def test_a_changed_runtime_breaks_a_law(
     where: str, find: str, put: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
