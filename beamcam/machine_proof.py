@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 from beamcam.caches import PerObject
 from beamcam.controllers.machine_words import WordFault, fault_in, load_machine
+from beamcam.emitters.head import head_lines
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import rules
@@ -18,8 +19,9 @@ from beamcam.machine.load import shipped, source_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
 from beamcam.model.request import Job, Request
+from beamcam.planning.left_out import by_hand_sources, left_out_kinds
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import Written, carries_head, head_lines, post_of
+from beamcam.posts import Written, beginning, carries_head, post_of
 from beamcam.verify.head import head_of
 
 _AT = Source("the part that proves a machine")
@@ -62,7 +64,7 @@ def proof_faults(machine: Machine) -> tuple[WordFault, ...]:
             written = _written(asked)
         except PlanError:
             continue  # the next one asks for less
-        if carries_head(asked) and head_of(_beginning(written)) is None:
+        if carries_head(asked) and head_of(beginning(written)) is None:
             text = machine.words.comment
             expected = "a comment with {text}, for the head"
             return (fault_in("words.comment", text, repr(text), expected),)
@@ -77,12 +79,10 @@ _faults = PerObject("machine.proof", proof_faults)
 
 def _written(asked: Job) -> Written:
     post = post_of(asked.machine)
-    program = post.motion(post.plan(asked), asked.machine, _NAME)
-    return post.emit(post.with_head(program, tuple(head_lines(asked))), asked)
-
-
-def _beginning(written: Written) -> str:
-    return written if isinstance(written, str) else next(iter(written())).decode("latin-1")
+    plan = post.plan(asked)
+    by_hand = sum(1 for _ in by_hand_sources(plan))
+    head = tuple(head_lines(asked, plan, left_out_kinds(plan), by_hand))
+    return post.emit(post.with_head(post.motion(plan, asked.machine, _NAME), head), asked)
 
 
 def _fault(said: Diagnostic, lines: list[str], machine: Machine) -> WordFault:

@@ -8,6 +8,7 @@ Which planner, motion step, emitter and read-back belong together stands in `pos
 
 from collections import Counter
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, Literal, TypeVar
 
 from msgspec import Struct
@@ -16,6 +17,7 @@ from msgspec.structs import replace
 from beamcam import readers
 from beamcam.asked import AnyMachine, check_asked, machine_of
 from beamcam.budget import check_pieces
+from beamcam.emitters.head import head_lines
 from beamcam.errors import (
     Diagnostic,
     PlanError,
@@ -33,10 +35,17 @@ from beamcam.model.request import Job, Request
 from beamcam.model.work_time import WorkTime
 from beamcam.planning.by_hand import TEXT_MOVED
 from beamcam.planning.jobs import Share, shares_of
-from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_sources, told
+from beamcam.planning.left_out import (
+    BY_HAND,
+    LEFT_OUT,
+    by_hand_sources,
+    left_out_kinds,
+    left_out_sources,
+    told,
+)
 from beamcam.planning.rules import named_skips
 from beamcam.planning.stock import from_store
-from beamcam.posts import Written, carries_head, head_lines, post_of
+from beamcam.posts import Written, beginning, carries_head, post_of
 from beamcam.readers.content import content, shown_name
 from beamcam.readers.reading import Reading
 from beamcam.texts_told import other_places, stand_ins
@@ -44,7 +53,7 @@ from beamcam.verify.asked import job_faults, pieces_asked
 from beamcam.verify.bar_rules import BAR_NEEDED, BAR_TOLD
 from beamcam.verify.by_hand import BY_HAND as FOR_HAND
 from beamcam.verify.by_hand import TEXT_MOVED as MOVED
-from beamcam.verify.head import head_faults, head_of
+from beamcam.verify.head import HEAD_TEXT, head_faults, head_of, other_bar
 from beamcam.verify.left_out import LEDGER
 from beamcam.verify.left_out import LEFT_OUT as MISSING
 from beamcam.verify.uncut import UNCUT, UNCUT_TOLD
@@ -196,10 +205,28 @@ def read_back(
     """All faults of a program for bars, sheets or tables, as its machine reads it.
 
     It has to make all parts of the request, each as often as it was asked for, from one bar of
-    length `bar` (mm, where it is known) or one sheet.
+    length `bar` (mm, where it is known) or one sheet. Where it is not, the program has to be right
+    for any bar, and also for the one that its head names.
     """
     written: Written = program if isinstance(program, str) else lambda: (program,)
-    return post_of(request.machine).verify(written, whole_job(request, bar))
+    verify = post_of(request.machine).verify
+    return by_told_bar(beginning(written), whole_job(request, bar), partial(verify, written))
+
+
+def by_told_bar(
+    text: str, job: Job, verify: Callable[[Job], tuple[Diagnostic, ...]]
+) -> tuple[Diagnostic, ...]:
+    """What `verify` says of a program for a bar, which the head of its `text` may name.
+
+    A head is no more than a text: it may add faults, and takes none away.
+    """
+    head = head_of(text) if job.machine.stock == "beam" and job.machine.saw is not None else None
+    if head is None or head.bar is None:
+        return verify(job)
+    if job.bar is not None:
+        return (*other_bar(head, job.bar, job.request.name), *verify(job))
+    said = [one for one in verify(job) if one.code != BAR_NEEDED.code]
+    return tuple(dict.fromkeys((*said, *verify(replace(job, bar=head.bar)))))
 
 
 def whole_job(request: Request, bar: float | None = None) -> Job:
@@ -254,26 +281,37 @@ def begin(request: Request, together: bool = False, stage: Stage = untold) -> li
     longest; and VerifyError if the programs together are not what was asked for.
     """
     check_asked(request.name, None, request.skips)
-    begun = [_begun(request, share, stage) for share in shares_of(request, together)]
+    shares = shares_of(request, together)
+    begun = [
+        _begun(request, share, stage, (number, len(shares)))
+        for number, share in enumerate(shares, 1)
+    ]
     faults = job_faults(request, [one.job for one in begun])
     if faults:
         raise VerifyError(faults)
     return begun
 
 
-def _begun(request: Request, share: Share, stage: Stage) -> Begun:
+def _begun(request: Request, share: Share, stage: Stage, program: tuple[int, int]) -> Begun:
     def planned(job: Job) -> Begun:
         stages = posting(job)
         stage(next(stages))  # the plan, which is all that a bar can be too short for
         return Begun(job, stages)
 
-    return _on_shortest(request, share, planned)
+    return _on_shortest(request, share, planned, program)
 
 
-def _on_shortest(request: Request, share: Share, make: Callable[[Job], Made]) -> Made:
-    """What `make` gives for a share of a request on the shortest bar in store that takes it."""
+def _on_shortest(
+    request: Request, share: Share, make: Callable[[Job], Made], program: tuple[int, int] = (1, 1)
+) -> Made:
+    """What `make` gives for a share of a request on the shortest bar in store that takes it.
+
+    `program` is the number of its program, and of how many.
+    """
     longest = max((request.parts[place].length for place in share.pieces), default=0.0)
-    return from_store(lambda bar: make(Job(request, share.pieces, bar)), share.lengths, longest)
+    return from_store(
+        lambda bar: make(Job(request, share.pieces, bar, *program)), share.lengths, longest
+    )
 
 
 class Planned(Struct, frozen=True):
@@ -318,17 +356,17 @@ def posting(job: Job) -> Generator[str, None, Posted]:
     remarks = remarks_on(plan, request.strict)
     program = kind.motion(plan, job.machine, request.name)
     by_hand = sum(1 for _ in by_hand_sources(plan))
+    head = head_lines(job, plan, left_out_kinds(plan), by_hand)
     if request.date and isinstance(program, Program):
         program = replace(program, about={**program.about, "date": request.date})
-    program = kind.with_head(program, tuple(head_lines(job, by_hand)))
+    program = kind.with_head(program, tuple(head))
     yield "put in motion"
     written = kind.emit(program, job)
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if request.verified:
         found = kind.verify(written, job)
-        hand = sum(one.code == FOR_HAND.code for one in found)
-        said = (*_other_than_planned(plan, found, job), *_head_faults(job, written, hand))
+        said = (*_other_than_planned(plan, found, job), *_head_faults(job, plan, written, found))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
@@ -372,6 +410,9 @@ def _other_than_planned(
             moved.append(said)
         elif said.code == UNCUT.code:
             yield from _untold(plan, said)
+        elif said.code == HEAD_TEXT.code:  # which was written for these very parts
+            refused = True
+            yield as_error(said)
         elif said.code == BAR_NEEDED.code and isinstance(plan, Plan):
             yield from _too_short(plan, said, job.machine.format.resolution)
         else:
@@ -417,9 +458,13 @@ def _too_short(plan: Plan, needed: Diagnostic, step: float) -> Iterator[Diagnost
         yield BAR_TOLD.at(needed.source, found=needed["found"], expected=expected)
 
 
-def _head_faults(job: Job, written: Written, by_hand: int) -> Iterable[Diagnostic]:
-    """Differences of a program's head from the job and its read-back."""
+def _head_faults(
+    job: Job, plan: Plan | SheetPlan, written: Written, found: Sequence[Diagnostic]
+) -> Iterable[Diagnostic]:
+    """Differences of a program's head from the job and from what its read-back `found`."""
     if not carries_head(job):
         return ()
-    text = written if isinstance(written, str) else next(iter(written())).decode("latin-1")
-    return head_faults(head_of(text), job.machine, job.request.skips, job.request.name, by_hand)
+    told_bar = isinstance(plan, Plan) and job.machine.saw is not None
+    bar = plan.bar.length if isinstance(plan, Plan) and told_bar else None
+    missing, by_hand = (sum(one.code == of.code for one in found) for of in (MISSING, FOR_HAND))
+    return head_faults(head_of(beginning(written)), job, bar, missing, by_hand)

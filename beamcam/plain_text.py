@@ -1,7 +1,7 @@
 """Text from outside (marks, layers, jobs, names of files) before it reaches a program or a screen.
 
-All text that was not written by beamcam goes through one of these: `comment_text` on its way into
-a program, `terminal_text` on its way to a terminal, `one_word` where a program needs a name
+All text that was not written by beamcam goes through one of these: `outside_text` on its way into
+a program (`comment_text` where it stands within another text), `terminal_text` on its way to a terminal, `one_word` where a program needs a name
 without blanks. They replace what is odd, so that an odd mark refuses no part.
 """
 
@@ -19,6 +19,10 @@ REPLACEMENT = "_"
 #: "Debug Messages", "Print Messages"; rs274ngc, convert_comment; for ABORT and PY its remaps.
 _ACTIVE_WORDS = ("MSG", "DEBUG", "PRINT", "LOG", "PROBE", "ABORT", "PY")
 _ACTIVE = re.compile("|".join(" *".join(word) for word in _ACTIVE_WORDS), re.IGNORECASE)
+
+#: How a head begins, and what an operator is told at a stop: `BEAMCAM 2`, `web station 3: mill 16`.
+_LIKE_HEAD = re.compile(r"(?<=BEAMCAM) (?= *[0-9])")
+_LIKE_STOP = re.compile(r"(station +[0-9]+ *):", re.IGNORECASE)
 
 #: rs274 refuses lines of 256 characters and more; a template may put words around a text.
 MAX_COMMENT = 200
@@ -38,6 +42,18 @@ def comment_text(text: str) -> str:
         text = "".join(sign for sign in normalize("NFKD", text) if not combining(sign))
     plain = _NOT_IN_COMMENTS.sub(REPLACEMENT, text)[:MAX_COMMENT]
     return REPLACEMENT + plain.lstrip() if _ACTIVE.match(plain.lstrip()) else plain
+
+
+def outside_text(text: str) -> str:
+    """As `comment_text`, of a mark or a job's name: nothing that programs tell by comments.
+
+    A mark may be `BEAMCAM 2 MACHINE x` or `web station 3: mill 16`, and would be taken for the head
+    of the program, or for what an operator is told at a stop.
+    """
+    plain = comment_text(text)
+    if "BEAMCAM" in plain:
+        plain = _LIKE_HEAD.sub(REPLACEMENT, plain)
+    return _LIKE_STOP.sub(r"\1.", plain) if "station" in plain.lower() else plain
 
 
 def whole_text(text: str) -> str:

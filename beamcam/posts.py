@@ -4,7 +4,7 @@
 that a bar never loads what only a sheet needs.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,17 +12,12 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, PlanError
+from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import Plan, SheetPlan
 from beamcam.model.program import Comment, Program
 from beamcam.model.request import Job
 from beamcam.model.work_time import WorkTime
-from beamcam.plain_text import one_word
-
-NOT_READ_BACK = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"
-FORM = 1  #: of a program and its head; a change that a reader has to know of counts it up
-KINDS_A_LINE = 4  #: of those that may be left out, so that no comment is too long for a controller
 
 #: A program as it is written: its text, or bytes piece by piece where it may be of any length.
 Written = str | Callable[[], Iterable[bytes]]
@@ -84,7 +79,8 @@ def sheet_post() -> Post:
     from beamcam.verify.sheets import verify_sheet
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
-        return _of_asked(verify_sheet, job, _text(program))
+        text = _text(program)
+        return _of_asked(verify_sheet, job, text, text)
 
     def emit(program: Program, job: Job) -> str:
         return cutting.emit(program, job.machine)
@@ -112,7 +108,8 @@ def trigger_post() -> Post:
             raise PlanError(said) from error
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
-        return _of_asked(verify_triggers, job, _text(program))
+        text = _text(program)
+        return _of_asked(verify_triggers, job, text, text)
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import trigger_time
@@ -137,7 +134,7 @@ def step_post() -> Post:
         style = job.request.style
         form = style if style in READ_BACK else job.machine.suffix
         pieces = (program.encode("utf-8"),) if isinstance(program, str) else program()
-        return _of_asked(partial(verify_table, form), job, pieces)
+        return _of_asked(partial(verify_table, form), job, pieces, beginning(program))
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
         from beamcam.motion.table_times import step_time
@@ -169,36 +166,37 @@ def _plan_sheet(job: Job) -> SheetPlan:
 
 
 def _of_asked(
-    verify: Callable[..., tuple[Diagnostic, ...]], job: Job, program: object
+    verify: Callable[..., tuple[Diagnostic, ...]], job: Job, program: object, begin: str
 ) -> tuple[Diagnostic, ...]:
-    """What a check of sheets says of a program, by the parts as they were asked to lie."""
+    """What a check of sheets says of a program, by the parts as they were asked to lie.
+
+    `begin` is the text that the program begins with.
+    """
     from beamcam.verify.sheets.asked_layout import as_asked
 
     parts, said = as_asked(job.parts, job.machine.torch)
     if said:
         return tuple(said)
-    return verify(program, parts, job.machine, job.request.skips, job.request.name)
+    machine, w = job.machine, job.request
+    found = verify(program, parts, machine, w.skips, w.name)
+    if not parts or errors_in(found) or not carries_head(job):
+        return found
+    from beamcam.verify.sheets.told import told_faults
 
-
-def head_lines(job: Job, by_hand: int = 0) -> Iterator[str]:
-    """Head of every program: how it was made, and what may be missing in it.
-
-    `by_hand` marks are left for manual work.
-    """
-    yield f"BEAMCAM {FORM} MACHINE {one_word(job.machine.name)} {job.machine.checksum}".rstrip()
-    kinds = sorted(job.request.skips)
-    for at in range(0, len(kinds), KINDS_A_LINE):
-        yield f"ALLOWED TO BE LEFT OUT: {', '.join(kinds[at : at + KINDS_A_LINE])}"
-    if by_hand:
-        yield f"LEFT TO THE HAND: {by_hand}"
-    if not job.request.verified:
-        yield NOT_READ_BACK
+    return (*found, *told_faults(begin, parts, machine, w.skips, w.name))
 
 
 def carries_head(job: Job) -> bool:
     """Whether the form of a program has a place for remarks; a binary table has none."""
     form = job.request.style or job.machine.suffix
     return job.machine.controller != "stepper" or form != ".bin"
+
+
+def beginning(program: Written) -> str:
+    """The text of a program; of one that comes piece by piece its first piece."""
+    if isinstance(program, str):
+        return program
+    return next(iter(program()), b"").decode("latin-1")
 
 
 def _with_comments(program: Program, lines: Sequence[str]) -> Program:

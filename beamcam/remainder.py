@@ -69,8 +69,6 @@ def _parted(
     """The head of a program, and its commands from an operation on."""
     work = [k for k, command in enumerate(commands) if isinstance(command, _WORK)]
     begin = next(k for k, c in enumerate(commands) if not isinstance(c, StartBar | Comment))
-    if not isinstance(commands[begin], _WORK):
-        begin -= 1  # the comment on a change of tool belongs to it
     cut = work[first - 2] + 1
     return tuple(commands[:begin]), tuple(commands[cut:])
 

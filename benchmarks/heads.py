@@ -18,6 +18,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.request import Job
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.posts import post_of
+from beamcam.verify.head import VERSION
 
 ROOT = Path(__file__).resolve().parent.parent
 SKIPS = ("cope", "slot")
@@ -46,7 +47,7 @@ def allowing_none(text: str, machine: Machine) -> str:
 
 
 def of_another_form(text: str, machine: Machine) -> str:
-    return text.replace("BEAMCAM 1", "BEAMCAM 2")
+    return text.replace(f"BEAMCAM {VERSION}", f"BEAMCAM {VERSION + 1}")
 
 
 def for_another_machine(text: str, machine: Machine) -> str:

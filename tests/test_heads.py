@@ -13,8 +13,9 @@ from beamcam.cli import main
 from beamcam.machine import load, shipped
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
-from beamcam.posts import FORM, Post, head_lines, post_of
-from beamcam.verify.head import VERSION, Head, head_of
+from beamcam.emitters.head import FORM
+from beamcam.posts import Post, post_of
+from beamcam.verify.head import VERSION, head_of
 from benchmarks.heads import CHANGES, counted
 from benchmarks.heads import SAMPLES as SHIPPED
 from tests.conftest import GOLDEN, SAMPLES
@@ -36,23 +37,28 @@ def test_every_shipped_machine_has_its_head_in_every_golden_program(name: str) -
     assert programs
     for path in programs:
         head = head_of(path.read_text(encoding="utf-8"))
-        assert head == Head(FORM, name, machine.checksum, ()), path
+        assert head is not None, path
+        assert (head.version, head.machine, head.checksum) == (FORM, name, machine.checksum)
+        assert not head.allowed
+        assert head.parts and head.stock and all(part.at and part.size for part in head.parts)
+        assert (head.bar is not None) == (machine.stock == "beam")
     assert FORM == VERSION
 
 
 def test_the_head_names_the_kinds_that_were_allowed() -> None:
+    parts, _ = parts_of([read_file(SLOT)])
     kinds = ("slot", "cope", "mark", "bevel", "other", "axis")
-    request = Request((), load("beamline"), skips=kinds)
-    lines = tuple(head_lines(Job(request, ())))
-    assert lines[1:] == (
+    text = post(parts, load("beamline"), skips=kinds, verified=False).text
+    assert re.findall(r"\((.*LEFT OUT:.*|NOT VERIFIED.*)\)", text) == [
         "ALLOWED TO BE LEFT OUT: axis, bevel, cope, mark",
         "ALLOWED TO BE LEFT OUT: other, slot",
-    )
-    head = head_of("\n".join(f"({line})" for line in lines))
+        "LEFT OUT: 1 slot",
+        "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK",
+    ]
+    head = head_of(text)
     assert head is not None
     assert head.allowed == tuple(sorted(kinds))
-    unread = Job(replace(request, verified=False), ())
-    assert "NOT VERIFIED" in tuple(head_lines(unread))[-1]
+    assert head.left_out == 1
 
 
 def test_the_checksum_is_of_what_the_file_says(tmp_path: Path) -> None:
@@ -94,9 +100,9 @@ def without_head(text: str) -> str:
 @pytest.mark.parametrize(
     ("change", "found"),
     [
-        (lambda text: text.replace("N4 ", "(ALLOWED TO BE LEFT OUT: cope)\nN4 ", 1), "allows cope"),
+        (lambda text: text.replace("(SECTION", "(ALLOWED TO BE LEFT OUT: cope)\n(SECTION"), "allows cope"),
         (without_head, "found no head"),
-        (lambda text: text.replace("BEAMCAM 1", "BEAMCAM 2"), "the form 2"),
+        (lambda text: text.replace(f"BEAMCAM {FORM}", "BEAMCAM 7"), "the form 7"),
         (lambda text: text.replace(load("beamline").checksum, "00000000"), "checksum 00000000"),
     ],
 )
@@ -140,7 +146,7 @@ def test_verify_warns_of_a_machine_that_has_changed_since(tmp_path: Path) -> Non
     done = call(*against, "--machine", "beamline")
     assert done.exit_code == 0
     assert "verify-machine-changed" in done.stderr
-    program.write_text(program.read_text().replace("BEAMCAM 1", f"BEAMCAM {VERSION + 1}"))
+    program.write_text(program.read_text().replace(f"BEAMCAM {FORM}", f"BEAMCAM {VERSION + 1}"))
     assert "verify-head-newer" in call(*against, "--machine", machine).stderr
 
 

@@ -19,6 +19,7 @@ from beamcam.machine.machine import Machine
 
 if TYPE_CHECKING:
     from beamcam.controllers.moves import TableRun
+    from beamcam.controllers.rs274.blocks import Variant
 
 
 def interpreter_of(machine: Machine, name: str) -> Interpreter:
@@ -28,11 +29,23 @@ def interpreter_of(machine: Machine, name: str) -> Interpreter:
         from beamcam.controllers.codesys.interpreter import Codesys
 
         return Codesys(dialect, name)
-    from beamcam.controllers.rs274.grbl import GRBL
     from beamcam.controllers.rs274.interpreter import Rs274
+
+    return Rs274(_variants()[machine.controller], dialect, name)
+
+
+def longest_line(machine: Machine) -> int | None:
+    """The characters that a line may have for a machine's controller; None: no limit is known."""
+    if machine.controller not in ("linuxcnc", "grbl"):
+        return None
+    return _variants()[machine.controller].longest_line
+
+
+def _variants() -> "dict[str, Variant]":
+    from beamcam.controllers.rs274.grbl import GRBL
     from beamcam.controllers.rs274.linuxcnc import LINUXCNC
 
-    return Rs274({"linuxcnc": LINUXCNC, "grbl": GRBL}[machine.controller], dialect, name)
+    return {"linuxcnc": LINUXCNC, "grbl": GRBL}
 
 
 def cell_events(

@@ -7,6 +7,7 @@ import numpy as np
 from msgspec.structs import astuple
 
 from beamcam.emitters.columns import lines
+from beamcam.emitters.head import comment_room
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
 from beamcam.model.part_data import PART_DATA
@@ -26,7 +27,7 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.plain_text import comment_text
+from beamcam.plain_text import comment_text, outside_text
 
 SECONDS_PER_MINUTE = 60
 RATIO_DECIMALS = 6
@@ -61,6 +62,7 @@ class _Writer:
         per_minute = machine.format.feed_unit != "mm/s"
         self._per_unit = 1 if per_minute else SECONDS_PER_MINUTE
         self._acceleration = number(machine.torch.acceleration if machine.torch else 0.0, 3)
+        self._room = comment_room(machine)
         self._feed = "0"
         self._carried: tuple[str, ...] = ()  #: words of `modal` as they were written last
         self._wanted: tuple[str, ...] = ()
@@ -146,9 +148,10 @@ class _Writer:
                     kerf=number(command.kerf, 4), half_kerf=number(command.kerf / 2, 4),
                 )  # fmt: skip
             case Comment():
-                return [words.comment.format(text=comment_text(command.text))]
+                text = comment_text(command.text)[: self._room]
+                return [words.comment.format(text=text)]
             case StartSheet():
-                return _filled(words.header, job=comment_text(self._program.job), **self._of_part)
+                return _filled(words.header, job=outside_text(self._program.job), **self._of_part)
             case OfPart():
                 self._of_part = _texts({**self._program.about, **command.about})
         return []
@@ -168,7 +171,7 @@ class _Writer:
 
 def _texts(about: Mapping[str, str]) -> dict[str, str]:
     """What is known of a part, and nothing for what is not."""
-    known = {name: comment_text(text) for name, text in about.items()}
+    known = {name: outside_text(text) for name, text in about.items()}
     return {**dict.fromkeys(PART_DATA, ""), **known}
 
 

@@ -7,11 +7,13 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
+from beamcam.emitters.head import comment_room
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.tools import ToolNumbers, tool_numbers
 from beamcam.machine.words import PART_NAMES, names_in
 from beamcam.model.program import (
+    BeginPart,
     ChangeTool,
     Comment,
     DrillCycle,
@@ -24,7 +26,7 @@ from beamcam.model.program import (
     StartBar,
     TellText,
 )
-from beamcam.plain_text import comment_text
+from beamcam.plain_text import comment_text, outside_text
 
 SECONDS_PER_MINUTE = 60
 NO_BLOCK = ("%", "(")  #: how lines begin that are not blocks and get no number
@@ -46,6 +48,7 @@ class Templates(Struct, frozen=True):
     form: NumberFormat
     numbers: ToolNumbers
     comment: str
+    room: int  #: characters that a comment may have
     words: dict[str, Template]  #: those that have lines
     strokes: BoundedCache[SpindleStroke, Values]  #: what is said of each, wherever it is
 
@@ -58,7 +61,10 @@ def _templates(machine: Machine) -> Templates:
             names = names_in(words, (name,))
             found[name] = Template("\n".join(lines), names, names & PART_NAMES)
     strokes: BoundedCache[SpindleStroke, Values] = BoundedCache("emitters.strokes")
-    return Templates(machine.format, tool_numbers(machine.tools), words.comment, found, strokes)
+    return Templates(
+        machine.format, tool_numbers(machine.tools), words.comment, comment_room(machine), found,
+        strokes,
+    )  # fmt: skip
 
 
 templates_of = PerObject("emitters.machines", _templates)
@@ -108,21 +114,22 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
                 yield _filled(words[command.kind], _text_values(command, form), about)
             case ChangeTool() if "change" in words:
                 yield _filled(words["change"], _change_values(command), about)
-            case Comment():
-                yield templates.comment.format(text=comment_text(command.text))
+            case Comment() | BeginPart():
+                text = comment_text(command.text)[: templates.room]
+                yield templates.comment.format(text=text)
     if started and "footer" in words:
         yield words["footer"].text
 
 
 def _filled(word: Template, values: Values, about: Mapping[str, str]) -> str:
     """A word with its values and what is known of the part; nothing for what is not."""
-    of_part = {name: comment_text(about.get(name, "")) for name in word.of_part}
+    of_part = {name: outside_text(about.get(name, "")) for name in word.of_part}
     return word.text.format_map({**values, **of_part})
 
 
 def _bar_values(job: str, command: StartBar, form: NumberFormat) -> Values:
     return {
-        "job": comment_text(job),
+        "job": outside_text(job),
         "section": str(command.section),
         "width": number(command.width, form.length_decimals),
         "height": number(command.height, form.length_decimals),

@@ -84,6 +84,12 @@ class OfPart(Struct, frozen=True):
     about: Mapping[str, str]  #: by the names of `part_data.PART_DATA`
 
 
+class BeginPart(Struct, frozen=True):
+    """Work on another part of the bar begins."""
+
+    text: str  #: for whoever reads the program at the machine
+
+
 class TellText(Struct, frozen=True):
     """Bring the bar to `x` and have a stamp or printer letter a text."""
 
@@ -196,7 +202,7 @@ class EllipseFeed(Struct, frozen=True, gc=False):
 
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
-    StartBar | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
+    StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
     | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
 )  # fmt: skip
 

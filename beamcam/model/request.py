@@ -41,6 +41,8 @@ class Job(Struct, frozen=True):
     request: Request
     pieces: tuple[int, ...]  #: of each piece the place of its part in `request.parts`
     bar: float | None = None  #: length, mm; None: as long as the pieces need
+    number: int = 1  #: of the program among those of the request, which are
+    of: int = 1  #: so many
 
     @property
     def machine(self) -> Machine:

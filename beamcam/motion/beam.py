@@ -15,6 +15,7 @@ from beamcam.model.part import Profile
 from beamcam.model.part_data import part_data
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, TextOp, ToolLoad
 from beamcam.model.program import (
+    BeginPart,
     ChangeTool,
     Command,
     Comment,
@@ -30,6 +31,7 @@ from beamcam.model.program import (
 )
 from beamcam.model.stroke import Strokes
 from beamcam.motion.stations import stations_of
+from beamcam.plain_text import outside_text
 
 
 class Section(Struct, frozen=True):
@@ -76,13 +78,17 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
     for index, piece in enumerate(plan.pieces):
         if piece.turn != AS_GIVEN:
             # Whoever loads the bar cannot see it in the figures, since the part is not marked yet.
-            yield Comment(f"part {index + 1}, {piece.part.mark}: {piece.turn}")
+            mark = outside_text(piece.part.mark)
+            yield Comment(f"part {index + 1}, {mark}: {piece.turn}")
     section = _section_of(machine, profile)
     waiting = list(plan.reloads)
     of_part = not PART_NAMES.isdisjoint(said)
     stations = [*stations_of(plan, machine)] if "station" in said else None
     worked: int | None = None  #: piece of the last operation
+    begins = _begins(plan)
     for index, op in enumerate(plan.operations):
+        for begun in begins.get(index, ()):
+            yield BeginPart(f"PART {begun + 1} BEGINS: {outside_text(plan.pieces[begun].part.mark)}")
         if of_part:
             on = op.pieces[0] if isinstance(op, SawOp) else op.features[0][0]
             if on != worked:
@@ -106,6 +112,26 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
                     op.tool.kind, op.x, op.y, op.text.text, op.text.height, op.text.angle,
                     op.spindle, op.source,
                 )  # fmt: skip
+
+
+def _begins(plan: Plan) -> dict[int, list[int]]:
+    """The pieces that each operation is the first for, by its index.
+
+    The cut that ends a piece begins the next one only if that one has no work of its own.
+    """
+    own: dict[int, int] = {}
+    shared: dict[int, int] = {}
+    for index, op in enumerate(plan.operations):
+        first, *others = op.pieces if isinstance(op, SawOp) else [f[0] for f in op.features]
+        own.setdefault(first, index)
+        for piece in others:
+            shared.setdefault(piece, index)
+    begins: dict[int, list[int]] = {}
+    for piece in range(len(plan.pieces)):
+        index = own.get(piece, shared.get(piece))
+        if index is not None:
+            begins.setdefault(index, []).append(piece)
+    return begins
 
 
 def _change(load: ToolLoad) -> Iterator[Command]:

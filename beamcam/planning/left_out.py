@@ -63,6 +63,12 @@ def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
             yield plan.pieces[piece].part.features[index].source
 
 
+def left_out_kinds(plan: Plan | SheetPlan) -> Counter[str]:
+    """How many features of each kind were left out because `--allow-skips` names it."""
+    left = unfinished(plan.outcomes)
+    return Counter(one.by.removeprefix("plan-") for one in left if _is_by_name(one))
+
+
 def by_hand_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
     """Source of each mark that is left for manual work."""
     for outcome in unfinished(plan.outcomes):

@@ -1,36 +1,77 @@
-"""The head of a program, which records how it was made.
+"""The head of a program, which records how it was made and what it is.
 
-    (BEAMCAM 1 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
+    (BEAMCAM 2 MACHINE beamline 5f3a9c2e)        version of the form, machine, checksum of its file
     (ALLOWED TO BE LEFT OUT: cope, slot)         the kinds that --allow-skips named, if any
+    (LEFT OUT: 2 slot)                           what is missing, by count, if anything
     (LEFT TO THE HAND: 2)                        marks left for manual work, if any
+    (PROGRAM 2 OF 3)                             of a job of several
+    (SECTION UPN200 GRADE S235JR)                of a sheet (SHEET 10 GRADE S235JR)
+    (BAR 12000)                                  or (BAR 1532.086 AS NEEDED): so long at least
+    (PART 1 AT 20 LENGTH 1500 MARK M58 DRAWING 12 ORDER 7)
 
-It is read whatever signs a controller has for comments, and written nowhere in this package: a
-program whose head says otherwise than what was asked for is refused.
+It is read whatever signs a controller has for comments, and written nowhere in this package. The
+lines follow each other, all between the signs of the first one; what stands elsewhere in a program
+is no head. A program whose head says otherwise than what was asked for, or than what the program
+does, is refused. Nothing in a head excuses a program but the kinds that may be left out, which
+`verify` takes from it where nobody names others.
 """
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.request import Job
+from beamcam.plain_text import outside_text
 
-VERSION = 1  #: newest form that is known
+VERSION = 2  #: newest form that is known
+STOCK_FORM = 2  #: the first form that says the stock and the parts
 MOST_BEFORE = 65_536  #: characters of a program before its head
-MOST_CHARACTERS = 1024  #: of the head itself; all kinds that there are take 300
+MOST_LINES = 20_000  #: of the head itself, more than the pieces of any program
+TOLD = 0.0011  #: mm that lengths in a head are rounded to, and as much for a second rounding
+MAX_TEXT = 40  #: characters of a text in a head
 
-_MADE = re.compile(r"BEAMCAM ([0-9]{1,6}) MACHINE (\S+)(?: ([0-9a-f]{8})\b)?")
+_MADE = re.compile(
+    r"^([^\n]*?)BEAMCAM ([0-9]{1,6}) MACHINE ([A-Za-z0-9._-]+)(?: ([0-9a-f]{8})\b)?([^\n]*)$",
+    re.MULTILINE,
+)
+_NUMBERED = re.compile(r"N[0-9]+\s+")
+_MM = r"(-?[0-9]{1,9}(?:\.[0-9]{1,6})?)"
 _ALLOWED = re.compile(r"ALLOWED TO BE LEFT OUT: ([a-z-]+(?:, [a-z-]+)*)")
+_LEFT_OUT = re.compile(r"LEFT OUT: ([0-9]{1,9} [a-z-]+(?:, [0-9]{1,9} [a-z-]+)*)")
 _BY_HAND = re.compile(r"LEFT TO THE HAND: ([0-9]{1,9})")
+_PROGRAM = re.compile(r"PROGRAM ([0-9]{1,6}) OF ([0-9]{1,6})")
+_STOCK = re.compile(r"(SECTION|SHEET) (.*?)(?: GRADE (.*))?")
+_BAR = re.compile(rf"BAR {_MM}( AS NEEDED)?")
+_PART = re.compile(r"PART ([0-9]{1,6}) ((?:AT|SIZE|MARK|DRAWING|ORDER) .*)")
+_FIGURES = re.compile(rf"AT {_MM}(?: LENGTH {_MM}| {_MM} SIZE {_MM} {_MM})(?: (.*))?")
+_UNREAD = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"
 
 HEAD = Rule(
     "verify-head",
     Severity.ERROR,
     "found {found} in the head of the program; expected {expected}",
     "The head says which kinds of features may be missing, how many marks are left for manual "
-    "work, and for which machine file the program was made. A wrong head would mislead a later "
-    "check.",
+    "work, for which machine file the program was made, the bar, and where its parts lie. A wrong "
+    "head would mislead a later check, and whoever loads the bar.",
+)
+HEAD_TEXT = Rule(
+    "verify-head-text",
+    Severity.WARNING,
+    "found {found} in the head of the program; expected {expected}",
+    "The program may have been made for a part of the same shape with another mark, drawing, order, "
+    "section or grade. It cuts what it was held against, but says another name.",
+)
+HEAD_BAR = Rule(
+    "verify-head-bar",
+    Severity.ERROR,
+    "found a program for a bar of {found} mm in its head; expected {expected} mm, as --bar says",
+    "The program was laid out for the bar that its head names. Load that one, or post the parts "
+    "again for the bar that there is.",
 )
 NEWER = Rule(
     "verify-head-newer",
@@ -45,7 +86,15 @@ MACHINE_CHANGED = Rule(
     "The machine's file has changed since the program was made: offsets, tools or limits may be "
     "others. Post the part again.",
 )
-RULES = (HEAD, NEWER, MACHINE_CHANGED)
+RULES = (HEAD, HEAD_TEXT, HEAD_BAR, NEWER, MACHINE_CHANGED)
+
+
+class HeadPart(Struct, frozen=True):
+    """A part as a head tells of it; lengths in mm."""
+
+    at: tuple[float, ...]  #: x on the bar, or x and y on the sheet, of its x 0, y 0
+    size: tuple[float, ...]  #: length; of a plate and width
+    texts: str = ""  #: `MARK M58 DRAWING 12 ORDER 7`
 
 
 class Head(Struct, frozen=True):
@@ -56,6 +105,13 @@ class Head(Struct, frozen=True):
     checksum: str  #: "" where the machine did not come from a file
     allowed: tuple[str, ...]  #: kinds of features that may be left out, sorted
     by_hand: int = 0  #: marks left for manual work
+    left_out: int = 0  #: features that are missing
+    program: tuple[int, int] = (1, 1)  #: its number, and of how many
+    stock: str = ""  #: the section, or the thickness of the sheet
+    grade: str = ""
+    bar: float | None = None  #: length, mm
+    as_needed: bool = False  #: whether a longer bar does as well
+    parts: tuple[HeadPart, ...] = ()
 
 
 def head_of(text: str) -> Head | None:
@@ -63,33 +119,96 @@ def head_of(text: str) -> Head | None:
     made = _MADE.search(text, 0, MOST_BEFORE)
     if made is None:
         return None
-    lines = _ALLOWED.finditer(text, made.end(), made.end() + MOST_CHARACTERS)
-    kinds = {kind for found in lines for kind in found[1].split(", ")}
-    hand = _BY_HAND.search(text, made.end(), made.end() + MOST_CHARACTERS)
-    by_hand = int(hand[1]) if hand else 0
-    return Head(int(made[1]), made[2], made[3] or "", tuple(sorted(kinds)), by_hand)
+    kinds: set[str] = set()
+    values: dict[str, Any] = {}
+    parts: dict[str, str] = {}
+    for line in _lines(text, made):
+        if found := _ALLOWED.fullmatch(line):
+            kinds.update(found[1].split(", "))
+        elif found := _LEFT_OUT.fullmatch(line):
+            counts = [int(one.split()[0]) for one in found[1].split(", ")]
+            values["left_out"] = values.get("left_out", 0) + sum(counts)
+        elif found := _BY_HAND.fullmatch(line):
+            values.setdefault("by_hand", int(found[1]))
+        elif found := _PROGRAM.fullmatch(line):
+            values.setdefault("program", (int(found[1]), int(found[2])))
+        elif found := _BAR.fullmatch(line):
+            if "bar" not in values:
+                values |= {"bar": float(found[1]), "as_needed": bool(found[2])}
+        elif found := _STOCK.fullmatch(line):
+            if "stock" not in values:
+                values |= {"stock": found[2], "grade": found[3] or ""}
+        elif found := _PART.fullmatch(line):
+            parts[found[1]] = f"{parts[found[1]]} {found[2]}" if found[1] in parts else found[2]
+        elif line != _UNREAD:
+            break
+    in_order = [*parts] == [str(number) for number in range(1, len(parts) + 1)]
+    told = tuple(map(_told_part, parts.values())) if in_order else ()
+    return Head(int(made[2]), made[3], made[4] or "", tuple(sorted(kinds)), parts=told, **values)
+
+
+def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
+    """The texts of the comments behind the first line of a head, as far as they go."""
+    begin, end = _NUMBERED.sub("", made[1], count=1), made[5].rstrip("\r")
+    at = made.end() + 1
+    for _ in range(MOST_LINES):
+        stop = text.find("\n", at)
+        line = text[at : len(text) if stop < 0 else stop].rstrip("\r")
+        if not line.startswith(begin):
+            line = _NUMBERED.sub("", line, count=1)
+        if not (line.startswith(begin) and line.endswith(end) and stop >= 0):
+            return
+        yield line[len(begin) : len(line) - len(end)]
+        at = stop + 1
+
+
+def _told_part(said: str) -> HeadPart:
+    """A part of what its lines say; without a place where they say none that can be read."""
+    found = _FIGURES.fullmatch(said)
+    if found is None:
+        return HeadPart((), (), said)
+    x, length, y, long, wide, texts = found.groups()
+    if length is not None:
+        return HeadPart((float(x),), (float(length),), texts or "")
+    return HeadPart((float(x), float(y)), (float(long), float(wide)), texts or "")
 
 
 def head_faults(
-    head: Head | None, machine: Machine, allowed: Collection[str], name: str, by_hand: int = 0
+    head: Head | None, job: Job, bar: float | None, left_out: int, by_hand: int
 ) -> Iterator[Diagnostic]:
-    """All differences of a head from the request and from the read-back.
+    """All differences of a head from the job and from the read-back of the program.
 
-    `by_hand` is the number of marks that the read-back found left for manual work.
+    `bar` is the length that the head has to name, if it has to name one. `left_out` and `by_hand`
+    are the features that the read-back found missing and the marks left for manual work.
     """
-    source = Source(name)
+    source, machine, allowed = Source(job.request.name), job.machine, job.request.skips
     kinds = ", ".join(sorted(allowed)) or "none"
     if head is None:
         yield HEAD.at(source, found="no head", expected=f"one that allows {kinds}")
-    elif head.allowed != tuple(sorted(allowed)):
-        found = ", ".join(head.allowed) or "none"
-        yield HEAD.at(source, found=f"a head that allows {found}", expected=kinds)
-    elif head.by_hand != by_hand:
-        yield HEAD.at(source, found=f"{head.by_hand} left for manual work", expected=by_hand)
-    elif head.version != VERSION or head.checksum != machine.checksum:
-        found = f"the form {head.version} and the checksum {head.checksum or 'none'}"
-        expected = f"{VERSION} and {machine.checksum or 'none'}"
-        yield HEAD.at(source, found=found, expected=expected)
+        return
+    told_bar = 0.0 if head.bar is None else head.bar
+    for found, expected in (
+        (f"a head that allows {', '.join(head.allowed) or 'none'}", f"a head that allows {kinds}"),
+        (f"{head.by_hand} left for manual work", f"{by_hand} left for manual work"),
+        (f"{head.left_out} left out", f"{left_out} left out"),
+        ("program {} of {}".format(*head.program), f"program {job.number} of {job.of}"),
+        (_form(head.version, head.checksum), _form(VERSION, machine.checksum)),
+        ("no bar" if head.bar is None else "a bar", "no bar" if bar is None else "a bar"),
+        (_needed(head.as_needed), _needed(bar is not None and job.bar is None)),
+    ):
+        if found != expected:
+            yield HEAD.at(source, found=found, expected=expected)
+            return
+    if bar is not None and abs(told_bar - bar) > TOLD:
+        yield HEAD.at(source, found=f"a bar of {told_bar:.3f}", expected=f"{bar:.3f}")
+
+
+def _form(version: int, checksum: str) -> str:
+    return f"the form {version} and the checksum {checksum or 'none'}"
+
+
+def _needed(as_needed: bool) -> str:
+    return "a bar as needed" if as_needed else "a bar of one length"
 
 
 def head_remarks(head: Head | None, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -103,3 +222,86 @@ def head_remarks(head: Head | None, machine: Machine, name: str) -> Iterator[Dia
             Source(name), found=f"{head.machine} {head.checksum}",
             expected=f"{machine.name} {machine.checksum}",
         )  # fmt: skip
+
+
+def other_bar(head: Head | None, bar: float | None, name: str) -> Iterator[Diagnostic]:
+    """An error where the head names another bar than the user; a longer one than needed is none."""
+    if head is None or head.bar is None or bar is None:
+        return
+    if bar < head.bar - TOLD or (bar > head.bar + TOLD and not head.as_needed):
+        yield HEAD_BAR.at(Source(name), found=f"{head.bar:g}", expected=f"{bar:g}")
+
+
+def stock_faults(
+    head: Head, parts: Sequence[Part], stock: str | float, machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """What a head says otherwise of the stock: a section, or the thickness of a sheet in mm."""
+    if head.version < STOCK_FORM:
+        return
+    source = Source(name)
+    if machine.saw is not None and machine.stock == "beam" and head.bar is None:
+        yield HEAD.at(source, found="no bar", expected="the length of the bar")
+    if isinstance(stock, float):
+        if not head.stock.replace(".", "", 1).isdigit() or abs(float(head.stock) - stock) > TOLD:
+            yield HEAD.at(source, found=f"a sheet of {head.stock or 'nothing'}", expected=stock)
+    elif head.stock != stock:
+        yield HEAD_TEXT.at(source, found=f"the section {head.stock or 'none'}", expected=stock)
+    grades = _joined(part.grade for part in parts)
+    if head.grade != grades:
+        found = f"the grade {head.grade or 'none'}"
+        yield HEAD_TEXT.at(source, found=found, expected=grades or "none")
+
+
+def section_told(parts: Sequence[Part]) -> str:
+    """What a head has to say of the section of the parts on a bar."""
+    return _joined(part.profile.name or part.profile.code for part in parts)
+
+
+def _joined(texts: Iterable[str]) -> str:
+    return outside_text("+".join(dict.fromkeys(text for text in texts if text)))[:MAX_TEXT]
+
+
+def part_faults(
+    head: Head, lie: Sequence[tuple[Part, tuple[float, ...]]], slack: float, free: bool, name: str
+) -> Iterator[Diagnostic]:
+    """What a head says otherwise of the parts, which lie as the program was found to make them.
+
+    Each part is given with x on the bar, or x and y on the sheet, of its x 0, y 0; places may
+    differ by `slack`. Where the order is `free`, parts of one shape may have changed places.
+    """
+    if head.version < STOCK_FORM:
+        return
+    source = Source(name)
+    if len(head.parts) != len(lie):
+        yield HEAD.at(source, found=f"{len(head.parts)} part(s)", expected=len(lie))
+        return
+    for number, (told, (part, at)) in enumerate(zip(head.parts, lie, strict=True), 1):
+        size = (part.length,) if len(at) == 1 else (part.length, part.profile.height)
+        if not (_near(told.at, at, slack) and _near(told.size, size, TOLD)):
+            found, expected = _lying(told.at, told.size), _lying(at, size)
+            yield HEAD.at(source, found=f"part {number} {found}", expected=expected)
+    said = [told.texts for told in head.parts]
+    wanted = [_texts_of(part) for part, _ in lie]
+    if free:
+        said, wanted = sorted(said), sorted(wanted)
+    for one, expected in zip(said, wanted, strict=True):
+        if one != expected:
+            found = f"a part {one}" if one else "a part without a name"
+            yield HEAD_TEXT.at(source, found=found.strip(), expected=expected or "no name")
+
+
+def _near(told: Sequence[float], found: Sequence[float], slack: float) -> bool:
+    return len(told) == len(found) and all(
+        abs(a - b) <= slack + TOLD for a, b in zip(told, found, strict=True)
+    )
+
+
+def _lying(at: Sequence[float], size: Sequence[float]) -> str:
+    if not at:
+        return "nowhere"
+    return f"at {' '.join(f'{x:.3f}' for x in at)}, {' x '.join(f'{x:.3f}' for x in size)} mm"
+
+
+def _texts_of(part: Part) -> str:
+    named = (("MARK", part.mark), ("DRAWING", part.drawing), ("ORDER", part.order))
+    return " ".join(f"{key} {outside_text(text)[:MAX_TEXT]}" for key, text in named if text)

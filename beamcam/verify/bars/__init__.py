@@ -7,6 +7,7 @@ missing, the read-back finds out from the program, the parts, the machine and wh
 """
 
 from collections.abc import Collection, Sequence
+from operator import attrgetter
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -32,6 +33,7 @@ from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice, choices_of
 from beamcam.verify.bars.stop_comments import comment_faults, stop_comments
 from beamcam.verify.bars.turned import standing
+from beamcam.verify.head import Head, head_of, part_faults, section_told, stock_faults
 
 __all__ = [
     "BarRun", "Bore", "Cut", "FeatureRef", "MachinedFeatures", "MachinedPath", "interpret", "run",
@@ -164,22 +166,32 @@ def verify(
         if other != profile:
             profile = other
             done = run(text, machine, profile, name, grades)
-    more = compared(done, parts, machine, profile, skips, name, order, turn, bar)
+    more = compared(done, parts, machine, profile, skips, name, order, turn, bar, head_of(text))
     return (*done.diagnostics, *more)
 
 
 def compared(
     done: BarRun, parts: Sequence[Part], machine: Machine, profile: Profile, skips: Collection[str],
-    name: str, order: str, turn: bool, bar: float | None,
+    name: str, order: str, turn: bool, bar: float | None, head: Head | None = None,
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
-    """What is made otherwise than the parts on the bar have it, and what no machine can hold."""
+    """What is made otherwise than the parts on the bar have it, and what no machine can hold.
+
+    Where nothing is, also what a `head` says otherwise.
+    """
     known = _known_of(machine)
     asked = Asked(parts, skips, order != "given", turn, bar)
     comparison = Comparison(
         done.made, asked, known.shop, profile, known.choices(profile), name
     )  # fmt: skip
-    said = comparison.run()
-    return (*said, *bar_faults(comparison.laid, machine, comparison.saw, bar, name))
+    said = (*comparison.run(), *bar_faults(comparison.laid, machine, comparison.saw, bar, name))
+    if head is None or errors_in(said):
+        return said
+    laid = sorted(comparison.laid, key=attrgetter("start"))
+    lie = [(one.part, (one.start,)) for one in laid]
+    return (
+        *said, *stock_faults(head, parts, section_told(parts), machine, name),
+        *part_faults(head, lie, machine.format.resolution, asked.free, name),
+    )  # fmt: skip
 
 
 def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:

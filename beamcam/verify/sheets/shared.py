@@ -4,11 +4,12 @@ Where each lies follows from the parts in the order given and the machine's tabl
 from the lower left corner, `margin` to the edges and `spacing` from box to box.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import material_said
 from beamcam.machine.torch import Torch
@@ -16,7 +17,7 @@ from beamcam.model.drawing import Measures, extent
 from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.need import OUTLINE, need_of, thickness_of
+from beamcam.verify.sheets.need import OUTLINE, Need, need_of, thickness_of
 
 
 def as_one(
@@ -36,6 +37,22 @@ def as_one(
         )
         for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
     ]  # fmt: skip
+    for part, (here, need) in zip(parts, places_of(parts, machine, torch, skips), strict=True):
+        features += [moved_feature(feature, here) for feature in part.features]
+        features += [
+            moved_feature(Contour("v", "outer", tuple(curves), part.source), here)
+            for process, some in need.curves.items()
+            if (curves := [c for c, f in zip(some, need.features[process], strict=True)
+                           if f == OUTLINE])
+        ]  # fmt: skip
+    whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
+    return whole, replace(machine, torch=replace(torch, place="drawn")), said
+
+
+def places_of(
+    parts: Sequence[Part], machine: Machine, torch: Torch, skips: Collection[str]
+) -> Iterator[tuple[Point, Need]]:
+    """Where each of several parts lies on the table, its x 0, y 0; and what of it has to be cut."""
     left = bottom = torch.margin
     top = bottom
     for part in parts:
@@ -44,17 +61,8 @@ def as_one(
         if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
             left, bottom = torch.margin, top + torch.spacing
             top = bottom
-        here = left - x0, bottom - y0
-        features += [moved_feature(feature, here) for feature in part.features]
-        features += [
-            moved_feature(Contour("v", "outer", tuple(curves), part.source), here)
-            for process, some in need.curves.items()
-            if (curves := [c for c, f in zip(some, need.features[process], strict=True)
-                           if f == OUTLINE])
-        ]  # fmt: skip
+        yield (left - x0, bottom - y0), need
         left, top = left + (x1 - x0) + torch.spacing, max(top, bottom + (y1 - y0))
-    whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
-    return whole, replace(machine, torch=replace(torch, place="drawn")), said
 
 
 def _shown(part: Part, torch: Torch) -> str:
