@@ -1,8 +1,8 @@
 """Text from outside (marks, layers, jobs, names of files) before it reaches a program or a screen.
 
 All text that was not written by beamcam goes through one of these: `outside_text` on its way into
-a program (`comment_text` where it stands within another text), `terminal_text` on its way to a terminal, `one_word` where a program needs a name
-without blanks. They replace what is odd, so that an odd mark refuses no part.
+a program (`comment_text` where it stands within another text), `terminal_text` on its way to a
+terminal, `one_word` where a program needs a name without blanks. They replace what is odd, so that an odd mark refuses no part.
 """
 
 import re
@@ -27,6 +27,7 @@ _LIKE_STOP = re.compile(r"(station +[0-9]+ *):", re.IGNORECASE)
 #: rs274 refuses lines of 256 characters and more; a template may put words around a text.
 MAX_COMMENT = 200
 
+_NUMBERS = re.compile(r"[+-]?[0-9]+(?:\.[0-9]+)?(?:;? [+-]?[0-9]+(?:\.[0-9]+)?)*")
 _NOT_IN_WORDS = re.compile(r"[^A-Za-z0-9._-]+")
 _SHORT_SIGNS = {"\t": "\\t", "\n": "\\n", "\r": "\\r"}
 
@@ -106,11 +107,15 @@ def fault_text(error: Exception) -> str:
 
 
 def harmless_cell(cell: object) -> object:
-    """A text as one line, with a quote before what a spreadsheet would take for a formula."""
+    """A text as one line, with a quote before what a spreadsheet would take for a formula.
+
+    A number, and several as of a path, stay what they are.
+    """
     if not isinstance(cell, str):
         return cell
     text = terminal_text(cell)
-    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
+    is_formula = text.startswith(("=", "+", "-", "@")) and not _NUMBERS.fullmatch(text)
+    return f"'{text}" if is_formula else text
 
 
 def _spelled(sign: str) -> str:

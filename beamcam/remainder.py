@@ -26,7 +26,7 @@ from beamcam.model.program import (
     TellText,
 )
 from beamcam.model.request import Job
-from beamcam.pipeline import Posted, RefusedProgram
+from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
 from beamcam.planning.magazine import tool_loads
 from beamcam.verify.bars.remainder import verify_remainder
 
@@ -77,11 +77,15 @@ def faults_of(
     rest: str, whole: str, first: int, job: Job, whole_name: str = "whole program"
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with the remainder of a whole program from operation `first` on."""
-    w = job.request
-    return verify_remainder(
-        whole, rest, first, job.parts, w.machine, w.skips, w.name, whole_name, w.order, w.turn,
-        job.bar,
-    )  # fmt: skip
+
+    def verify(job: Job) -> tuple[Diagnostic, ...]:
+        w = job.request
+        return verify_remainder(
+            whole, rest, first, job.parts, w.machine, w.skips, w.name, whole_name, w.order, w.turn,
+            job.bar,
+        )  # fmt: skip
+
+    return by_told_bar(rest, job, verify)
 
 
 def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[str]:

@@ -10,10 +10,10 @@ from msgspec.structs import replace
 
 from beamcam import pipeline
 from beamcam.cli import main
-from beamcam.machine import load, shipped
-from beamcam.model.request import Job, Request
-from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
 from beamcam.emitters.head import FORM
+from beamcam.machine import load, shipped
+from beamcam.model.request import Job
+from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
 from beamcam.posts import Post, post_of
 from beamcam.verify.head import VERSION, head_of
 from benchmarks.heads import CHANGES, counted
@@ -40,7 +40,9 @@ def test_every_shipped_machine_has_its_head_in_every_golden_program(name: str) -
         assert head is not None, path
         assert (head.version, head.machine, head.checksum) == (FORM, name, machine.checksum)
         assert not head.allowed
-        assert head.parts and head.stock and all(part.at and part.size for part in head.parts)
+        assert head.parts
+        assert head.stock
+        assert all(part.at and part.size for part in head.parts)
         assert (head.bar is not None) == (machine.stock == "beam")
     assert FORM == VERSION
 
@@ -100,7 +102,10 @@ def without_head(text: str) -> str:
 @pytest.mark.parametrize(
     ("change", "found"),
     [
-        (lambda text: text.replace("(SECTION", "(ALLOWED TO BE LEFT OUT: cope)\n(SECTION"), "allows cope"),
+        (
+            lambda text: text.replace("(SECTION", "(ALLOWED TO BE LEFT OUT: cope)\n(SECTION"),
+            "allows cope",
+        ),
         (without_head, "found no head"),
         (lambda text: text.replace(f"BEAMCAM {FORM}", "BEAMCAM 7"), "the form 7"),
         (lambda text: text.replace(load("beamline").checksum, "00000000"), "checksum 00000000"),

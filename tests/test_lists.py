@@ -21,6 +21,7 @@ from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Part, Profile
+from beamcam.plain_text import harmless_cell
 from beamcam.planning.stock_bars import first_fit
 from beamcam.report.hand_list import HEAD as HAND_HEAD
 from beamcam.report.hand_list import as_csv as hand_csv
@@ -184,11 +185,11 @@ def test_the_forms_agree(tmp_path: Path) -> None:
 
 
 def test_a_text_is_no_formula() -> None:
-    table = Table("part list", ("mark",), (("=1+1",), ("-2",)), (None,))
-    assert as_csv(table) == "mark\n'=1+1\n'-2\n"
+    table = Table("part list", ("mark",), (("=1+1",), ("-a",)), (None,))
+    assert as_csv(table) == "mark\n'=1+1\n'-a\n"
     book = openpyxl.load_workbook(io.BytesIO(as_xlsx([table])))
     cells = [(c.value, c.data_type) for c in book["part list"]["A"][1:]]
-    assert cells == [("=1+1", "s"), ("-2", "s")]
+    assert cells == [("=1+1", "s"), ("-a", "s")]
 
 
 def test_another_suffix_is_refused(tmp_path: Path) -> None:
@@ -412,6 +413,17 @@ def test_a_batch_makes_as_many_as_are_wanted_and_checks_them(tmp_path: Path) -> 
 
 
 def test_numbers_of_a_list_of_manual_work_are_numbers() -> None:
-    row = dict.fromkeys(HAND_HEAD, "") | {"x": -30.0, "angle": -12.5, "text": "-30"}
+    row = dict.fromkeys(HAND_HEAD, "") | {
+        "x": -30.0, "angle": -12.5, "text": "-30", "path": "-30 20.5; 40 -20", "mark": "-1+1",
+    }  # fmt: skip
     (cells,) = csv.DictReader(io.StringIO(hand_csv([row])))  # type: ignore[list-item]
-    assert (cells["x"], cells["angle"], cells["text"]) == ("-30", "-12.5", "'-30")
+    assert (cells["x"], cells["angle"], cells["text"]) == ("-30", "-12.5", "-30")
+    assert (cells["path"], cells["mark"]) == ("-30 20.5; 40 -20", "'-1+1")
+
+
+@given(st.text("0123456789.+-=@;, aE", max_size=12))
+def test_a_cell_that_begins_a_formula_holds_numbers_alone(text: str) -> None:
+    cell = harmless_cell(text)
+    assert cell in (text, f"'{text}")
+    if str(cell)[:1] in tuple("=+-@"):
+        assert all(float(word) is not None for word in str(cell).replace(";", " ").split())

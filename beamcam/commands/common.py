@@ -91,6 +91,11 @@ class Voice:
             self._did.add(what)
             self.did(what)
 
+    def tell(self, line: str) -> None:
+        """Say what came of it, to people who want more than errors."""
+        if not (self.quiet or self.as_json):
+            say_lines([line], err=True)
+
     def end(self) -> None:
         """Say what was kept of steps and remarks, where nothing else was to be said."""
         if self._account or not all(self._remarks.values()):

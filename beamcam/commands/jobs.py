@@ -22,6 +22,7 @@ from beamcam.model.plan import Order, Plan, SheetPlan
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import Posted, begin, finished, read_back, untold, whole_job
 from beamcam.readers.content import shown_name
+from beamcam.verify.head import head_of
 
 
 def one_program(inputs: Sequence[str]) -> bytes | None:
@@ -40,13 +41,21 @@ def one_program(inputs: Sequence[str]) -> bytes | None:
     return None
 
 
-def read_program(data: bytes, path: str, config: Config) -> ReadProgram:
-    """A program that is a file. Raises MachineError."""
+def read_program(data: bytes, path: str, config: Config, bar: float | None = None) -> ReadProgram:
+    """A program that is a file; its `bar` as it is given, as its head says, or as in store.
 
+    Raises MachineError.
+    """
     name = PurePath(shown_name(path)).name  # a picture is the same in each folder
     machine = machine_for_program(config, path, data)
-    bar = config.stock_lengths[0] if config.stock_lengths else None
+    bar = bar or bar_told(data) or (config.stock_lengths[0] if config.stock_lengths else None)
     return ReadProgram(data, machine, name, PurePath(name).suffix.lower(), bar=bar)
+
+
+def bar_told(data: bytes) -> float | None:
+    """The length of the bar that the head of a program names."""
+    head = head_of(data.decode("utf-8", "replace"))
+    return None if head is None else head.bar
 
 
 class PostedJob(Struct, frozen=True):
@@ -105,11 +114,12 @@ def asked_program(
         job = posted_job(inputs, parts, config, asked, output, order, turn, voice)
         said += (*job.said, *job.posted.remarks)
         return AskedProgram(job.program, job.posted.plan, ())
-    program = read_program(first, inputs[0], config)
+    program = read_program(first, inputs[0], config, asked.get("bar"))
     asked_for = request_of(parts, config, program.machine, asked["quantity"])
     request = replace(asked_for, name=shown_name(inputs[0]), style=program.style)
     program = replace(program, parts=whole_job(request).parts)
-    return AskedProgram(program, None, read_back(first, request, program.bar))
+    bar = asked.get("bar") if bar_told(first) else program.bar
+    return AskedProgram(program, None, read_back(first, request, bar))
 
 
 def posted_job(

@@ -66,7 +66,7 @@ def command(
         config = settled(asked, inputs)
         data = one_program(inputs)
         if data is not None:
-            scenes = [program_scene(read_program(data, inputs[0], config), unit)]
+            scenes = [program_scene(read_program(data, inputs[0], config, asked["bar"]), unit)]
         elif show == "program" or (show is None and len(inputs) > 1):
             parts, said = read_parts(inputs, config, asked, voice)
             job = posted_job(inputs, parts, config, asked, output, order, turn, voice)

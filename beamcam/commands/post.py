@@ -140,6 +140,11 @@ def command(
         voice.stop((*said, *error.diagnostics, *ways))
     _write(made, files_read(config, inputs), voice)
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
+    if not (voice.quiet or voice.as_json):
+        from beamcam.commands.posted import success
+
+        for name, each in made:
+            voice.tell(success(name, each, first))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
 

@@ -151,7 +151,8 @@ class _Writer:
                 text = comment_text(command.text)[: self._room]
                 return [words.comment.format(text=text)]
             case StartSheet():
-                return _filled(words.header, job=outside_text(self._program.job), **self._of_part)
+                job = outside_text(self._program.job)[: self._room]
+                return _filled(words.header, job=job, **self._of_part)
             case OfPart():
                 self._of_part = _texts({**self._program.about, **command.about})
         return []

@@ -105,7 +105,8 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
             case StartBar():
                 started = True
                 if "header" in words:
-                    yield _filled(words["header"], _bar_values(program.job, command, form), about)
+                    job = outside_text(program.job)[: templates.room]
+                    yield _filled(words["header"], _bar_values(job, command, form), about)
             case OfPart():
                 about = {**program.about, **command.about}
             case PathCycle():
@@ -129,7 +130,7 @@ def _filled(word: Template, values: Values, about: Mapping[str, str]) -> str:
 
 def _bar_values(job: str, command: StartBar, form: NumberFormat) -> Values:
     return {
-        "job": outside_text(job),
+        "job": job,
         "section": str(command.section),
         "width": number(command.width, form.length_decimals),
         "height": number(command.height, form.length_decimals),

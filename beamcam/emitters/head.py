@@ -18,7 +18,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from beamcam.controllers import longest_line
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
 from beamcam.model.plan import Piece, Plan, SheetPlan
 from beamcam.model.request import Job
 from beamcam.plain_text import MAX_COMMENT, one_word, outside_text

@@ -88,7 +88,9 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
     begins = _begins(plan)
     for index, op in enumerate(plan.operations):
         for begun in begins.get(index, ()):
-            yield BeginPart(f"PART {begun + 1} BEGINS: {outside_text(plan.pieces[begun].part.mark)}")
+            yield BeginPart(
+                f"PART {begun + 1} BEGINS: {outside_text(plan.pieces[begun].part.mark)}"
+            )
         if of_part:
             on = op.pieces[0] if isinstance(op, SawOp) else op.features[0][0]
             if on != worked:
@@ -128,9 +130,9 @@ def _begins(plan: Plan) -> dict[int, list[int]]:
             shared.setdefault(piece, index)
     begins: dict[int, list[int]] = {}
     for piece in range(len(plan.pieces)):
-        index = own.get(piece, shared.get(piece))
-        if index is not None:
-            begins.setdefault(index, []).append(piece)
+        at = own.get(piece, shared.get(piece))
+        if at is not None:
+            begins.setdefault(at, []).append(piece)
     return begins
 
 

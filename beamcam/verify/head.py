@@ -63,8 +63,8 @@ HEAD_TEXT = Rule(
     "verify-head-text",
     Severity.WARNING,
     "found {found} in the head of the program; expected {expected}",
-    "The program may have been made for a part of the same shape with another mark, drawing, order, "
-    "section or grade. It cuts what it was held against, but says another name.",
+    "The program may have been made for a part of the same shape with another mark, drawing, "
+    "order, section or grade. It cuts what it was held against, but says another name.",
 )
 HEAD_BAR = Rule(
     "verify-head-bar",

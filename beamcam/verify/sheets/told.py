@@ -1,4 +1,4 @@
-"""What the head of a program for a table says of its sheet and parts, held against the parts asked."""
+"""What the head of a table's program says of its sheet and parts, held against those asked."""
 
 from collections.abc import Collection, Iterator, Sequence
 
@@ -17,7 +17,9 @@ def told_faults(
     head = head_of(text)
     if head is None or machine.torch is None:
         return
-    yield from stock_faults(head, parts, float(thickness_of(parts[0], machine.torch)), machine, name)
+    yield from stock_faults(
+        head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
+    )
     if len(parts) == 1:
         places = [shift_of(need_of(parts[0], machine, machine.torch, skips), machine.torch)]
     else:

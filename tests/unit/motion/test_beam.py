@@ -7,7 +7,7 @@ import pytest
 from beamcam.emitters import gcode
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Feature, Slot
-from beamcam.model.program import Comment, DrillCycle, PathCycle, SawStroke, StartBar
+from beamcam.model.program import BeginPart, Comment, DrillCycle, PathCycle, SawStroke, StartBar
 from beamcam.motion.beam import beam_program
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.orientation import plan_oriented
@@ -84,8 +84,9 @@ def test_the_program_says_what_the_operator_has_to_do() -> None:
 def test_commands_follow_the_plan() -> None:
     loaded = load("beamline-pusher")
     plan = plan_bar([part(hole(500), cuts=EndCuts(flange_end=20.0))], loaded)
-    start, trim, drill, mitre, wedge = beam_program(plan, loaded, "J").commands
+    start, begin, trim, drill, mitre, wedge = beam_program(plan, loaded, "J").commands
     assert start == StartBar(1, 150.0, 300.0)
+    assert begin == BeginPart("PART 1 BEGINS: P1")
     assert isinstance(trim, SawStroke) or isinstance(drill, SawStroke)
     assert isinstance(mitre, SawStroke)
     assert mitre.tilt == pytest.approx(20.0)

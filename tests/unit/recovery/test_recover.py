@@ -35,6 +35,11 @@ def shape(part: Part) -> list[Feature]:
     return [replace(f, source=S) for f in part.features]
 
 
+def work(text: str) -> list[str]:
+    """The blocks of a program, without comments: no block says what its part is called."""
+    return [line for line in text.splitlines() if not line.startswith("(")]
+
+
 @pytest.mark.parametrize(
     "features",
     [
@@ -58,7 +63,7 @@ def test_each_kind_comes_back_as_it_was(features: tuple[Feature, ...]) -> None:
     (part,) = found.parts
     assert shape(part) == list(features)
     assert part.length == 1500.0
-    assert post((part,), machine).text == text
+    assert work(post((part,), machine).text) == work(text)
 
 
 @pytest.mark.parametrize("name", ["beamline", "beamline-annex", "beamline-pusher"])
@@ -69,7 +74,7 @@ def test_samples_come_back(name: str, sample: str) -> None:
     machine = load(name)
     text = post((part,), machine).text
     (made,) = recover(text, machine, "p", Stock(part.profile, part.grade)).parts
-    assert post((made,), machine).text == text
+    assert work(post((made,), machine).text) == work(text)
 
 
 def test_equal_pieces_are_one_part_with_their_number() -> None:
@@ -235,7 +240,7 @@ def test_what_is_written_is_the_part(program: str, suffix: str) -> None:
     machine = load("beamline")
     (part,) = readers.read(sample.read_bytes(), "s.nc1").parts
     old, new = post((part,), machine), post(again.parts, machine)
-    assert new.text == old.text
+    assert work(new.text) == work(old.text)
     assert not [d for d in diff_parts((part,), again.parts) if d.text.startswith("cut")]
 
 

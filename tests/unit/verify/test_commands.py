@@ -55,7 +55,7 @@ def test_verify_lists_what_differs_as_json(job: Path) -> None:
     assert found["code"] == "verify-hole-place"
     assert found["severity"] == "error"
     assert found["file"].endswith("broken.gcode")
-    assert found["line"] == 13
+    assert found["line"] == 17
 
 
 def test_verify_of_another_part_and_of_two(job: Path) -> None:

@@ -71,7 +71,7 @@ def test_units_and_plane_have_to_be_set() -> None:
     with pytest.raises(RefusedProgram) as refused:
         program(SAMPLES / "dstv" / "beam.nc1", machine)
     assert [str(d) for d in refused.value.diagnostics] == [
-        "JOB:5: error verify-setting: found a move before G17, G91.1; "
+        "JOB:9: error verify-setting: found a move before G17, G91.1; "
         "expected it to be set at the beginning"
     ]
 

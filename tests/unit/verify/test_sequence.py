@@ -94,7 +94,7 @@ def test_what_is_said_of_the_order() -> None:
     """The places as the machine counts them."""
     wrong = moved(at("M40", DRILL), at(SINK))
     assert [str(d) for d in verify(wrong, PARTS, PUSHER, bar=6000.0)] == [
-        "program:77: error verify-order: found a countersink 20 on face v at X 1015, y 150 before "
+        "program:82: error verify-order: found a countersink 20 on face v at X 1015, y 150 before "
         "its hole; expected its hole first"
     ]
     late = moved(at(SCRIBE), at(PARTING))
