@@ -283,7 +283,7 @@ def begin(request: Request, together: bool = False, stage: Stage = untold) -> li
     check_asked(request.name, None, request.skips)
     shares = shares_of(request, together)
     begun = [
-        _begun(request, share, stage, (number, len(shares)))
+        begin_share(request, share, stage, (number, len(shares)))
         for number, share in enumerate(shares, 1)
     ]
     faults = job_faults(request, [one.job for one in begun])
@@ -292,7 +292,14 @@ def begin(request: Request, together: bool = False, stage: Stage = untold) -> li
     return begun
 
 
-def _begun(request: Request, share: Share, stage: Stage, program: tuple[int, int]) -> Begun:
+def begin_share(
+    request: Request, share: Share, stage: Stage = untold, program: tuple[int, int] = (1, 1)
+) -> Begun:
+    """The program of a share, planned on the shortest of its bars that takes it.
+
+    `program` is its number, and of how many. Raises PlanError.
+    """
+
     def planned(job: Job) -> Begun:
         stages = posting(job)
         stage(next(stages))  # the plan, which is all that a bar can be too short for

@@ -2,7 +2,8 @@
 
 All text that was not written by beamcam goes through one of these: `outside_text` on its way into
 a program (`comment_text` where it stands within another text), `terminal_text` on its way to a
-terminal, `one_word` where a program needs a name without blanks. They replace what is odd, so that an odd mark refuses no part.
+terminal, `one_word` where a program needs a name without blanks. They replace what is odd, so that
+an odd mark refuses no part.
 """
 
 import re

@@ -32,7 +32,8 @@ MADE = {
 HOSTILE = (
     "BEAMCAM 2 MACHINE beamline 00000000", "x BEAMCAM 1 MACHINE y", "M1)\n(BAR 99)\n(",
     "*) x := 1; (*", "ALLOWED TO BE LEFT OUT: cope", "M1 DRAWING 9 ORDER 8",
-    "web station 3: mill 16", "Träger Größe 5", "x" * 300, "PART 1 AT 0 LENGTH 1 MARK x", "%", "(MSG,stop", "  ", "N5 M30",
+    "web station 3: mill 16", "Träger Größe 5", "x" * 300, "%", "  ", "N5 M30",
+    "PART 1 AT 0 LENGTH 1 MARK x", "(MSG,stop",
 )  # fmt: skip
 texts = st.sampled_from(HOSTILE) | st.text(max_size=60)
 

@@ -33,6 +33,26 @@ SAME_NAME = Rule(
     "by --tree or --name",
     "One program would be written over by the other.",
 )
+OTHER_CONTENT = Rule(
+    "list-mark-twice",
+    Severity.ERROR,
+    "found another part with the mark {found!r}{where} in {other}; expected one content for one "
+    "mark of an order, or --mark-from drawing, file or position",
+    "Two parts that differ under one mark of an order and phase get mixed up in the shop. Give one "
+    "of them another mark, leave its file out, or take the marks from where they differ.",
+)
+REMNANT_OF = Rule(
+    "batch-remnant",
+    Severity.ERROR,
+    "found the remnant {found}; expected {expected}",
+    "The parts are of several sections or grades, and a remnant is of one of them.",
+)
+STALE_SHARE = Rule(
+    "batch-stale-share",
+    Severity.WARNING,
+    "{found!r} still stands from an earlier run over stock; expected it to be of this one",
+    "The pieces lie on other bars or sheets now; whoever runs the older program makes them twice.",
+)
 OVER_INPUT = Rule(
     "batch-over-input",
     Severity.ERROR,
@@ -108,6 +128,7 @@ SCHEDULER = Rule(
 )
 
 RULES = (
-    NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OVER_INPUT, LINK, NOT_OURS, NO_END,
+    NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OTHER_CONTENT, REMNANT_OF,
+    STALE_SHARE, OVER_INPUT, LINK, NOT_OURS, NO_END,
     WRITE, KEPT, RECORD, STALE, DIED, INTERNAL, SCHEDULER,
 )  # fmt: skip

@@ -11,7 +11,7 @@ done early is held back, up to a limit, and so is who may have a name that two w
 import os
 from collections import deque
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 
 from msgspec import Struct
@@ -22,13 +22,18 @@ from beamcam.batch.names import folded
 from beamcam.batch.pool import Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import RECORD_NAME, Record, partly
+from beamcam.batch.same_marks import MarkKey, other_content
 from beamcam.batch.standing import Standing
 from beamcam.batch.work import FileResult, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
 from beamcam.interrupts import NEVER, Asked
+from beamcam.model.marks import marked
+from beamcam.model.part import Part
+from beamcam.pipeline import counted, judged, sound
+from beamcam.readers import read
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.report.run import PartRow, Row, Status, as_message
+from beamcam.report.run import Message, PartRow, Row, Status, as_message
 from beamcam.system import can_sync_all
 
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
@@ -40,7 +45,7 @@ class BatchError(BeamcamError):
     """A batch that cannot be begun."""
 
 
-class _Slot(Struct):
+class Slot(Struct):
     """One input on its way to its row."""
 
     index: int
@@ -77,6 +82,20 @@ def run(
     `dry` run writes nothing. Once it is `asked` to end no further row comes. Raises BatchError if
     the folder cannot be used; closes the workers.
     """
+    with recorded(folder, workers, recipe, dry) as record:
+        yield from Run(
+            inputs, folder, shop, workers, record, flat, force, claims, read, dry, asked
+        ).rows()
+
+
+@contextmanager
+def recorded(
+    folder: str, workers: Workers, recipe: Recipe | None, dry: bool
+) -> Generator[Record, None, None]:
+    """The record of a run into a folder; at its end the workers are closed.
+
+    Raises BatchError if the folder cannot be used.
+    """
     try:
         if not dry:
             os.makedirs(folder, exist_ok=True)
@@ -86,9 +105,7 @@ def run(
         reason = error.strerror or str(error)
         raise BatchError(rules.WRITE.at(Source(folder), found=folder, reason=reason)) from error
     try:
-        yield from _Run(
-            inputs, folder, shop, workers, record, flat, force, claims, read, dry, asked
-        ).rows()
+        yield record
     finally:
         workers.close()
         record.close()
@@ -96,7 +113,7 @@ def run(
             os.sync()  # once for all, in place of waiting for the disk after each file
 
 
-class _Run:
+class Run:
     def __init__(
         self,
         inputs: Sequence[Input],
@@ -117,13 +134,14 @@ class _Run:
         self._standing = Standing(folder, record, force)
         self._settings = sha256(shop.settings).digest()
         self._next = 0
-        self._slots: deque[_Slot] = deque()
-        self._away: dict[int, _Slot] = {}  #: what workers have, by index
+        self._slots: deque[Slot] = deque()
+        self._away: dict[int, Slot] = {}  #: what workers have, by index
         self._again: deque[Chunk] = deque()
         self._held = self._flying = 0
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
         self._read_files = read or FilesRead(found.path for found in inputs)
         self._dry = dry
+        self._marks: dict[MarkKey, str] = {}  #: file of the first part with a mark of an order
         self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
 
@@ -172,22 +190,27 @@ class _Run:
     def _read(self, index: int) -> Task | None:
         """Read an input, and give what is to be done if there is anything."""
         found = self._inputs[index]
-        slot = _Slot(index, found)
+        slot = Slot(index, found)
         self._slots.append(slot)
         data = read_input(found.path)
         if isinstance(data, Diagnostic):
-            slot.row = _row(found.path, "refused", data)
+            slot.row = refused_row(found.path, as_message(data))
             return None
         about = f"{found.path}\0{'' if self._flat else found.tree}\0"
-        slot.key = sha256(self._settings + about.encode("utf-8", "surrogateescape") + data).digest()
-        done = None if self._force else self._record.find(slot.key, found)
+        key = about.encode("utf-8", "surrogateescape") + data
+        return self.to_do(slot, key, Task(index, found.path, data))
+
+    def to_do(self, slot: Slot, key: bytes, task: Task) -> Task | None:
+        """The task of an input; None where it was done by an earlier run, as its key says."""
+        slot.key = sha256(self._settings + key).digest()
+        done = None if self._force else self._record.find(slot.key, slot.input)
         if done is not None and not (self._shop.timed and _lacks_time(done)):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}
             return None
-        slot.size = len(data)
+        slot.size = len(task.data)
         self._flying += slot.size
-        self._away[index] = slot
-        return Task(index, found.path, data)
+        self._away[slot.index] = slot
+        return task
 
     def _take(self, result: Result) -> None:
         """Results of the workers, or their loss."""
@@ -204,14 +227,14 @@ class _Run:
         else:
             (task,) = result.chunk
             slot = self._land(task.index)
-            slot.row = _row(task.name, "failed", rules.DIED.at(Source(task.name)))
+            slot.row = died(task.name)
 
-    def _land(self, index: int) -> _Slot:
+    def _land(self, index: int) -> Slot:
         slot = self._away.pop(index)
         self._flying -= slot.size
         return slot
 
-    def _finish(self, slot: _Slot) -> Row:
+    def _finish(self, slot: Slot) -> Row:
         """The row of an input that is done, its outputs written and noted."""
         if slot.made is None:
             row = slot.row
@@ -219,9 +242,11 @@ class _Run:
                 raise AssertionError("a slot that is done has a row or what was made")
             if row["status"] == "unchanged":
                 row = self._still_its_own(row)
+                self._refuse_mixed(row)
         else:
             row = slot.made.row
             self._held -= slot.size
+            self._refuse_mixed(row)
             self._write_all(slot, slot.made, row)
             if row["parts"] and self._keeps_record:
                 key = slot.key if row["status"] == "posted" else partly(slot.key)
@@ -236,19 +261,45 @@ class _Run:
             self._warn_of_older(slot, row)
         return row
 
+    def _refuse_mixed(self, row: Row) -> None:
+        """Refuse a row if a part of it differs from one of the same mark and order before.
+
+        Files are read for it only where marks meet; a worker looks at those within one file.
+        """
+        for part in row["parts"]:
+            key = part["order"], part["phase"], part["mark"]
+            other = self._marks.setdefault(key, row["file"]) if part["mark"] else row["file"]
+            if other == row["file"]:
+                continue
+            both = (*self._parts_of(other), *self._parts_of(row["file"]))
+            wrong = [one for one in other_content(both) if one["found"] == part["mark"]]
+            if wrong:
+                row["status"], row["parts"] = "refused", []
+                row["messages"] += map(as_message, wrong)
+                return
+
+    def _parts_of(self, path: str) -> tuple[Part, ...]:
+        """The parts of an input that was posted; none where it cannot be read any more."""
+        data = read_input(path)
+        if isinstance(data, Diagnostic):
+            return ()
+        reading = judged(read(data, path, **self._shop.reading), self._shop.strict)
+        return marked(counted(sound(reading)), self._shop.mark_from)
+
     def _still_its_own(self, row: Row) -> Row:
         """The row of an unchanged input, unless an earlier one has taken its output's name."""
         for part in row["parts"]:
             clash = self._claim(part["output"], row["file"])
             if clash is not None:
-                return {**_row(row["file"], "refused", clash), "format": row["format"]}
+                return {**refused_row(row["file"], as_message(clash)), "format": row["format"]}
         return row
 
-    def _write_all(self, slot: _Slot, made: FileResult, row: Row) -> None:
+    def _write_all(self, slot: Slot, made: FileResult, row: Row) -> None:
         """Write the outputs of an input; keep in its row those that stand."""
         below = "" if self._flat else slot.input.tree.rpartition("/")[0]
         written: list[PartRow] = []
-        for part, (name, content) in zip(row["parts"], made.outputs, strict=True):
+        outputs = made.outputs if row["parts"] else ()
+        for part, (name, content) in zip(row["parts"], outputs, strict=True):
             output = f"{below}/{name}" if below else name
             said = self._claim(output, slot.input.path) or self._refusal(
                 output, content, slot.input.path
@@ -319,7 +370,7 @@ class _Run:
             return rules.WRITE.at(Source(path), found=output, reason=error.strerror or error)
         return None
 
-    def _warn_of_older(self, slot: _Slot, row: Row) -> None:
+    def _warn_of_older(self, slot: Slot, row: Row) -> None:
         """Say so if an output of an earlier run stands where this input's would be."""
         if self._shop.name is not None:
             return  # without the part there is no name to look for
@@ -335,12 +386,17 @@ class _Run:
                 row["messages"].append(as_message(said))
 
 
-def _row(path: str, status: Status, said: Diagnostic) -> Row:
-    """The row of a file that was not worked on."""
+def refused_row(path: str, said: Message) -> Row:
+    """The row of a file that is refused before it is worked on."""
     return {
-        "file": path, "status": status, "format": "", "seconds": 0.0, "parts": [],
-        "messages": [as_message(said)],
+        "file": path, "status": "refused", "format": "", "seconds": 0.0, "parts": [],
+        "messages": [said],
     }  # fmt: skip
+
+
+def died(path: str) -> Row:
+    """The row of a file that ended its worker."""
+    return {**refused_row(path, as_message(rules.DIED.at(Source(path)))), "status": "failed"}
 
 
 def _lacks_time(row: Row) -> bool:

@@ -8,6 +8,7 @@ once, frozen.
 import os
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from functools import partial
 from hashlib import sha256
 from typing import cast
 
@@ -17,6 +18,7 @@ from msgspec.structs import replace
 from beamcam import budget
 from beamcam.batch import rules
 from beamcam.batch.names import FileNames, output_name
+from beamcam.batch.same_marks import mark_key, other_content
 from beamcam.budget import Limits
 from beamcam.caches import cached
 from beamcam.errors import BeamcamError, ReadError, Source
@@ -26,7 +28,7 @@ from beamcam.machine_choice import first_that_makes
 from beamcam.model.marks import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Order, Plan
-from beamcam.model.request import Quantity, Request
+from beamcam.model.request import Quantity, Remnant, Request
 from beamcam.pipeline import (
     Begun,
     Posted,
@@ -42,6 +44,7 @@ from beamcam.planning.jobs import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers import read
 from beamcam.report.hand_list import hand_rows
+from beamcam.report.part_list import PartCount
 from beamcam.report.run import Ledger, PartRow, Row, as_message
 from beamcam.version import __version__
 
@@ -67,6 +70,7 @@ class Shop(Struct, frozen=True):
     order: Order = "given"  #: of the pieces on a bar
     turn: bool = False  #: whether parts may lie turned
     mark_from: MarkFrom = "mark"  #: where marks stand
+    remnants: tuple[Remnant, ...] = ()  #: bars that are there once, for a run over stock
     limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
 
     @property
@@ -100,6 +104,12 @@ class Shop(Struct, frozen=True):
             verified=self.read_back, date=self.date,
         )  # fmt: skip
 
+    def lengths_for(self, part: Part) -> tuple[float, ...]:
+        """The lengths of bars that a part may be cut from, remnants among them, rising."""
+        if not self.stock_lengths:
+            return ()
+        return tuple(sorted({*self.stock_lengths, *(one.length for one in self.remnants)}))
+
     def machine_named(self, name: str) -> Machine:
         """The machine of that name; that of bars where there is none."""
         known = (self.machine, *(() if self.sheets is None else (self.sheets,)), *self.more)
@@ -127,6 +137,18 @@ class Task(Struct, frozen=True):
     name: str  #: of the file, for messages
     data: bytes
 
+    def post(self, shop: Shop, row: Row, found: "Found") -> Generator[str, None, None]:
+        """Add the programs of all parts that can be made; the others refuse the file."""
+        yield from _post_all(self, shop, row, found)
+
+
+class Found(Struct):
+    """What comes of a task besides its row."""
+
+    outputs: list[tuple[str, bytes]] = field(default_factory=list)  #: programs by name
+    refused: list[tuple[str, bytes]] = field(default_factory=list)  #: that the read-back refused
+    looked: list[PartCount] = field(default_factory=list)  #: parts, where that is the task
+
 
 class FileResult(Struct, frozen=True):
     """Result of one file: its programs by name, and its row in the account."""
@@ -135,6 +157,7 @@ class FileResult(Struct, frozen=True):
     row: Row
     outputs: tuple[tuple[str, bytes], ...]  #: names below the input's folder, and contents
     refused: tuple[tuple[str, bytes], ...] = ()  #: programs that the read-back refused, likewise
+    looked: tuple[PartCount, ...] = ()  #: the parts with what makes them, where that was asked
 
 
 def make_all(tasks: Sequence[Task], shop: Shop) -> list[FileResult]:
@@ -168,10 +191,9 @@ def making(task: Task, shop: Shop) -> Generator[str, None, FileResult]:
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
         "messages": [],
     }  # fmt: skip
-    outputs: list[tuple[str, bytes]] = []
-    refused: list[tuple[str, bytes]] = []
+    found = Found()
     try:
-        yield from _post_all(task, shop, row, outputs, refused)
+        yield from task.post(shop, row, found)
     except BeamcamError as error:
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
@@ -180,32 +202,26 @@ def making(task: Task, shop: Shop) -> Generator[str, None, FileResult]:
 
         row["status"] = "failed"
         frame = traceback.extract_tb(error.__traceback__)[-1]
-        found = f"{type(error).__name__} at {os.path.basename(frame.filename)}:{frame.lineno}"
-        said = rules.INTERNAL.at(
-            Source(task.name), found=f"{found}: {error}" if str(error) else found
-        )
+        what = f"{type(error).__name__} at {os.path.basename(frame.filename)}:{frame.lineno}"
+        what = f"{what}: {error}" if str(error) else what
+        said = rules.INTERNAL.at(Source(task.name), found=what)
         row["messages"].append(as_message(said))
-        row["parts"], outputs = [], []
-    return FileResult(task.index, row, tuple(outputs), tuple(refused))
+        row["parts"], found.outputs = [], []
+    return FileResult(
+        task.index, row, tuple(found.outputs), tuple(found.refused), tuple(found.looked)
+    )
 
 
 def _no_clock() -> float:
     return 0.0
 
 
-def _post_all(
-    task: Task,
-    shop: Shop,
-    row: Row,
-    outputs: list[tuple[str, bytes]],
-    refused: list[tuple[str, bytes]],
-) -> Generator[str, None, None]:
-    """Add the programs of all parts of a file that can be made; the others refuse the file.
+def parts_in(task: Task, shop: Shop, row: Row) -> tuple[Part, ...]:
+    """The sound parts of a file; what is said of it is added to its row.
 
-    Programs that the read-back refuses are added to `refused`.
+    Raises ReadError for a file without any, and for parts that differ under one mark of an order.
     """
     reading = judged(read(task.data, task.name, **shop.reading), shop.strict)
-    yield "read the file"
     row["format"] = reading.format
     if reading.format == "ifc" and reading.refused:
         # The members of a model are parts of their own: those that cannot be read stop no other.
@@ -215,9 +231,17 @@ def _post_all(
     row["messages"] += map(as_message, said)
     if not parts:
         raise ReadError(rules.NO_PART.at(Source(task.name)))
+    parts = marked(parts, shop.mark_from)
+    if len({*map(mark_key, parts)}) < len(parts) and (mixed := tuple(other_content(parts))):
+        raise ReadError(mixed)
+    return parts
+
+
+def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
+    parts = parts_in(task, shop, row)
+    yield "read the file"
     stem = os.path.splitext(os.path.basename(task.name))[0]
     names = FileNames()
-    parts = marked(parts, shop.mark_from)
     for number, part in enumerate(parts, 1):
         try:
             planned, choice = first_that_makes(
@@ -231,7 +255,7 @@ def _post_all(
         row["messages"] += map(as_message, choice)
         name = output_name(shop.name, stem, part, number, len(parts) > 1, planned[0].job.machine)
         for each, called in zip(planned, numbered(name, len(planned)), strict=True):
-            yield from _post_job(each, called, shop, row, names, outputs, refused)
+            yield from _post_job(each, called, shop, row, names, found)
 
 
 def _post_job(
@@ -240,20 +264,14 @@ def _post_job(
     shop: Shop,
     row: Row,
     names: FileNames,
-    outputs: list[tuple[str, bytes]],
-    refused: list[tuple[str, bytes]],
+    found: Found,
 ) -> Generator[str, None, None]:
     """Add the program of a part, or of the pieces of it that lie on one bar."""
     part = planned.job.parts[0]
-    try:
-        posted = yield from planned.stages
-    except BeamcamError as error:
-        if isinstance(error, RefusedProgram):
-            refused.append((names.take(name + REFUSED_SUFFIX, part.mark), b"".join(error.pieces())))
-        row["status"] = "refused"
-        row["messages"] += map(as_message, error.diagnostics)
+    refused_name = partial(names.take, name + REFUSED_SUFFIX, part.mark)
+    posted = yield from posted_of(planned, refused_name, row, found)
+    if posted is None:
         return
-    row["messages"] += map(as_message, posted.remarks)
     other = names.owner(name)
     if other is not None and shop.name is not None:
         row["status"] = "refused"
@@ -262,15 +280,31 @@ def _post_job(
         return
     name = names.take(name, part.mark)
     content = posted.text.encode("utf-8")
-    outputs.append((name, content))
-    row["parts"].append(_part_row(posted, name, content, shop.timed))
+    found.outputs.append((name, content))
+    row["parts"].append(part_row(posted, name, content, shop.timed))
+
+
+def posted_of(
+    planned: Begun, refused_name: Callable[[], str], row: Row, found: Found
+) -> Generator[str, None, Posted | None]:
+    """The program that was planned; None where it is refused, which its row says."""
+    try:
+        posted = yield from planned.stages
+    except BeamcamError as error:
+        if isinstance(error, RefusedProgram):
+            found.refused.append((refused_name(), b"".join(error.pieces())))
+        row["status"] = "refused"
+        row["messages"] += map(as_message, error.diagnostics)
+        return None
+    row["messages"] += map(as_message, posted.remarks)
+    return posted
 
 
 #: Outcomes of a feature, as in the ledger.
 OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")
 
 
-def _part_row(posted: Posted, name: str, content: bytes, timed: bool) -> PartRow:
+def part_row(posted: Posted, name: str, content: bytes, timed: bool) -> PartRow:
     plan, machine, pieces = posted.plan, posted.job.machine, len(posted.job.pieces)
     part = posted.job.parts[0]
     how: list[str] = [outcome.how for outcome in plan.outcomes]
@@ -283,6 +317,8 @@ def _part_row(posted: Posted, name: str, content: bytes, timed: bool) -> PartRow
         "quantity": max(part.quantity, pieces),
         "pieces": pieces,
         "profile": part.profile.name,
+        "order": part.order,
+        "phase": part.phase,
         "length": part.length,
         "machine": machine.name,
         "output": name,
@@ -294,6 +330,7 @@ def _part_row(posted: Posted, name: str, content: bytes, timed: bool) -> PartRow
         "mapped": _mapped(part, machine),
         "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),
         "operations": len(plan.operations),
+        "stock": None,
         "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
     }
 

@@ -2,17 +2,19 @@
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import click
 
 from beamcam.batch import find_inputs, run
-from beamcam.batch.recipe import recipe_of
+from beamcam.batch.over_stock import StockRun
+from beamcam.batch.recipe import path_from, recipe_of
 from beamcam.batch.rules import WRITE
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Voice, keep_apart, say_lines
 from beamcam.commands.grouped import Grouped
+from beamcam.commands.over_stock import write_lists
 from beamcam.commands.running import (
     Report,
     Screen,
@@ -36,6 +38,13 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
 @click.command("batch", cls=Grouped)
 @click.argument("inputs", nargs=-1, required=True, metavar="IN...", type=options.FILE)
 @run_options
+@options.remnants
+@click.option(
+    "--nest/--each",
+    default=None,
+    help="Share bars and sheets among the parts of all files, or post each part by itself; by "
+    "default --nest with --bar, --remnant or --sheet.",
+)
 @click.option(
     "--force",
     "redo",
@@ -53,6 +62,7 @@ def command(
     output: str,
     redo: bool,
     dry: bool,
+    nest: bool | None,
     report: str | None,
     exit_left_out: int | None,
     voice: Voice,
@@ -64,12 +74,19 @@ def command(
     standard input, one a line. Each part is posted by itself, as post would. A file that is
     refused stops no other; an input that is unchanged since the last run is not done again.
 
+    Over stock (--bar, --remnant, --sheet, or --nest) the parts of all files share bars, those of
+    one section and grade in the order given, first fit, remnants first; and plates of one thickness
+    share sheets. There is a program for each bar and sheet, and beside them parts.csv, bars.csv,
+    cuts.csv and labels.json. What no machine makes is on no bar; exit status 1. Two parts that
+    differ under one mark of an order refuse all of it before anything is written.
+
     The name of an output is made of {stem}, {mark}, {quantity}, {number}, {profile}, {grade},
     {order}, {drawing}, {phase}, {machine} and {suffix}.
 
     \b
     beamcam batch jobs -o programs
     beamcam batch jobs -o programs --dry-run
+    beamcam batch order --bar 12000 --remnant UPN200=4300 --sheet 3000x1500 -o programs
     beamcam batch jobs 'more/**/*.nc1' -o programs --jobs 4 --report report.html
     beamcam batch jobs -o programs --flat --name '{mark}_{quantity}.gcode'
     find . -newer stamp -name '*.nc1' | beamcam batch - -o programs
@@ -77,6 +94,7 @@ def command(
     if voice.as_json and report is not None:
         raise click.UsageError("--json prints the report; give --report or --json.")
     names = _names(inputs)
+    over_stock = _is_over_stock(nest, asked)
     try:
         config = settled(asked, names)
         shop = shop_of(config, asked, timed=report is not None)
@@ -90,15 +108,24 @@ def command(
     read = files_read(config, (one.path for one in found.inputs))
     if report is not None:
         keep_apart([report], read, voice)
-    with Screen(len(found.inputs), voice) as screen:
+    stock_run: StockRun | None = None
+    with Screen(0 if over_stock else len(found.inputs), voice) as screen:
         screen.say(said)
         said += map(as_message, (*config.remarks, *told_of(config, shop)))
-        recipe = recipe_of(config, asked, output)
         with asked_to_end() as interrupted:
-            rows = run(
-                found.inputs, output, shop, workers, config.flat, redo, read=read, recipe=recipe,
-                dry=dry, asked=interrupted,
-            )  # fmt: skip
+            if over_stock:
+                of = [path_from(output, one.path) for one in found.inputs]
+                recipe = recipe_of(config, {**asked, "nest": True, "inputs": of}, output)
+                stock_run = StockRun(
+                    found.inputs, output, shop, workers, recipe, redo, read, dry, interrupted
+                )
+                rows = stock_run.rows()
+            else:
+                recipe = recipe_of(config, asked, output)
+                rows = run(
+                    found.inputs, output, shop, workers, config.flat, redo, read=read,
+                    recipe=recipe, dry=dry, asked=interrupted,
+                )  # fmt: skip
             try:
                 for row in rows:
                     screen.show(row)
@@ -110,6 +137,10 @@ def command(
                 voice.stop(error.diagnostics)
             finally:
                 rows.close()
+        if stock_run is not None and not (interrupted or dry):
+            lists = [*stock_run.told, *write_lists(stock_run, output, read, redo)]
+            screen.say(map(as_message, lists))
+            said += map(as_message, lists)
         unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]
         screen.say(unmatched)
         said += unmatched
@@ -132,6 +163,24 @@ def command(
         raise SystemExit(REFUSED)
     if screen.counts.not_made and exit_left_out is not None:
         raise SystemExit(exit_left_out)
+
+
+def _is_over_stock(nest: bool | None, asked: Mapping[str, Any]) -> bool:
+    """Whether parts share bars and sheets. Raises UsageError for options that exclude it."""
+    stock = [option for option, value in (
+        ("--bar", asked["bar"]), ("--remnant", asked["remnants"]), ("--sheet", asked["sheet_size"])
+    ) if value]  # fmt: skip
+    if nest is False and asked["remnants"]:
+        raise click.UsageError("found --each with --remnant; a remnant is shared by parts.")
+    over_stock = bool(stock) if nest is None else nest
+    if over_stock:
+        for option, value in (("--name", asked["name"]), ("--tree", asked["flat"] is False)):
+            if value:
+                raise click.UsageError(
+                    f"found {option} over stock; expected it with --each, since a program over "
+                    "stock is called by its section and grade."
+                )
+    return over_stock
 
 
 def _would(row: Row, folder: str) -> Iterator[str]:

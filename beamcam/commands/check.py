@@ -12,6 +12,7 @@ from msgspec.structs import replace
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, cannot_write, say_json, say_lines
 from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
+from beamcam.commands.over_stock import is_stock_list
 from beamcam.commands.parts import request_of
 from beamcam.commands.programs import program_text
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
@@ -187,6 +188,8 @@ def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]
 def _is_program(path: Path, machine: str | None) -> bool:
     """Whether a file is one, in the folder of a machine, or is called as programs are."""
     if not path.is_file() or path.name.startswith(".") or is_hand_list(path.name):
+        return False
+    if is_stock_list(str(path)):
         return False
     return is_of_programs(path.name) or (machine is not None and path.suffix not in _NO_PROGRAMS)
 

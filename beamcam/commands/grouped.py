@@ -9,7 +9,8 @@ OTHER = "Other"
 #: Heading -> the options below it, by the names of their values, in this order.
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
-        "output", "machine", "config_file", "trust", "job", "bar", "bars", "order", "turn", "style",
+        "output", "machine", "config_file", "trust", "job", "bar", "bars", "remnants",
+        "nest", "order", "turn", "style",
         "show", "to", "table", "quantity", "against", "mark_from", "first", "after",
     ),
     "Names and folders": ("name", "flat", "done", "refused", "samples"),

@@ -1,14 +1,15 @@
 """The parts of files and folders as lists and labels take them, each with its quantity."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import compress
 from typing import Any
 
 from beamcam.batch.find import FoundInputs, find_inputs
+from beamcam.batch.same_marks import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands.common import Voice, read_all
 from beamcam.commands.members import member_choice
-from beamcam.commands.rules import MISSING_EXTRA, OTHER_CONTENT
+from beamcam.commands.rules import MISSING_EXTRA
 from beamcam.commands.settings import machines_of_stock, with_thickness
 from beamcam.commands.sheets import drawing_choice
 from beamcam.config.values import Config, Stock
@@ -16,7 +17,6 @@ from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.marks import marked
 from beamcam.model.part import Part
-from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import counted, sound, stock_of
 from beamcam.planning.jobs import number_of
 from beamcam.report.part_list import PartCount
@@ -45,41 +45,6 @@ def counted_parts(
     refused = list(refused_pieces((one.part.source, one.quantity) for one in counts))
     said += [one for one in refused if one is not None]
     return tuple(compress(counts, (one is None for one in refused))), tuple(said)
-
-
-def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:
-    """An error for each part whose mark another part of its order has with another content.
-
-    A mark stands for one part of an order, and of a phase of it: two that differ would be mixed up
-    on the floor.
-    """
-    first: dict[tuple[str, str, str], Part] = {}
-    for part in parts:
-        key = part.order, part.phase, part.mark
-        known = first.setdefault(key, part) if part.mark else part
-        if known is not part and _content(known) != _content(part):
-            where = f" in order {part.order}" if part.order else ""
-            yield OTHER_CONTENT.at(part.source, found=part.mark, where=where, other=known.source)
-
-
-def _content(part: Part) -> object:
-    """Content of a part, without its source."""
-    return _content_of(part_to_json(part))
-
-
-#: Keys that say where a part, or something of it, comes from or is listed.
-_NO_CONTENT = frozenset({
-    "source", "line", "feature", "quantity", "guid", "order", "drawing", "phase", "notes", "info",
-    "comments", "file",
-})  # fmt: skip
-
-
-def _content_of(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _content_of(v) for key, v in value.items() if key not in _NO_CONTENT}
-    if isinstance(value, list | tuple):
-        return [_content_of(item) for item in value]
-    return value
 
 
 def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Machine]]:

@@ -23,6 +23,7 @@ from beamcam.commands.kinds import Callback
 from beamcam.commands.rules import OUTPUT_FORMAT
 from beamcam.errors import BeamcamError, Source
 from beamcam.model.marks import MARKS_FROM
+from beamcam.model.request import Remnant
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
@@ -150,6 +151,36 @@ machine = click.option(
 bar = click.option(
     "--bar", type=Number(above=0), metavar="MM",
     help="Length of the bar; by default the shortest in stock, or what the parts need.",
+)  # fmt: skip
+
+
+def remnant_of(text: str) -> Remnant:
+    """`4300`, `UPN200=4300` or `UPN200/S235JR=4300`. Raises ValueError."""
+    of, equals, length = text.rpartition("=")
+    section, _, grade = of.partition("/")
+    found = Remnant(float(length), section.strip(), grade.strip())
+    if not (isfinite(found.length) and found.length > 0 and bool(equals) == bool(found.section)):
+        raise ValueError(text)
+    return found
+
+
+def _remnants(
+    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> tuple[str, ...]:
+    for value in values:
+        try:
+            remnant_of(value)
+        except ValueError:
+            raise click.BadParameter(
+                f"found {value!r}; expected a length above 0, or with its section and grade, such "
+                "as UPN200=4300 or UPN200/S235JR=4300"
+            ) from None
+    return values
+
+
+remnants = click.option(
+    "--remnant", "remnants", multiple=True, callback=_remnants, metavar="[SECTION[/GRADE]=]MM",
+    help="A bar that is there once, used before others; may be repeated.",
 )  # fmt: skip
 job_name = click.option("--job", metavar="NAME", help="In the program's first line; else JOB.")
 

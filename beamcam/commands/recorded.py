@@ -8,8 +8,9 @@ from typing import Any
 
 import click
 
-from beamcam.batch import Shop
+from beamcam.batch import Here, Shop
 from beamcam.batch.find import Input, read_input
+from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import asked_again, path_below
 from beamcam.batch.record import RECORD_NAME, Noted, Record, noted_in, partly
 from beamcam.batch.rules import LINK
@@ -68,16 +69,54 @@ class Recorded:
     def check(self, below: Path) -> Iterator[Checked]:
         """The outcome of each program below a folder. Raises OSError."""
         told: set[str] = set()
+        over_stock: dict[str, list[Noted]] = {}
         for noted in self._noted:
             if not any(self._path(n).resolve().is_relative_to(below.resolve())
                        for n in noted.outputs):  # fmt: skip
                 continue
             made = self._shop(noted)
-            if not isinstance(made, BeamcamError):
+            if noted.recipe.asked.get("nest") and not isinstance(made, BeamcamError):
+                over_stock.setdefault(noted.recipe.name, []).append(noted)
+            elif not isinstance(made, BeamcamError):
                 yield from self._input(noted, *made)
             elif noted.recipe.name not in told:  # once for all that were made so
                 told.add(noted.recipe.name)
                 yield _refused(str(self._folder), made.diagnostics)
+        for of_run in over_stock.values():
+            yield from self._over_stock(of_run)
+
+    def _over_stock(self, of_run: Sequence[Noted]) -> Iterator[Checked]:
+        """The outcome of the programs of a run over stock, all of whose files are read again."""
+        shop = self._shop(of_run[0])
+        if isinstance(shop, BeamcamError):
+            raise AssertionError("a run without a shop is refused before")
+        inputs = [
+            Input(path_below(str(self._folder), path), os.path.basename(path))
+            for path in of_run[0].recipe.asked.get("inputs", ())
+        ]
+        run = StockRun(inputs, str(self._folder), shop[1], Here(shop[1]), dry=True)
+        try:
+            said = [one for row in run.planned() for one in row["messages"]]
+        except BeamcamError as error:
+            yield _refused(str(self._folder), error.diagnostics)
+            return
+        made = {
+            task.name: one
+            for task, one in zip(run.tasks, make_all(run.tasks, shop[1]), strict=True)
+        }
+        for noted in of_run:
+            (name,) = noted.outputs
+            one = made.get(name)
+            row: Row = {**noted.row, "parts": [], "messages": said} if one is None else one.row
+            new = {} if one is None else dict(one.outputs)
+            yield from self._outputs(noted, row, new, machines_of(row, shop[1]))
+            before, now = ({part["sha256"] for part in r["parts"]} for r in (noted.row, row))
+            if self._update and new and now != before:
+                self._note(noted, row, tuple(new), path_below(str(self._folder), noted.input))
+        for name, one in made.items():
+            if name not in self._known:
+                for called, content in one.outputs:
+                    yield self._is_new(called, content, one.row["parts"][0]["by_hand"])
 
     def _path(self, output: str) -> Path:
         return self._folder / output

@@ -71,14 +71,6 @@ WRITTEN = Rule(
     "found {of} different parts, {members} in all; written {found} files",
     "Equal members are one file with their number as its quantity.",
 )
-OTHER_CONTENT = Rule(
-    "list-mark-twice",
-    Severity.ERROR,
-    "found another part with the mark {found!r}{where} in {other}; expected one content for one "
-    "mark of an order, or --mark-from drawing, file or position",
-    "Two parts that differ under one mark of an order and phase get mixed up in the shop. Give one "
-    "of them another mark, leave its file out, or take the marks from where they differ.",
-)
 MORE_BARS = Rule(
     "write-more-bars",
     Severity.ERROR,
@@ -142,6 +134,6 @@ NOTHING = Rule(
 
 RULES = (
     OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN,
-    OTHER_CONTENT, MORE_BARS, UNKNOWN_CODE, MISSING_EXTRA, ACCOUNT, SETTINGS, MACHINE_ELSEWHERE,
+    MORE_BARS, UNKNOWN_CODE, MISSING_EXTRA, ACCOUNT, SETTINGS, MACHINE_ELSEWHERE,
     NO_SAMPLE, GONE, NEW, UNKNOWN, NOTHING,
 )  # fmt: skip

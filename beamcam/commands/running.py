@@ -120,6 +120,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         order=asked.get("order", "given"),
         turn=asked.get("turn", False),
         mark_from=asked.get("mark_from", "mark"),
+        remnants=tuple(map(options.remnant_of, asked.get("remnants", ()))),
     )
 
 

@@ -202,8 +202,8 @@ class EllipseFeed(Struct, frozen=True, gc=False):
 
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
-    StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
-    | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
+    StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool
+    | Comment | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
 )  # fmt: skip
 
 

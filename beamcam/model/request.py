@@ -18,6 +18,18 @@ from beamcam.model.plan import Order
 Quantity = Literal["file"] | int | None  #: as in the part's file, a number, or once as listed
 
 
+class Remnant(Struct, frozen=True):
+    """A bar in store that is there once."""
+
+    length: float  #: mm
+    section: str = ""  #: "" of any, where there is only one
+    grade: str = ""
+
+    def __str__(self) -> str:
+        of = f"{self.section}/{self.grade}" if self.grade else self.section
+        return f"{of}={self.length:g}" if of else f"{self.length:g}"
+
+
 class Request(Struct, frozen=True):
     """The requirements of a job; nothing in it comes from a plan."""
 
@@ -33,6 +45,7 @@ class Request(Struct, frozen=True):
     strict: bool = False  #: whether warnings refuse
     verified: bool = True  #: whether programs are read back
     date: str = ""  #: for words of the machine; only where it is asked for
+    remnants: tuple[float, ...] = ()  #: lengths of bars that are there once each, mm, rising
 
 
 class Job(Struct, frozen=True):

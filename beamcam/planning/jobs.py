@@ -43,7 +43,7 @@ def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
     machine, pieces = request.machine, pieces_of(request)
     is_sheet = machine.torch is not None
     if together or (is_sheet and len(pieces) == 1) or (not is_sheet and request.quantity is None):
-        return (Share(pieces, () if is_sheet else request.stock),)
+        return (Share(pieces, () if is_sheet else _in_store(request)),)
     if is_sheet:
         from beamcam.planning.sheet_rows import sheet_shares
 
@@ -53,16 +53,23 @@ def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
     from beamcam.planning.stock_bars import first_fit
 
     single = [replace(part, quantity=1) for part in request.parts]
-    nesting = first_fit([single[place] for place in pieces], machine, request.stock)
+    nesting = first_fit(
+        [single[place] for place in pieces], machine, request.stock, request.remnants
+    )
     if nesting.refusals:
         raise PlanError(dict.fromkeys(nesting.refusals))
     return tuple(
         Share(
             tuple(pieces[i] for i in bar.pieces),
-            (bar.account.length,) if request.stock else (),
+            (bar.account.length,) if request.stock or bar.is_remnant else (),
         )
         for bar in nesting.bars
     )
+
+
+def _in_store(request: Request) -> tuple[float, ...]:
+    """The lengths of all bars that there are, rising."""
+    return tuple(sorted({*request.stock, *request.remnants}))
 
 
 def numbered(name: str, count: int) -> tuple[str, ...]:

@@ -3,9 +3,9 @@
     D. S. Johnson, Near-optimal bin packing algorithms, 1973: each part in the order given goes
     onto the first bar begun that has room for it. It never takes more than 17/10 of the minimum.
 
-Bars begin as the longest in store; at the end each is the shortest that holds its parts. The first
-bar with room is looked for in a tournament tree, so that n parts take n log n steps: a job has
-tens of thousands.
+Remnants come first, the shortest before the others, each once. Other bars begin as the longest in
+store; at the end each is the shortest that holds its parts. The first bar with room is looked for
+in a tournament tree, so that n parts take n log n steps: a job has tens of thousands.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,6 +30,7 @@ class StockBar(Struct, frozen=True):
     pieces: tuple[int, ...]  #: indices of the parts, in their order along the bar
     starts: tuple[float, ...]  #: x of each on the bar, mm
     account: Bar
+    is_remnant: bool = False
 
 
 class Nesting(Struct, frozen=True):
@@ -98,36 +99,59 @@ class _Begun(Struct):
     """A bar that parts are put on."""
 
     pieces: list[int]
-    row: Row
+    row: Row | None  #: None of a remnant that nothing is on yet
+    longest: float | None  #: that it may be, mm
+    is_remnant: bool = False
 
 
-def first_fit(parts: Sequence[Part], machine: Machine, lengths: Sequence[float]) -> Nesting:
+def first_fit(
+    parts: Sequence[Part], machine: Machine, lengths: Sequence[float],
+    remnants: Sequence[float] = (),
+) -> Nesting:  # fmt: skip
     """Bars for `parts`, those of one section and grade together, in the order given.
 
     `lengths` (mm) are those in store; without any there is one bar for each section and grade, as
-    long as its parts need. Raises TypeError for a machine without saw and layout.
+    long as its parts need. Each of the `remnants` (mm) is there once, of the section and grade of
+    the parts. Raises TypeError for a machine without saw and layout, ValueError for remnants of
+    parts of several.
     """
     saw = machine.needed(machine.saw, "saw and layout")
     layout = machine.needed(machine.layout, "saw and layout")
     store = sorted(lengths)
     longest = store[-1] if store else None
-    sorts, refused = _sorts(parts, layout, saw, longest)
+    most = None if longest is None else max((longest, *remnants))
+    sorts, refused = _sorts(parts, layout, saw, most)
     refusals: list[Diagnostic] = []
     bars: list[_Begun] = []
     of_section: dict[object, tuple[list[_Begun], Rooms]] = {}
+    if remnants:
+        kinds = {(part.profile, part.grade) for part in parts}
+        if len(kinds) > 1:
+            raise ValueError("remnants of several sections or grades")
+        bars += (_Begun([], None, length, True) for length in sorted(remnants))
+        rooms = Rooms()
+        for bar in bars:
+            rooms.add(bar.longest or 0.0)
+        of_section = {kind: ([*bars], rooms) for kind in kinds}
     for index, part in enumerate(parts):
         if id(part) in refused:
             refusals += refused[id(part)]
             continue
         sort = sorts[id(part)]
         own, rooms = of_section.setdefault((part.profile, part.grade), ([], Rooms()))
-        if not _put(index, sort, own, rooms, layout, saw, longest):
-            own.append(_Begun([index], sort.alone))
+        if not _put(index, sort, own, rooms, layout, saw):
+            try:
+                bar_of(sort.alone, layout, longest, part.source)
+            except PlanError as error:  # which only a remnant would hold
+                refusals += error.diagnostics
+                continue
+            own.append(_Begun([index], sort.alone, longest))
             bars.append(own[-1])
             rooms.add(_room(sort.alone, layout, longest))
     made = tuple(
         _shortest(bar, [sorts[id(parts[i])] for i in bar.pieces], layout, saw, store)
         for bar in bars
+        if bar.pieces
     )
     return Nesting(made, tuple(refusals))
 
@@ -183,22 +207,21 @@ def _room(row: Row, layout: Layout, longest: float | None) -> float:
 
 
 def _put(
-    index: int, sort: _Sort, bars: Sequence[_Begun], rooms: Rooms, layout: Layout, saw: Saw,
-    longest: float | None,
-) -> bool:  # fmt: skip
+    index: int, sort: _Sort, bars: Sequence[_Begun], rooms: Rooms, layout: Layout, saw: Saw
+) -> bool:
     """Put a part on the first bar that has room, and whether there is one."""
     at = rooms.first(sort.need, 0)
     while at is not None:
         bar = bars[at]
-        row = row_with(bar.row, sort.part, sort.ends, saw)
+        row = sort.alone if bar.row is None else row_with(bar.row, sort.part, sort.ends, saw)
         try:
-            bar_of(row, layout, longest, sort.part.source)
+            bar_of(row, layout, bar.longest, sort.part.source)
         except PlanError:
             at = rooms.first(sort.need, at + 1)
             continue
         bar.pieces.append(index)
         bar.row = row
-        rooms.change(at, _room(row, layout, longest))
+        rooms.change(at, _room(row, layout, bar.longest))
         return True
     return False
 
@@ -208,12 +231,14 @@ def _shortest(
 ) -> StockBar:
     """The shortest bar in store that holds the pieces."""
     parts, ends = [sort.part for sort in chosen], [sort.ends for sort in chosen]
-    last = None
-    for last in store:
+    if bar.row is None:
+        raise AssertionError("a bar without parts")
+    last = bar.longest if bar.is_remnant else None
+    for last in () if bar.is_remnant else store:
         try:
             bar_of(bar.row, layout, last, parts[0].source)
         except PlanError:
             continue
         break
     laid, _ = lay_on_bar(parts, ends, layout, saw, last)
-    return StockBar(tuple(bar.pieces), laid.starts, laid.bar)
+    return StockBar(tuple(bar.pieces), laid.starts, laid.bar, bar.is_remnant)

@@ -49,6 +49,22 @@ class Ledger(TypedDict):
     skipped: int
 
 
+class LaidPiece(TypedDict):
+    """A piece of a program that is made of the parts of several files."""
+
+    piece: int  #: which of the pieces that were to go on the bar or sheet
+    at: float  #: x of its x 0 on the bar, mm
+    turn: str  #: how it lies
+
+
+class StockRow(TypedDict):
+    """The bar of such a program; of a sheet its pieces alone."""
+
+    remnant: float  #: mm that are left
+    cuts: float  #: mm of kerfs and trims
+    pieces: list[LaidPiece]
+
+
 class PartRow(TypedDict):
     """One part that was posted."""
 
@@ -56,6 +72,8 @@ class PartRow(TypedDict):
     quantity: int
     pieces: int  #: that the program makes
     profile: str
+    order: str
+    phase: str
     length: float
     machine: str  #: that the program is for
     output: str  #: below the output folder, with "/"
@@ -67,6 +85,7 @@ class PartRow(TypedDict):
     mapped: dict[str, int]  #: colour or layer of the map -> number of curves of a drawing
     tools: list[str]
     operations: int
+    stock: StockRow | None  #: of a program of several parts over stock
     machine_time_s: float | None  #: None where it was not asked for
 
 

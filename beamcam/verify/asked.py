@@ -79,12 +79,21 @@ def _order_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]
 
 
 def _bar_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
-    stock = request.stock
+    stock, remnants = request.stock, [*request.remnants]
     sawn = request.machine.saw is not None  # a part that comes in cut is a bar by itself
     for job in jobs:
         if job.bar is None and not (stock and sawn):
             continue
-        if job.bar is None or not any(abs(job.bar - length) <= SLACK for length in stock):
+        once = None if job.bar is None else _of_length(remnants, job.bar)
+        if once is not None:
+            remnants.remove(once)  # which is there once
+        elif job.bar is None or _of_length(stock, job.bar) is None:
             found = "any length" if job.bar is None else f"{job.bar:g} mm"
-            expected = " or ".join(f"{length:g} mm" for length in stock) or "one of any length"
+            there = [*stock, *remnants]
+            expected = " or ".join(f"{length:g} mm" for length in there) or "one of any length"
             yield STOCK_BAR.at(Source(request.name), found=found, expected=expected)
+
+
+def _of_length(there: Sequence[float], bar: float) -> float | None:
+    """The first of the lengths that a bar has; None if none is as long."""
+    return next((length for length in there if abs(bar - length) <= SLACK), None)

@@ -1,6 +1,7 @@
 """First fit finds the bars that trying each of them finds, and takes the time of a list."""
 
 import random
+from collections import Counter
 from math import inf
 
 from hypothesis import given, settings
@@ -23,50 +24,61 @@ ANGLES = (0.0, 0.0, 20.0, 20.004, 45.0, -30.0, 89.0)
 LENGTHS = ((), (6000.0,), (6000.0, 8000.0, 12000.0), (12000.0, 12000.0))
 
 
-def tried_one_by_one(parts: list[Part], machine: Machine, lengths: tuple[float, ...]) -> Nesting:
-    """First fit by laying all parts of each bar anew."""
+def tried_one_by_one(
+    parts: list[Part], machine: Machine, lengths: tuple[float, ...],
+    remnants: tuple[float, ...] = (),
+) -> Nesting:  # fmt: skip
+    """First fit by laying all parts of each bar anew, of remnants first."""
     saw, layout, store = machine.saw, machine.layout, sorted(lengths)
     assert saw is not None
     assert layout is not None
     longest = store[-1] if store else None
     ends: dict[int, Ends] = {}
-    bars: list[list[int]] = []
+    bars: list[list[int]] = [[] for _ in remnants]
+    own = [*sorted(remnants)]  #: of each bar the length it has; None of those from store
+    held: list[float | None] = [*own]
     refusals: list[Diagnostic] = []
 
     def laid(pieces: list[int], length: float | None) -> StockBar:
         found, _ = lay_on_bar(
             [parts[i] for i in pieces], [ends[i] for i in pieces], layout, saw, length
         )
-        return StockBar(tuple(pieces), found.starts, found.bar)
+        return StockBar(tuple(pieces), found.starts, found.bar, length in own)
 
     for index, part in enumerate(parts):
         try:
             ends[index] = ends_of(part, saw)[0]
-            laid([index], longest)
+            laid([index], None if longest is None else max(longest, *remnants, 0.0))
         except PlanError as error:
             refusals += error.diagnostics
             continue
-        for bar in bars:
-            first = parts[bar[0]]
+        for bar, length in zip(bars, held, strict=True):
+            first = parts[bar[0]] if bar else part
             if (first.profile, first.grade) != (part.profile, part.grade):
                 continue
             try:
-                laid([*bar, index], longest)
+                laid([*bar, index], length or longest)
             except PlanError:
                 continue
             bar.append(index)
             break
         else:
+            try:
+                laid([index], longest)
+            except PlanError as error:
+                refusals += error.diagnostics
+                continue
             bars.append([index])
+            held.append(None)
     made = []
-    for bar in bars:
-        for length in store or [None]:
+    for bar, whole in zip(bars, held, strict=True):
+        for length in () if not bar else [whole] if whole else store or [None]:
             try:
                 made.append(laid(bar, length))
             except PlanError:
                 continue
             break
-    assert len(made) == len(bars)
+    assert len(made) == sum(map(bool, bars))
     return Nesting(tuple(made), tuple(refusals))
 
 
@@ -110,6 +122,28 @@ def test_the_same_bars_as_by_trying_each(seed: int) -> None:
     parts, machine = parts_of(chance, chance.randint(1, 60)), machine_of(chance)
     lengths = chance.choice(LENGTHS)
     assert first_fit(parts, machine, lengths) == tried_one_by_one(parts, machine, lengths)
+
+
+@settings(deadline=None, max_examples=150)
+@given(
+    st.integers(0, 10**9), st.lists(st.sampled_from((1499.0, 3333.0, 7777.0, 13001.0)), max_size=4)
+)
+def test_remnants_come_first_and_once(seed: int, remnants: list[float]) -> None:
+    chance = random.Random(seed)
+    machine = machine_of(chance)
+    parts = [
+        replace(part, profile=SECTIONS[0], grade="S235")
+        for part in parts_of(chance, chance.randint(1, 40))
+    ]
+    lengths = chance.choice(LENGTHS)
+    found = first_fit(parts, machine, lengths, remnants)
+    assert found == tried_one_by_one(parts, machine, lengths, tuple(remnants))
+    used = [bar.account.length for bar in found.bars if bar.is_remnant]
+    assert not Counter(used) - Counter(remnants)
+    pieces = [piece for bar in found.bars for piece in bar.pieces]
+    assert len(pieces) == len(set(pieces))
+    if lengths:
+        assert {bar.account.length for bar in found.bars if not bar.is_remnant} <= {*lengths}
 
 
 def test_the_laws_meet_common_cuts_and_refusals() -> None:

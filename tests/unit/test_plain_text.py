@@ -117,4 +117,4 @@ def test_every_emitter_writes_text_through_the_gate() -> None:
         source = path.read_text(encoding="utf-8")
         for match in re.finditer(r"\{(?:remark|job|text)\}|\b(?:table|_program)\.job\b", source):
             before = source[max(0, match.start() - 20) : match.start()]
-            assert before.endswith(("comment_text(self.", "one_word(", "unit_name(")), (path, match)
+            assert before.endswith(("outside_text(self.", "one_word(", "unit_name(")), (path, match)

@@ -104,7 +104,7 @@ def test_what_is_said_of_the_order() -> None:
     )
     fast = program().replace(FEED, "Z80.55 F9")
     assert str(verify(fast, PARTS, PUSHER, bar=6000.0)[0]) == (
-        "program:66: error verify-tap: found a tap of pitch 1.75 fed in at 540 mm/min; expected "
+        "program:71: error verify-tap: found a tap of pitch 1.75 fed in at 540 mm/min; expected "
         "371 mm/min, as it turns"
     )
 

@@ -1,0 +1,464 @@
+"""A batch over stock: the parts of all files share bars and sheets, those of one section and grade.
+
+    inputs -> looked at (workers): parts, and the machine that makes each
+           -> lots: parts of one machine and section or thickness, and one grade
+           -> shares: first fit over remnants and bars; rows on sheets
+           -> programs (workers) -> written -> rows
+
+What no machine makes is on no bar, and stands in the row of its file. A program whose pieces and
+stock are those of the last run is not made again.
+"""
+
+import os
+from collections import Counter, deque
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from hashlib import sha256
+from itertools import islice
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.batch import rules
+from beamcam.batch.find import Input, read_input
+from beamcam.batch.names import FileNames, cleaned, folded
+from beamcam.batch.pool import Chunk, Workers
+from beamcam.batch.recipe import Recipe
+from beamcam.batch.record import Record
+from beamcam.batch.run import (
+    CHUNK_BYTES,
+    BatchError,
+    Run,
+    Slot,
+    died,
+    recorded,
+    refused_row,
+)
+from beamcam.batch.same_marks import other_content
+from beamcam.batch.work import FileResult, Found, Shop, Task, part_row, parts_in, posted_of
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
+from beamcam.files import REFUSED_SUFFIX, FilesRead
+from beamcam.interrupts import NEVER, Asked
+from beamcam.machine_choice import first_that_makes
+from beamcam.model.part import Part
+from beamcam.model.part_json import part_to_json
+from beamcam.model.plan import Plan
+from beamcam.model.request import Job, Remnant, Request
+from beamcam.pipeline import begin_share, plans_of
+from beamcam.planning.jobs import Share, number_of, shares_of
+from beamcam.report.hand_list import MARKS, hand_rows
+from beamcam.report.part_list import ByHand, CutBar, CutPiece, PartCount
+from beamcam.report.run import Message, PartRow, Row, StockRow, as_message, dumped
+from beamcam.system import free_of_devices
+from beamcam.verify.asked import job_faults
+
+LotKey = tuple[str, object, str]  #: machine, section or thickness, grade
+THICKNESS_DECIMALS = 2
+
+
+class Look(Task, frozen=True):
+    """One file to be looked at: which machine makes each of its parts."""
+
+    def post(self, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
+        """Add each part with the first machine that makes it; those that none makes refuse."""
+        parts = parts_in(self, shop, row)
+        yield "read the file"
+        for part in parts:
+            count = PartCount(part, number_of(part, shop.quantity or "file"))
+            request = replace(
+                shop.request_of(part), quantity=1, stock=shop.lengths_for(part), remnants=()
+            )
+            try:
+                (planned, *_), choice = first_that_makes(request, shop.machines_for(part), plans_of)
+            except BeamcamError as error:
+                row["status"] = "refused"
+                row["messages"] += map(as_message, error.diagnostics)
+                found.looked.append(replace(count, refused=tuple(error.diagnostics)))
+                continue
+            row["messages"] += map(as_message, choice)
+            kinds = [one["kind"] for one in hand_rows(planned.plan)]
+            by_hand = ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
+            machine = planned.job.machine.name
+            found.looked.append(replace(count, machine=machine, by_hand=by_hand))
+
+
+class ShareTask(Task, frozen=True):
+    """The pieces of one bar or sheet to be made; its name is that of the program."""
+
+    parts: tuple[Part, ...]
+    pieces: tuple[int, ...]  #: of each the place of its part
+    machine: str
+    lengths: tuple[float, ...]  #: of the bar
+    program: tuple[int, int]  #: which one of its lot, and of how many
+
+    def post(self, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
+        """Add the program."""
+        request = replace(
+            shop.request_of(self.parts[0]), parts=self.parts,
+            machine=shop.machine_named(self.machine), quantity=shop.quantity or "file",
+        )  # fmt: skip
+        planned = begin_share(request, Share(self.pieces, self.lengths), program=self.program)
+        yield "planned"
+        posted = yield from posted_of(planned, lambda: self.name + REFUSED_SUFFIX, row, found)
+        if posted is None:
+            return
+        content = posted.text.encode("utf-8")
+        found.outputs.append((self.name, content))
+        marks = Counter(self.parts[place].mark or "part" for place in self.pieces)
+        named = " + ".join(f"{n} x {mark}" if n > 1 else mark for mark, n in marks.items())
+        stock, plan = None, posted.plan
+        length = 0.0
+        if isinstance(plan, Plan):
+            length = plan.bar.parts
+            cuts = plan.bar.front_trim + plan.bar.kerfs + plan.bar.end_trim - plan.bar.nested
+            stock = StockRow(
+                remnant=plan.bar.remnant, cuts=cuts,
+                pieces=[{"piece": p.given, "at": p.start, "turn": p.turn} for p in plan.pieces],
+            )  # fmt: skip
+        made = part_row(posted, self.name, content, shop.timed)
+        told: PartRow = {
+            **made, "mark": named, "quantity": len(self.pieces), "length": length, "stock": stock,
+        }  # fmt: skip
+        row["parts"].append(told)
+
+    @property
+    def key(self) -> bytes:
+        """A hash of all that its program depends on besides the shop."""
+        parts = [part_to_json(part) for part in self.parts]
+        rest = (self.pieces, self.machine, self.lengths, self.program, self.name)
+        return sha256(dumped([parts, rest])).digest()
+
+
+class Lot(Struct, frozen=True):
+    """The parts of one machine and one kind of stock, and their shares of it."""
+
+    request: Request
+    shares: tuple[Share, ...]
+
+
+class MadeShare(Struct, frozen=True):
+    """A program of the run, made now or before."""
+
+    task: ShareTask
+    row: PartRow
+
+
+class ShareRun(Run):
+    """The programs of shares, written and recorded as those of files are."""
+
+    def __init__(
+        self, tasks: Sequence[ShareTask], folder: str, shop: Shop, workers: Workers,
+        record: Record, force: bool, read: FilesRead, dry: bool, asked: Asked,
+    ) -> None:  # fmt: skip
+        inputs = [Input(task.parts[0].source.file, task.name) for task in tasks]
+        super().__init__(inputs, folder, shop, workers, record, True, force, None, read, dry, asked)
+        self._tasks = tasks
+        # Other bars in store change no program that lies on the same bar.
+        self._settings = sha256(replace(shop, stock_lengths=(), remnants=()).settings).digest()
+
+    def _read(self, index: int) -> Task | None:
+        task = self._tasks[index]
+        slot = Slot(index, self._inputs[index])
+        self._slots.append(slot)
+        return self.to_do(slot, task.key, task)
+
+    def _refuse_mixed(self, row: Row) -> None:
+        """Marks were compared before the first program."""
+
+    def _warn_of_older(self, slot: Slot, row: Row) -> None:
+        """Programs of earlier runs are looked for at the end."""
+
+
+class StockRun:
+    """A run over stock. `counts` and `made` say what became of each part once it is done."""
+
+    def __init__(
+        self, inputs: Sequence[Input], folder: str, shop: Shop, workers: Workers,
+        recipe: Recipe | None = None, force: bool = False, read: FilesRead | None = None,
+        dry: bool = False, asked: Asked = NEVER,
+    ) -> None:  # fmt: skip
+        self._inputs, self._folder, self._shop, self._workers = inputs, folder, shop, workers
+        self._recipe, self._force, self._read, self._dry = recipe, force, read, dry
+        self._asked = asked
+        self.counts: list[PartCount] = []
+        self.tasks: list[ShareTask] = []
+        self.made: list[MadeShare] = []
+        self.told: list[Diagnostic] = []  #: on the run as a whole
+        self._said: dict[str, list[Message]] = {}  #: by file, for the first program with its parts
+
+    def rows(self) -> Generator[Row, None, None]:
+        """The rows of files that are refused or failed, then those of the programs.
+
+        Raises BatchError before anything is written, for parts that differ under one mark of an
+        order and for remnants of which it is not known what they are; and for a folder that cannot
+        be used.
+        """
+        with recorded(self._folder, self._workers, self._recipe, self._dry) as record:
+            yield from self._rows(record)
+
+    def _rows(self, record: Record) -> Iterator[Row]:
+        yield from self.planned()
+        if not self._asked:
+            yield from self._programs(record)
+
+    def planned(self) -> Iterator[Row]:
+        """The rows of files that are refused or failed; then `tasks` are all programs.
+
+        Raises BatchError as `rows` does.
+        """
+        refused = [row for row in self._looked() if row["status"] != "posted"]
+        if self._asked:
+            return
+        if mixed := tuple(other_content([one.part for one in self.counts])):
+            raise BatchError(mixed)
+        lots, unplanned = self._lots()
+        stems = _stems(lots)
+        for lot, stem in zip(lots, stems, strict=True):
+            self.tasks += _tasks(lot, stem, len(self.tasks))
+        for row in refused:
+            row["messages"] += unplanned.pop(row["file"], [])
+            yield row
+        for file, said in unplanned.items():
+            yield {**refused_row(file, said[0]), "messages": self._said.pop(file, []) + said}
+
+    def _looked(self) -> Iterator[Row]:
+        """The row of each input once its parts are known."""
+        rows: dict[int, Row] = {}
+
+        def tasks() -> Iterator[Look]:
+            for index, one in enumerate(self._inputs):
+                data = read_input(one.path)
+                if isinstance(data, Diagnostic):
+                    rows[index] = refused_row(one.path, as_message(data))
+                else:
+                    yield Look(index, one.path, data)
+
+        found = {made.index: made for made in driven(self._workers, tasks(), self._asked)}
+        for index in range(len(self._inputs)):
+            if index in found:
+                self.counts += found[index].looked
+                rows[index] = found[index].row
+        for index in sorted(rows):
+            row = rows[index]
+            if row["status"] == "posted":
+                self._said[row["file"]] = row["messages"]
+            yield row
+
+    def _lots(self) -> tuple[list[Lot], dict[str, list[Message]]]:
+        """The lots in the order of their first parts; what is said of those without shares."""
+        of_key: dict[LotKey, list[int]] = {}
+        for place, one in enumerate(self.counts):
+            if one.machine:
+                of_key.setdefault(self._key(one), []).append(place)
+        remnants = self._remnants(of_key)
+        lots: list[Lot] = []
+        unplanned: dict[str, list[Message]] = {}
+        waiting = deque(of_key.items())
+        while waiting:
+            key, places = waiting.popleft()
+            if not places:
+                continue
+            parts = tuple([self.counts[place].part for place in places])
+            request = replace(
+                self._shop.request_of(parts[0]), parts=parts,
+                machine=self._shop.machine_named(key[0]),
+                quantity=self._shop.quantity or "file", remnants=remnants.get(key, ()),
+            )  # fmt: skip
+            try:
+                shares = shares_of(request)
+                faults = job_faults(request, [_job(request, share) for share in shares])
+                if faults:
+                    raise VerifyError(faults)
+            except (PlanError, VerifyError) as error:
+                waiting.append((key, self._refused(error, places, unplanned)))
+                continue
+            lots.append(Lot(request, shares))
+        return lots, unplanned
+
+    def _refused(
+        self, error: BeamcamError, places: Sequence[int], unplanned: dict[str, list[Message]]
+    ) -> list[int]:
+        """The parts of a lot that are left once those that an error is said of are refused."""
+        sources = {said.source for said in error.diagnostics}
+        wrong = [k for k in places if self.counts[k].part.source in sources] or [*places]
+        refused = tuple(error.diagnostics)
+        for place in wrong:
+            self.counts[place] = replace(self.counts[place], machine="", refused=refused)
+        for file in dict.fromkeys(self.counts[k].part.source.file for k in wrong):
+            unplanned.setdefault(file, []).extend(map(as_message, refused))
+        return [k for k in places if k not in {*wrong}]
+
+    def _key(self, one: PartCount) -> LotKey:
+        part, machine = one.part, self._shop.machine_named(one.machine)
+        if machine.torch is None:
+            return one.machine, part.profile, part.grade
+        own = part.profile.web_thickness
+        thickness = own if own is not None else machine.torch.thickness or 0.0
+        material = part.grade or machine.torch.material
+        return one.machine, round(thickness, THICKNESS_DECIMALS), material
+
+    def _remnants(self, keys: Iterable[LotKey]) -> dict[LotKey, tuple[float, ...]]:
+        """The remnants of each lot. Raises BatchError for one that may be of several."""
+        bars = [key for key in keys if self._shop.machine_named(key[0]).saw is not None]
+        found: dict[LotKey, list[float]] = {}
+        for remnant in self._shop.remnants:
+            fitting = [key for key in bars if _is_of(remnant, key)]
+            if len(fitting) > 1:
+                expected = " or ".join(f"{_shown(key)}={remnant.length:g}" for key in fitting)
+                said = rules.REMNANT_OF.at(Source("--remnant"), found=remnant, expected=expected)
+                raise BatchError(said)
+            for key in fitting:
+                found.setdefault(key, []).append(remnant.length)
+        return {key: tuple(sorted(lengths)) for key, lengths in found.items()}
+
+    def _programs(self, record: Record) -> Iterator[Row]:
+        tasks, before = self.tasks, {**record.made}
+        run = ShareRun(
+            tasks, self._folder, self._shop, self._workers, record, self._force,
+            self._read or FilesRead(one.path for one in self._inputs), self._dry, self._asked,
+        )  # fmt: skip
+        for task, row in zip(tasks, run.rows(), strict=False):
+            row["file"] = task.name
+            for file in dict.fromkeys(part.source.file for part in task.parts):
+                row["messages"] += self._said.pop(file, [])
+            self.made += (MadeShare(task, part) for part in row["parts"])
+            yield row
+        now = {task.name for task in tasks}
+        for output in sorted(before.keys() - now):
+            if _stands(os.path.join(self._folder, output), before[output]):
+                self.told.append(rules.STALE_SHARE.at(Source(output), found=output))
+
+    def bars(self) -> tuple[CutBar, ...]:
+        """The bars that programs are for, as a cutting list has them."""
+        return tuple(
+            CutBar(
+                tuple(
+                    CutPiece(_piece(one.task, laid["piece"]), laid["at"], laid["turn"])
+                    for laid in one.row["stock"]["pieces"]
+                ),
+                one.row["bar"], one.row["stock"]["cuts"], one.row["stock"]["remnant"],
+                one.row["machine"],
+            )
+            for one in self.made
+            if one.row["stock"] is not None
+        )  # fmt: skip
+
+    def labelled(self) -> Iterator[tuple[Part, int, int, str]]:
+        """Each piece that a program makes: its part, its number, of how many, and the program."""
+        of_part: dict[int, list[str]] = {}
+        for one in self.made:
+            for place in one.task.pieces:
+                of_part.setdefault(id(one.task.parts[place]), []).append(one.row["output"])
+        for count in self.counts:
+            programs = of_part.get(id(count.part), [])
+            for number, program in enumerate(programs, 1):
+                yield count.part, number, count.quantity, program
+
+
+def driven(workers: Workers, tasks: Iterator[Task], asked: Asked) -> Iterator[FileResult]:
+    """The result of each task, in any order; nothing more once it is `asked` to end."""
+    again: deque[Chunk] = deque()
+    away, is_left = 0, True
+    while not asked:
+        while workers.has_room() and (again or is_left):
+            chunk = again.popleft() if again else _chunk(tasks, workers.most_files)
+            if not chunk:
+                is_left = False
+                break
+            workers.submit(chunk)
+            away += 1
+        if not away:
+            return
+        for result in workers.wait():
+            away -= 1
+            if result.how == "made":
+                yield from result.made
+            elif result.how == "lost":
+                again.append(result.chunk)
+            elif len(result.chunk) > 1:
+                again.extend((task,) for task in result.chunk)
+            else:
+                (task,) = result.chunk
+                yield FileResult(task.index, died(task.name), ())
+
+
+def _chunk(tasks: Iterator[Task], most: int) -> Chunk:
+    chunk: list[Task] = []
+    size = 0
+    for task in islice(tasks, most):
+        chunk.append(task)
+        size += len(task.data)
+        if size >= CHUNK_BYTES:
+            break
+    return tuple(chunk)
+
+
+def _tasks(lot: Lot, stem: str, before: int) -> Iterator[ShareTask]:
+    """The tasks of a lot, `before` others."""
+    request, machine, of = lot.request, lot.request.machine, len(lot.shares)
+    for number, share in enumerate(lot.shares, 1):
+        places = tuple(dict.fromkeys(share.pieces))
+        at = {place: k for k, place in enumerate(places)}
+        name = f"{stem}-{number}{machine.suffix}" if of > 1 else f"{stem}{machine.suffix}"
+        yield ShareTask(
+            before + number - 1, name, b"", tuple([request.parts[place] for place in places]),
+            tuple([at[place] for place in share.pieces]), machine.name, share.lengths,
+            (number, of),
+        )  # fmt: skip
+
+
+def _stems(lots: Sequence[Lot]) -> list[str]:
+    """What the programs of each lot are called: section or thickness, grade; and where two lots
+    would be called the same, the machine."""
+    plain = [_stem(lot) for lot in lots]
+    twice = {stem for stem, count in Counter(map(folded, plain)).items() if count > 1}
+    names = FileNames()
+    return [
+        names.take(
+            f"{stem}_{cleaned(lot.request.machine.name)}" if folded(stem) in twice else stem, ""
+        )
+        for stem, lot in zip(plain, lots, strict=True)
+    ]
+
+
+def _stem(lot: Lot) -> str:
+    first = lot.request.parts[0]
+    what = first.profile.name or first.profile.code
+    torch = lot.request.machine.torch
+    if torch is not None:
+        own = first.profile.web_thickness
+        what = f"PL{own if own is not None else torch.thickness or 0.0:g}"
+    words = [what, first.grade] if first.grade else [what]
+    return free_of_devices("_".join(cleaned(word.replace(" ", "")) or "_" for word in words))
+
+
+def _job(request: Request, share: Share) -> Job:
+    return Job(request, share.pieces, share.lengths[0] if share.lengths else None)
+
+
+def _piece(task: ShareTask, piece: int) -> Part:
+    return task.parts[task.pieces[piece]]
+
+
+def _stands(path: str, made: str) -> bool:
+    """Whether a program stands as it was made."""
+    try:
+        with open(path, "rb") as file:
+            return sha256(file.read()).hexdigest() == made
+    except OSError:
+        return False
+
+
+def _is_of(remnant: Remnant, key: LotKey) -> bool:
+    profile, grade = key[1], key[2]
+    name = getattr(profile, "name", "") or getattr(profile, "code", "")
+    of_section = not remnant.section or _plain(remnant.section) == _plain(name)
+    return of_section and (not remnant.grade or _plain(remnant.grade) == _plain(grade))
+
+
+def _shown(key: LotKey) -> str:
+    name = getattr(key[1], "name", "") or getattr(key[1], "code", "")
+    return f"{name}/{key[2]}" if key[2] else name
+
+
+def _plain(text: str) -> str:
+    return text.replace(" ", "").casefold()
