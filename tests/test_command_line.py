@@ -159,3 +159,40 @@ def test_inspect_takes_the_thickness_that_post_takes(tmp_path: Path) -> None:
     assert made.exit_code == 0, made.output
     again = json.loads(call("inspect", tmp_path / "o.nc1", "--json").stdout)
     assert again["parts"][0]["profile"]["web_thickness"] == 4.0
+
+
+#: Options of `post` that a folder has not, and why.
+NOT_OF_FOLDERS = {
+    "--from-operation": "a stop in mid bar is of one program",
+    "--force": "has a batch post unchanged inputs again; a model's members stand for themselves",
+}
+
+
+@pytest.mark.parametrize("command", ["batch", "watch"])
+def test_a_folder_has_the_options_of_post_under_the_same_names(command: str) -> None:
+    def options(words: str) -> dict[str, tuple[object, ...]]:
+        found = (p for p in WORDS[words].params if isinstance(p, click.Option))
+        return {o.opts[-1]: (str(o.type), o.is_flag, o.multiple, o.nargs) for o in found}
+
+    one, many = options("post"), options(command)
+    assert one.keys() - many.keys() == NOT_OF_FOLDERS.keys() - many.keys()
+    assert NOT_OF_FOLDERS.keys() <= one.keys()
+    same = one.keys() & many.keys() - NOT_OF_FOLDERS.keys() - {"-o", "--output"}
+    assert {name: one[name] for name in same} == {name: many[name] for name in same}
+    # What a run over stock has besides is of one run: a folder that is watched has no last file.
+    assert ({"--remnant", "--nest"} <= many.keys()) == (command == "batch")
+
+
+def test_a_batch_of_trigger_programs_has_a_style(tmp_path: Path) -> None:
+    words = ("batch", SAMPLES / "json" / "shield-small.json", "--machine", "table-simotion")
+    texts = {}
+    for style in ("chain", "table"):
+        done = call(*words, "-o", tmp_path / style, "--style", style)
+        assert done.exit_code == 0, done.stderr
+        (path,) = (tmp_path / style).glob("*.st")
+        texts[style] = path.read_text()
+        assert ("triggerActive" in texts[style]) == (style == "chain")
+        checked = call("check", tmp_path / style)
+        assert checked.exit_code == 0, checked.output
+    done = call("batch", SAMPLES / "dstv" / "tie.nc1", "-o", tmp_path, "--style", "table")
+    assert (done.exit_code, "--style is not for plate-linuxcnc" in done.stderr) == (2, True)

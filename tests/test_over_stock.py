@@ -118,6 +118,26 @@ def test_programs_lists_and_labels_are_of_one_plan(tmp_path: Path) -> None:
     assert checked.exit_code == 0, checked.stderr
 
 
+def test_labels_of_a_run_over_stock_are_printed(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert run("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out).exit_code == 0
+    assert run("labels", out / "labels.json", "-o", tmp_path / "l.zpl").exit_code == 0
+    text = (tmp_path / "l.zpl").read_text()
+    assert text.count("^XA") == 6
+    assert "UPN200_5FS235JR.gcode" in text
+    assert run("labels", out / "labels.json", "-o", tmp_path / "l.pdf").exit_code == 0
+    again = run("labels", out / "labels.json", "--json")
+    assert again.stdout == (out / "labels.json").read_text()
+    for torn in ("", '"labels": 5}'):
+        (out / "labels.json").write_text('{"schema": "beamcam/labels/1",' + torn)
+        done = run("labels", out / "labels.json", "--json")
+        assert done.exit_code == 1
+        assert "label-file" in done.stderr
+    long = [{"mark": "x" * 3000, "lines": [], "program": "p"}]
+    (out / "labels.json").write_text(json.dumps({"schema": "beamcam/labels/1", "labels": long}))
+    assert "label-code" in run("labels", out / "labels.json", "--json").stderr
+
+
 def test_workers_make_the_same(tmp_path: Path) -> None:
     folder = order(tmp_path / "in")
     for jobs in (1, 2):

@@ -70,6 +70,7 @@ class Shop(Struct, frozen=True):
     order: Order = "given"  #: of the pieces on a bar
     turn: bool = False  #: whether parts may lie turned
     mark_from: MarkFrom = "mark"  #: where marks stand
+    style: str | None = None  #: of trigger programs: "chain" or "table"
     remnants: tuple[Remnant, ...] = ()  #: bars that are there once, for a run over stock
     limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
 
@@ -97,9 +98,10 @@ class Shop(Struct, frozen=True):
 
     def request_of(self, part: Part) -> Request:
         """What is asked of the first machine that may make a part."""
+        style = self.style if stock_of((part,)) == "sheet" else None
         return Request(
             (part,), self._first_for(part), named_skips(self.skips), self.job,
-            self.order, self.turn, self.stock_lengths,
+            self.order, self.turn, self.stock_lengths, style,
             quantity=self.quantity, strict=self.strict,
             verified=self.read_back, date=self.date,
         )  # fmt: skip

@@ -1,7 +1,7 @@
 """`beamcam labels`: a label for each piece, with a code that a scanner reads."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import chain, repeat
 from pathlib import PurePath
 from typing import Any
@@ -19,15 +19,28 @@ from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, settled
 from beamcam.commands.sheets import drawing_options, torch_options
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in
 from beamcam.model.plan import Order
 from beamcam.model.request import Request
 from beamcam.planning.jobs import numbered
 from beamcam.planning.rules import named_skips
-from beamcam.report.labels import CODES, Code, Label, Size, as_json, as_pdf, as_zpl, code_fault
+from beamcam.readers.content import content
+from beamcam.report.labels import (
+    CODES,
+    SCHEMA,
+    Code,
+    Label,
+    Size,
+    as_json,
+    as_pdf,
+    as_zpl,
+    code_fault,
+    labels_in,
+)
 from beamcam.report.part_list import PartCount
 
 FORMATS = ("pdf", "zpl", "json")
+HEAD_BYTES = 100  #: in which a file says what it is
 
 
 def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
@@ -76,12 +89,13 @@ def command(
 
     A label has the mark, profile, length, grade, order, drawing, the number of the piece and a QR
     code or DataMatrix: the mark and the name of the program that makes the piece in a batch, a line
-    each. Exit status 1 if an input is refused or no machine makes a part; the others have their
-    labels.
+    each. The only INPUT may be the labels.json that a batch over stock wrote. Exit status 1 if an
+    input is refused or no machine makes a part; the others have their labels.
 
     \b
     beamcam labels jobs/ -o labels.pdf
     beamcam labels jobs/ -o labels.zpl --size 80x50
+    beamcam labels programs/labels.json -o labels.pdf
     beamcam labels jobs/ -o labels.pdf --code datamatrix
     beamcam labels jobs/ --json
     """
@@ -90,9 +104,15 @@ def command(
     try:
         form = options.form_of(output, to, as_json, FORMATS)
         config = settled(asked, inputs)
-        counts, said = counted_parts(inputs, config, asked, voice)
-        labels, without = _labels(counts, config, code, order, turn)
-        said = (*said, *without)
+        known = _of_batch(inputs)
+        if known is None:
+            counts, said = counted_parts(inputs, config, asked, voice)
+            labels, without = _labels(counts, config, code, order, turn)
+            said = (*said, *without)
+        else:
+            labels, said = known, tuple(_faults(known, inputs[0], code))
+            if said:
+                raise PlanError(said)
         data = _written(form, labels, size, code)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
@@ -100,6 +120,24 @@ def command(
     voice.say(said)
     if errors_in(said):
         raise SystemExit(REFUSED)
+
+
+def _of_batch(inputs: tuple[str, ...]) -> tuple[Label, ...] | None:
+    """The labels of a batch over stock, whose labels.json is the only input. Raises ReadError."""
+    if len(inputs) != 1 or not inputs[0].lower().endswith(".json"):
+        return None
+    data = content(inputs[0])
+    if isinstance(data, Diagnostic) or SCHEMA.encode() not in data[:HEAD_BYTES]:
+        return None
+    return labels_in(data, inputs[0])
+
+
+def _faults(labels: Sequence[Label], name: str, code: Code) -> Iterator[Diagnostic]:
+    """An error for each label whose code would be too long."""
+    for label in labels:
+        fault = code_fault(label, code, Source(name))
+        if fault is not None:
+            yield fault
 
 
 def _labels(

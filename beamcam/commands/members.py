@@ -15,15 +15,14 @@ selection_options = group(
     click.option("--class", "classes", multiple=True, help="Members of this IFC class."),
     click.option("--assembly", "assemblies", multiple=True, help="Members of this assembly."),
 )
+letter = click.option(
+    "--letter", type=click.Choice(["mark"]), help="Letter the members of a model with their marks."
+)
 #: The same, and `force`: whether they are trusted where their data contradict each other.
 member_options = group(
     selection_options,
     click.option("--force", is_flag=True, help="Accept members with contradictory data."),
-    click.option(
-        "--letter",
-        type=click.Choice(["mark"]),
-        help="Letter the members of a model with their marks.",
-    ),
+    letter,
 )
 
 

@@ -212,6 +212,11 @@ order = click.option(
     show_default=True,
     help="Lay parts in the order given, or so that mitres nest.",
 )
+style = click.option(
+    "--style",
+    type=click.Choice(["chain", "table"]),
+    help="Form of a trigger program; by default set by the machine and the length.",
+)
 turn = click.option("--turn", is_flag=True, help="Allow parts to be turned on the rollers.")
 mark_from = click.option(
     "--mark-from", type=click.Choice(MARKS_FROM), default="mark", show_default=True,

@@ -52,11 +52,7 @@ from beamcam.pipeline import (
 @options.skips
 @options.exit_left_out
 @options.order
-@click.option(
-    "--style",
-    type=click.Choice(["chain", "table"]),
-    help="Form of a trigger program; by default set by the machine and the length.",
-)
+@options.style
 @options.turn
 @from_operation("Write only the remainder of the program, from operation N of `plan`.")
 @part_options

@@ -18,7 +18,7 @@ from beamcam.batch import FoundInputs, Here, Input, Shop, Workers, check_templat
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
-from beamcam.commands.members import member_choice, selection_options
+from beamcam.commands.members import letter, member_choice, selection_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.rules import SETTINGS
 from beamcam.commands.settings import machines_of_stock
@@ -28,6 +28,7 @@ from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
+from beamcam.machine.dialects import DIALECTS
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
 from beamcam.report.ledger import ledger_line
@@ -71,8 +72,10 @@ run_options = options.group(
     options.exit_left_out,
     options.order,
     options.turn,
+    options.style,
     options.mark_from,
     selection_options,
+    letter,
     drawing_options,
     torch_options,
     options.strict,
@@ -102,6 +105,9 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     )
     for machine in (bars, sheets, *more_bars, *more_sheets):
         _check_suffix(name, machine)
+    style = asked.get("style")
+    if style is not None and {one.controller for one in (sheets, *more_sheets)} - {*DIALECTS}:
+        raise click.UsageError(f"--style is not for {sheets.name}.")
     return Shop(
         bars,
         config.job,
@@ -120,6 +126,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         order=asked.get("order", "given"),
         turn=asked.get("turn", False),
         mark_from=asked.get("mark_from", "mark"),
+        style=style,
         remnants=tuple(map(options.remnant_of, asked.get("remnants", ()))),
     )
 

@@ -10,9 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Literal
 
+import msgspec
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, ReadError, Rule, Severity, Source
 from beamcam.plain_text import json_text, terminal_text
 
 Code = Literal["qr", "datamatrix"]
@@ -37,7 +38,14 @@ CODE = Rule(
     "No larger code of that kind is defined. Give the part a shorter mark; the labels of the other "
     "parts are made.",
 )
-RULES = (CODE,)
+NO_LABELS = Rule(
+    "label-file",
+    Severity.ERROR,
+    "found a file of labels that cannot be read ({found}); expected it as `batch` over stock or "
+    "`labels --json` wrote it",
+    "The file was cut off or edited. Run the batch again; it writes the labels anew.",
+)
+RULES = (CODE, NO_LABELS)
 
 
 class Label(Struct, frozen=True):
@@ -171,6 +179,20 @@ def as_json(labels: Iterable[Label]) -> str:
     ]
     record = {"schema": SCHEMA, "labels": rows}
     return json_text(json.dumps(record, ensure_ascii=False, indent=1)) + "\n"
+
+
+class _LabelFile(Struct, frozen=True):
+    """What `as_json` writes."""
+
+    labels: tuple[Label, ...]
+
+
+def labels_in(data: bytes, name: str) -> tuple[Label, ...]:
+    """The labels that `as_json` wrote. Raises ReadError."""
+    try:
+        return msgspec.json.decode(data, type=_LabelFile).labels
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise ReadError(NO_LABELS.at(Source(name), found=error)) from error
 
 
 def _zpl(label: Label, size: Size, code: Code) -> str:
