@@ -249,7 +249,10 @@ def test_load_is_the_machine_as_the_commands_take_it(tmp_path: Path) -> None:
     table = beamcam.load(
         "plate-linuxcnc", thickness=3, kerf=1.2, lead="arc", tabs=2, map={"CUT": "cut"}
     )
-    assert beamcam.post(beamcam.read(plate.read_bytes()).parts, table).text == out.read_text()
+    assert (
+        beamcam.post(beamcam.read(plate.read_bytes(), name="plate").parts, table).text
+        == out.read_text()
+    )
 
 
 def test_load_takes_tolerances_and_rows_of_a_map() -> None:

@@ -44,7 +44,7 @@ def test_one_bad_file_stops_no_other(tmp_path: Path) -> None:
 
 
 def test_each_part_is_posted_as_by_itself(tmp_path: Path) -> None:
-    result = batch(SAMPLES / "dstv", "-o", tmp_path / "out", "--bar", 12000)
+    result = batch(SAMPLES / "dstv", "-o", tmp_path / "out", "--bar", 12000, "--each")
     made = programs(tmp_path / "out")
     assert {"channel.gcode", "gusset.ngc"} <= set(made)
     made = {name: text for name, text in made.items() if not name.endswith(".csv")}
@@ -85,7 +85,7 @@ def test_what_changed_is_done_again(jobs: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     batch(jobs, "-o", out)
     good = programs(out)
-    (jobs / "A" / "P000.nc1").write_text(part("P0", 1600.0))  # the input
+    (jobs / "A" / "P000.nc1").write_text(part("P0-1", 1600.0))  # the input
     (out / "A" / "P001.gcode").write_text("edited")  # an output
     (out / "B" / "P000.gcode").unlink()
     assert counts(batch(jobs, "-o", out)) == (2, 1, 1, 0)  # an edit is not lost
@@ -94,7 +94,7 @@ def test_what_changed_is_done_again(jobs: Path, tmp_path: Path) -> None:
     now = programs(out)
     assert {path for path in now if now[path] != good[path]} == {"A/P000.gcode"}
     assert counts(batch(jobs, "-o", out, "--job", "NIGHT")) == (4, 0, 0, 0)
-    assert counts(batch(jobs, "-o", out, "--job", "NIGHT", "--bar", 6000)) == (4, 0, 0, 0)
+    assert counts(batch(jobs, "-o", out, "--job", "NIGHT", "--bar", 6000, "--each")) == (4, 0, 0, 0)
     machine = tmp_path / "mine.toml"
     machine.write_text('base = "beamline"\n[drill]\nclearance = 6\n')
     assert counts(batch(jobs, "-o", out, "--machine", machine)) == (4, 0, 0, 0)
@@ -229,7 +229,7 @@ def test_bars_sheets_and_models_go_to_their_machines(tmp_path: Path) -> None:
         (folder / Path(name).name).write_bytes((SAMPLES / name).read_bytes())
     how = ("--bar", "12000", "--thickness", "4", "--map", "blue=cut", "--allow-open")
     said = tmp_path / "r.json"
-    result = batch(folder, "-o", tmp_path / "out", *how, "--jobs", 2, "--report", said)
+    result = batch(folder, "-o", tmp_path / "out", *how, "--each", "--jobs", 2, "--report", said)
     assert counts(result) == (6, 0, 0, 0)
     made = programs(tmp_path / "out")
     machines = {

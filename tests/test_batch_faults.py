@@ -200,7 +200,7 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     from beamcam.readers import read
     from beamcam.readers.reading import Reading
 
-    texts = (part("M 1"), BAD, part("M 1", 2500.0), part("M2"))
+    texts = (part("M 1"), BAD, part("M 1"), part("M2"), part("M2", 2500.0))
     parts = tuple(read(text.encode(), f"{k}.nc1").parts[0] for k, text in enumerate(texts))
     monkeypatch.setattr(work, "read", lambda data, name: Reading("ifc", parts))
     shop = Shop(load("beamline"))
@@ -213,7 +213,7 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     made = made_of(Task(0, "in/model.ifc", b"x"), shop)
     assert [name for name, _ in made.outputs] == ["M_1.gcode", "M2.gcode"]
     codes = [m["code"] for m in made.row["messages"] if m["severity"] == "error"]
-    assert codes == ["plan-tool", "batch-same-name"]
+    assert codes == ["list-mark-twice", "plan-tool", "batch-same-name"]
 
 
 def test_members_that_cannot_be_read_stop_no_other(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -122,7 +122,7 @@ def test_a_file_that_was_posted_in_part(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.chdir(tmp_path)
     model = SAMPLES / "ifc" / "beam_openings.ifc"
     for _ in range(2):  # one member is longer than the bar
-        assert batch(model, "-o", "golden", "--bar", 4000).exit_code == 1
+        assert batch(model, "-o", "golden", "--bar", 4000, "--each").exit_code == 1
     assert [n.outputs for n in noted_in("golden")] == [("beam_openings_D4.gcode",)]
     assert check("golden")[:2] == (0, "1 of 1 programs are the same\n")
 

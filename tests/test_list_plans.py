@@ -163,7 +163,7 @@ def test_a_label_names_the_program_that_makes_its_piece(tmp_path: Path) -> None:
     words = (str(SAMPLES / "channel.nc1"), str(SAMPLES / "plate.nc1"), "--quantity", "3",
              "--bar", "6000")  # fmt: skip
     labels = json.loads(run("labels", *words, "--json").stdout)["labels"]
-    done = run("batch", *words, "-o", str(tmp_path), "--json")
+    done = run("batch", *words, "--each", "-o", str(tmp_path), "--json")
     pieces = [
         (part["mark"], part["output"])
         for row in json.loads(done.stdout)["files"]

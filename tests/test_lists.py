@@ -399,7 +399,7 @@ def test_more_bars_than_one_do_not_go_to_standard_output() -> None:
 def test_a_batch_makes_as_many_as_are_wanted_and_checks_them(tmp_path: Path) -> None:
     out = tmp_path / "out"
     words = (str(SAMPLES / "tie.nc1"), str(SAMPLES / "channel.nc1"), "--quantity", "3")
-    done = run("batch", *words, "--bar", "6000", "-o", str(out), "--json", "--jobs", "1")
+    done = run("batch", *words, "--bar", "6000", "--each", "-o", str(out), "--json", "--jobs", "1")
     assert done.exit_code == 0, done.stderr
     assert sorted(p.name for p in out.glob("*.gcode")) == [
         "channel-1.gcode", "channel-2.gcode", "channel-3.gcode", "tie.gcode",

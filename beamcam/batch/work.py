@@ -7,7 +7,7 @@ once, frozen.
 
 import os
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence, Set
 from functools import partial
 from hashlib import sha256
 from typing import cast
@@ -221,7 +221,7 @@ def _no_clock() -> float:
 def parts_in(task: Task, shop: Shop, row: Row) -> tuple[Part, ...]:
     """The sound parts of a file; what is said of it is added to its row.
 
-    Raises ReadError for a file without any, and for parts that differ under one mark of an order.
+    Raises ReadError for a file without any.
     """
     reading = judged(read(task.data, task.name, **shop.reading), shop.strict)
     row["format"] = reading.format
@@ -233,10 +233,7 @@ def parts_in(task: Task, shop: Shop, row: Row) -> tuple[Part, ...]:
     row["messages"] += map(as_message, said)
     if not parts:
         raise ReadError(rules.NO_PART.at(Source(task.name)))
-    parts = marked(parts, shop.mark_from)
-    if len({*map(mark_key, parts)}) < len(parts) and (mixed := tuple(other_content(parts))):
-        raise ReadError(mixed)
-    return parts
+    return marked(parts, shop.mark_from)
 
 
 def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
@@ -244,7 +241,10 @@ def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, 
     yield "read the file"
     stem = os.path.splitext(os.path.basename(task.name))[0]
     names = FileNames()
+    mixed = _mixed(parts, row)
     for number, part in enumerate(parts, 1):
+        if part.source in mixed:
+            continue
         try:
             planned, choice = first_that_makes(
                 shop.request_of(part), shop.machines_for(part), begin
@@ -258,6 +258,17 @@ def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, 
         name = output_name(shop.name, stem, part, number, len(parts) > 1, planned[0].job.machine)
         for each, called in zip(planned, numbered(name, len(planned)), strict=True):
             yield from _post_job(each, called, shop, row, names, found)
+
+
+def _mixed(parts: Sequence[Part], row: Row) -> Set[Source]:
+    """The sources of parts that differ from one before with the same mark, which refuse the file."""
+    if len({*map(mark_key, parts)}) == len(parts):
+        return frozenset()
+    said = tuple(other_content(parts))
+    if said:
+        row["status"] = "refused"
+        row["messages"] += map(as_message, said)
+    return {one.source for one in said}
 
 
 def _post_job(
