@@ -13,8 +13,8 @@ from beamcam.model.part import Contour, Hole, Profile, Slot
 from beamcam.recovery.found import plain
 from beamcam.verify.bars.machined_features import MachinedPath
 from beamcam.verify.bars.paths import pocket_error
-from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import Pocket
+from beamcam.verify.bars.tools import Shop
 
 MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
 MOST_SIDES = 64  #: of a path's hull that are tried as the direction of a slot, the longest

@@ -4,9 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.model.part import Contour, Face
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.bench import Bench, Kind
 from beamcam.planning.operations.ends import Ends, leaves_stock
-from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.working_step import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 

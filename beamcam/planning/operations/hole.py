@@ -10,28 +10,34 @@ from collections.abc import Iterable, Iterator, Sequence
 from beamcam.caches import PerObject
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.plane import Point
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.model.plan import DrillOp, FeatureRef, Plan, WorkOp
 from beamcam.planning.axis_limits import refuse_steps
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.bench import Bench, Kind
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.hole_pairs import judge_pairs, refuse_crowd, refuse_too_near
-from beamcam.planning.operations.hole_tools import HoleWork, toolings_of
-from beamcam.planning.operations.kind import Kind
-from beamcam.planning.operations.merging import (
+from beamcam.planning.operations.hole_pairs import (
     ROUNDING,
     Group,
     Placed,
     drop_duplicates,
+    judge_pairs,
     merge_pairs,
+    refuse_crowd,
+    refuse_too_near,
     unmerged_because,
 )
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
-from beamcam.planning.operations.tools import Tooling, ToolLibrary, library_of
+from beamcam.planning.operations.tools import (
+    HoleWork,
+    Tooling,
+    ToolLibrary,
+    library_of,
+    toolings_of,
+)
 from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
 
 DUPLICATE = Rule(

@@ -4,9 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.model.part import Contour, Face
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.bench import Bench, Kind
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.paths import line_points
 from beamcam.planning.operations.reach import IN_THE_WAY
 from beamcam.planning.operations.tools import Tooling

@@ -9,8 +9,7 @@ from beamcam.errors import Diagnostic
 from beamcam.model.part import Bend, Camber, EndPlane
 from beamcam.model.section import corners
 from beamcam.planning import rules
-from beamcam.planning.operations.bench import Bench
-from beamcam.planning.operations.kind import Kind, Numbered
+from beamcam.planning.operations.bench import Bench, Kind, Numbered
 from beamcam.planning.operations.working_step import Found, Settled
 
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}

@@ -12,13 +12,12 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.machine.machine import Machine
-from beamcam.machine.saw import Saw, SawSection
+from beamcam.machine.stations import Saw, SawSection
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.model.section import corners
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.bench import Bench, Kind, nothing
 from beamcam.planning.operations.ends import End, Ends
-from beamcam.planning.operations.kind import Kind, nothing
 
 _E, _N = Severity.ERROR, Severity.NOTE
 

@@ -13,9 +13,8 @@ from beamcam.geometry.plane import Point, unit_vector
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole, Slot
 from beamcam.planning import rules
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.bench import Bench, Kind
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
 from beamcam.planning.operations.tools import Tooling

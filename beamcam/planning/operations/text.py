@@ -16,10 +16,9 @@ from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.by_hand import FACE
 from beamcam.planning.lettering import Lettered, place_text, remarks
 from beamcam.planning.lettering_room import Room
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.bench import Bench, Kind
 from beamcam.planning.operations.ends import wall_end
 from beamcam.planning.operations.finished_part import OUTSIDE
-from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.mark import can_scribe
 from beamcam.planning.operations.slot import slot_ends
 from beamcam.planning.operations.tools import Tooling

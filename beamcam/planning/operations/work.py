@@ -11,17 +11,38 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.model.marks import policy_on
+from beamcam.model.description import policy_on
 from beamcam.model.part import Feature, Part
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.by_hand import listed_by, refuse_mark
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.bench import Bench, Kind
+from beamcam.planning.operations.contour import CONTOUR
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
-from beamcam.planning.operations.kinds import KINDS, kind_of
+from beamcam.planning.operations.hole import HOLE
 from beamcam.planning.operations.line import BarLine
+from beamcam.planning.operations.mark import LINE
+from beamcam.planning.operations.other import OTHER
 from beamcam.planning.operations.saw_cut import SAW_CUT
+from beamcam.planning.operations.slot import SLOT
+from beamcam.planning.operations.text import TEXT
 from beamcam.planning.operations.working_step import Settled, WorkingStep
+
+# --- kinds ----------------------------------------------------------------------------------------
+
+# The kinds of work on a bar; of a feature the first that makes it.
+
+
+KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER, SAW_CUT)
+REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
+
+
+def kind_of(feature: Feature) -> Kind:
+    """The kind of work that makes a feature."""
+    for kind in KINDS:
+        if kind.makes(feature):
+            return kind
+    raise TypeError(f"no kind of work makes a {type(feature).__name__}")
 
 
 class PartWork(Struct, frozen=True):

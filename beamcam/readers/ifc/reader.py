@@ -7,6 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part, TextMark
+from beamcam.readers.content import Reading
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.candidates import PROXY
 from beamcam.readers.ifc.entities import Model
@@ -15,7 +16,6 @@ from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
 from beamcam.readers.ifc.shares import shares, workers_for
 from beamcam.readers.ifc.text import Malformed
-from beamcam.readers.reading import Reading
 from beamcam.system import start_method
 
 #: Classes of elements that are counted and not read.

@@ -8,13 +8,12 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 
 from beamcam.machine.absent import drill_of, saw_of
-from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Spindle
 from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.verify.bars.cuts import ends_of
 from beamcam.verify.bars.depths import REACHES
-from beamcam.verify.bars.part_ends import ends_of
-from beamcam.verify.bars.shop import Shop
-from beamcam.verify.bars.stations import Station, choices_of, stroke_values
+from beamcam.verify.bars.stations import Station, choices_of, stroke_values, wall_thickness
 from beamcam.verify.bars.targets import (
     THREADS,
     Course,
@@ -27,7 +26,7 @@ from beamcam.verify.bars.targets import (
     slot_corners,
     targets_of,
 )
-from beamcam.verify.bars.walls import wall_thickness
+from beamcam.verify.bars.tools import Shop
 
 FeatureRef = tuple[int, int]  #: index of the part, index of its feature
 #: A mill that is led round a hole is smaller than it by this at least.

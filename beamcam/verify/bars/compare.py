@@ -15,9 +15,8 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile, TextMark
 from beamcam.verify import rules
 from beamcam.verify.bars.ability import FeatureRef, may_be_missing, repeats
-from beamcam.verify.bars.cut_faults import CutFaults
+from beamcam.verify.bars.cuts import CutFaults, End, ends_of
 from beamcam.verify.bars.holes import HoleCheck, Want
-from beamcam.verify.bars.layout import Candidate, LaidPart, lay_out, wedge_cuts
 from beamcam.verify.bars.machine_limits import (
     reach_faults,
     section_faults,
@@ -25,11 +24,17 @@ from beamcam.verify.bars.machine_limits import (
     steel_faults,
 )
 from beamcam.verify.bars.machined_features import MachinedFeatures
-from beamcam.verify.bars.part_ends import End, ends_of
-from beamcam.verify.bars.pieces import overlapping, pieces, planes
-from beamcam.verify.bars.pockets import Led, PathsAlong, check_paths, is_led
+from beamcam.verify.bars.paths import Led, PathsAlong, check_paths, is_led
+from beamcam.verify.bars.pieces import (
+    Candidate,
+    LaidPart,
+    lay_out,
+    overlapping,
+    pieces,
+    planes,
+    wedge_cuts,
+)
 from beamcam.verify.bars.sequence import Done, entry_faults, parting_faults
-from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice
 from beamcam.verify.bars.targets import (
     Lack,
@@ -38,9 +43,9 @@ from beamcam.verify.bars.targets import (
     Target,
     targets_of,
 )
+from beamcam.verify.bars.tools import Shop
 from beamcam.verify.bars.turned import standing
-from beamcam.verify.by_hand import left_to_hand
-from beamcam.verify.left_out import left_out
+from beamcam.verify.left_out import left_out, left_to_hand
 
 if TYPE_CHECKING:
     from beamcam.verify.bars.texts import ToldTexts

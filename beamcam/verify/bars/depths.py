@@ -14,8 +14,8 @@ from math import inf, radians, tan
 from msgspec import Struct
 
 from beamcam.machine.tools import FLAT_DEG
-from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import THREADS, RoundKind
+from beamcam.verify.bars.tools import Shop
 
 
 class DepthRange(Struct, frozen=True, gc=False):

@@ -16,10 +16,9 @@ from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.depths import REACHES, DepthRange
 from beamcam.verify.bars.machined_features import Bore
-from beamcam.verify.bars.shop import Shop
-from beamcam.verify.bars.stations import Choice, stroke_values
+from beamcam.verify.bars.stations import Choice, stroke_values, wall_thickness
 from beamcam.verify.bars.targets import Round, RoundKind
-from beamcam.verify.bars.walls import wall_thickness
+from beamcam.verify.bars.tools import Shop
 
 NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
 NEAR = 60.0  #: mm; a hole this near to where it should be is taken for it, in the wrong place

@@ -9,17 +9,17 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.absent import text_x
-from beamcam.model.marks import policy_on
+from beamcam.model.description import policy_on
 from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.verify.bars.ability import is_within
+from beamcam.verify.bars.cuts import End
 from beamcam.verify.bars.machined_features import MachinedPath, ToldText
-from beamcam.verify.bars.part_ends import End
-from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import choices_of, stroke_values
 from beamcam.verify.bars.targets import Course, slot_corners
-from beamcam.verify.by_hand import by_hand, is_by_hand
+from beamcam.verify.bars.tools import Shop
 from beamcam.verify.drawn_texts import DrawnPieces, DrawnText
+from beamcam.verify.left_out import by_hand, is_by_hand
 from beamcam.verify.lettering import (
     TEXT,
     TEXT_EXTRA,
