@@ -27,7 +27,7 @@ from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.machined_features import Bore, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.pieces import CutPlane, Piece, pieces, planes
 from beamcam.verify.bars.targets import slot_corners
-from beamcam.verify.bars.tools import Shop
+from beamcam.verify.bars.tools import ToolCatalogue
 
 # --- holes ----------------------------------------------------------------------------------------
 
@@ -43,7 +43,7 @@ LEFT = 4  #: the M word that turns a spindle counter-clockwise
 
 
 def holes_of(
-    bores: Sequence[Bore], led: Sequence[Feature], shop: Shop, profile: Profile, name: str
+    bores: Sequence[Bore], led: Sequence[Feature], shop: ToolCatalogue, profile: Profile, name: str
 ) -> list[Hole]:
     """The holes of a part; x counts from its start. Those at the ends of slots are theirs."""
     taps = [b for b in bores if b.kind == "tap"]
@@ -64,7 +64,7 @@ def holes_of(
 class _Maker:
     """Makes holes out of what tools did."""
 
-    def __init__(self, shop: Shop, profile: Profile, name: str) -> None:
+    def __init__(self, shop: ToolCatalogue, profile: Profile, name: str) -> None:
         self.shop, self.profile, self.name = shop, profile, name
         form = shop.machine.format
         self.slack, self.decimals = form.resolution, form.length_decimals
@@ -119,16 +119,16 @@ class _Maker:
         return Hole(bore.face, bore.x, y, diameter, source, depth, kind, angle)  # type: ignore[arg-type]
 
 
-def _same(a: Bore, b: Bore, shop: Shop) -> bool:
+def _same(a: Bore, b: Bore, shop: ToolCatalogue) -> bool:
     return _is_at(a, b.face, b.x, b.y, shop)
 
 
-def _is_at(bore: Bore, face: str, x: float, y: float, shop: Shop) -> bool:
+def _is_at(bore: Bore, face: str, x: float, y: float, shop: ToolCatalogue) -> bool:
     near = shop.drill.merge_tolerance + 2 * shop.machine.format.resolution
     return bore.face == face and abs(bore.x - x) <= near and abs(bore.y - y) <= near
 
 
-def _is_of_slot(bore: Bore, slot: Slot, shop: Shop) -> bool:
+def _is_of_slot(bore: Bore, slot: Slot, shop: ToolCatalogue) -> bool:
     """Whether a drilled hole is the end of a slot, whose width was measured from a mill's path."""
     _, most = shop.fit(slot.diameter) or (0.0, slot.diameter)
     most += shop.drill.path_tolerance + 2 * shop.machine.format.resolution
@@ -200,7 +200,7 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
         told.append(rules.NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
     if errors_in(told):
         return Recovered((), tuple(told))
-    bar = _Bar(machine, Shop(machine, drill), saw, profile, name)
+    bar = _Bar(machine, ToolCatalogue(machine, drill), saw, profile, name)
     parts = tuple([bar.part(piece, done.made, stock) for piece in found])
     told += bar.said
     if not errors_in(told) and profile.web_thickness is not None:
@@ -235,7 +235,9 @@ def _is_square(plane: CutPlane) -> bool:
 class _Bar:
     """The parts of one bar; `said` is what is not a feature of any part."""
 
-    def __init__(self, machine: Machine, shop: Shop, saw: Saw, profile: Profile, name: str) -> None:
+    def __init__(
+        self, machine: Machine, shop: ToolCatalogue, saw: Saw, profile: Profile, name: str
+    ) -> None:
         self.machine, self.shop, self.saw = machine, shop, saw
         self.profile, self.name = profile, name
         self.lift = profile.height if saw.pivot == "o" else 0.0

@@ -27,7 +27,7 @@ from beamcam.verify.bars.machine_limits import bar_faults
 from beamcam.verify.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.verify.bars.stations import Choice, choices_of
-from beamcam.verify.bars.tools import Changed, Chosen, CuttingData, Shop
+from beamcam.verify.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
 from beamcam.verify.bars.turned import standing
 
 __all__ = [
@@ -54,7 +54,7 @@ class _Known:
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.dialect = dialect_of(machine)
-        self.shop = Shop(machine, drill_of(machine))
+        self.shop = ToolCatalogue(machine, drill_of(machine))
         grades = {row.grade for row in self.shop.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
         self._choices = BoundedCache[Profile | None, dict[int, Choice]]("verify.stations")

@@ -19,7 +19,7 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 from beamcam.verify import rules
 from beamcam.verify.bars.machine_limits import EPSILON, limits_of_cell
-from beamcam.verify.bars.machined_features import Cut, Thing, ToldText
+from beamcam.verify.bars.machined_features import Cut, StampedText, Thing
 from beamcam.verify.bars.stations import NOWHERE, Choice, Station, Tip, limits_of, tilts_of
 from beamcam.verify.bars.tools import LEAST, Changed, Chosen, CuttingData, wrong_changes
 
@@ -323,7 +323,7 @@ class CellState:
         height = event.values.get("height", marks.heights[0] if marks.heights else nan)
         angle = event.values.get("angle", marks.angles[0])
         self.order.append(
-            ToldText(
+            StampedText(
                 event.line, face, event.kind, event.text, self.x, event.values["y"], height, angle
             )
         )

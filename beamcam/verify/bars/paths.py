@@ -20,8 +20,8 @@ from beamcam.verify.bars.depths import DepthRange, path_reach
 from beamcam.verify.bars.holes import NEAR, wrong_depth
 from beamcam.verify.bars.machined_features import MachinedPath
 from beamcam.verify.bars.stations import wall_thickness
-from beamcam.verify.bars.targets import Course, Pocket
-from beamcam.verify.bars.tools import Shop
+from beamcam.verify.bars.targets import MarkingPath, Pocket
+from beamcam.verify.bars.tools import ToolCatalogue
 
 STEP = 1.0  #: mm between the points that are measured, where a line is not too tight for it
 FLAT = 0.001  #: mm between a line and the chords that it is measured by
@@ -148,11 +148,11 @@ def distance_to(point: Point, path: Sequence[Point]) -> float:
 Box = tuple[float, float, float, float]  #: the middle, the width and the height
 
 
-class Led(Struct, frozen=True, gc=False):
+class RequiredPath(Struct, frozen=True, gc=False):
     """A pocket or line of a part on the bar."""
 
     part: int
-    target: Pocket | Course
+    target: Pocket | MarkingPath
     from_x: float  #: machine X of the part's x 0
 
 
@@ -160,7 +160,7 @@ class CheckedPaths(Struct, frozen=True):
     """What was found of the paths of a program."""
 
     said: tuple[Diagnostic, ...]
-    taken: tuple[tuple[MachinedPath, Led], ...]  #: each path with what it is taken for
+    taken: tuple[tuple[MachinedPath, RequiredPath], ...]  #: each path with what it is taken for
 
 
 class PathsAlong:
@@ -190,13 +190,13 @@ class PathsAlong:
 
 
 def check_paths(
-    paths: Sequence[MachinedPath], wanted: Sequence[Led], parts: Sequence[Part], shop: Shop,
-    profile: Profile, name: str,
+    paths: Sequence[MachinedPath], wanted: Sequence[RequiredPath], parts: Sequence[Part],
+    shop: ToolCatalogue, profile: Profile, name: str,
 ) -> CheckedPaths:  # fmt: skip
     """Faults of the paths: each pocket and line once, by the path that fits it best."""
     allowed = _allowed(shop)
     left, said = PathsAlong(paths), list[Diagnostic]()
-    taken: list[tuple[MachinedPath, Led]] = []
+    taken: list[tuple[MachinedPath, RequiredPath]] = []
     for want in wanted:
         target, mark = want.target, parts[want.part].mark
         path = _meant(left, want, allowed)
@@ -222,19 +222,21 @@ def check_paths(
     return CheckedPaths(tuple(said), tuple(taken))
 
 
-def is_led(paths: PathsAlong, target: Pocket | Course, from_x: float, shop: Shop) -> bool:
+def is_led(
+    paths: PathsAlong, target: Pocket | MarkingPath, from_x: float, shop: ToolCatalogue
+) -> bool:
     """Whether there is a path that makes a pocket or line."""
-    want = Led(0, target, from_x)
+    want = RequiredPath(0, target, from_x)
     path = _meant(paths, want, _allowed(shop))
     return path is not None and _off(path, want) <= _allowed(shop)
 
 
-def _allowed(shop: Shop) -> float:
+def _allowed(shop: ToolCatalogue) -> float:
     """Permitted deviation of a path."""
     return shop.drill.path_tolerance + 2 * shop.machine.format.resolution
 
 
-def _off(path: MachinedPath, want: Led) -> float:
+def _off(path: MachinedPath, want: RequiredPath) -> float:
     """Deviation of the pocket or line that a path makes."""
     points = [(x - want.from_x, y) for x, y in path.points]
     if isinstance(want.target, Pocket):
@@ -242,7 +244,7 @@ def _off(path: MachinedPath, want: Led) -> float:
     return line_error(want.target.curves, points)
 
 
-def _meant(paths: PathsAlong, want: Led, allowed: float) -> MachinedPath | None:
+def _meant(paths: PathsAlong, want: RequiredPath, allowed: float) -> MachinedPath | None:
     """The path that makes a pocket or line, or else the one that may have been meant for it.
 
     The nearest come first, of those about one middle the one of its size.
@@ -265,7 +267,7 @@ def _meant(paths: PathsAlong, want: Led, allowed: float) -> MachinedPath | None:
 
 
 def _apart(
-    box: Box, mill: float, target: Pocket | Course, own: Box, from_x: float
+    box: Box, mill: float, target: Pocket | MarkingPath, own: Box, from_x: float
 ) -> tuple[float, float]:
     """How far the middles of a path and of what it may be meant for are apart, and their sizes."""
     own_x, own_y, own_width, own_height = own
@@ -276,7 +278,7 @@ def _apart(
     return apart, unlike
 
 
-def _box_of(target: Pocket | Course) -> Box:
+def _box_of(target: Pocket | MarkingPath) -> Box:
     """The middle of a line or a pocket on its part, and its size; of a pocket that of the core."""
     if isinstance(target, Pocket):
         c, s = abs(cos(radians(target.angle))), abs(sin(radians(target.angle)))
@@ -295,9 +297,9 @@ def _box(points: Sequence[tuple[float, float]]) -> Box:
 
 def _tool_and_depth(
     path: MachinedPath,
-    target: Pocket | Course,
+    target: Pocket | MarkingPath,
     mark: str,
-    shop: Shop,
+    shop: ToolCatalogue,
     profile: Profile,
     source: Source,
 ) -> Iterator[Diagnostic]:

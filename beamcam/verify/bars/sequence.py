@@ -25,12 +25,12 @@ from beamcam.verify.bars.machined_features import (
     Cut,
     MachinedFeatures,
     MachinedPath,
+    StampedText,
     Thing,
-    ToldText,
 )
 from beamcam.verify.bars.pieces import CutPlane, LaidPart
 from beamcam.verify.bars.targets import Pocket
-from beamcam.verify.bars.tools import Changed, Chosen, Shop, Tool
+from beamcam.verify.bars.tools import Changed, Chosen, Tool, ToolCatalogue
 
 NOUNS = {"drill": "hole", "tap": "thread", "punch": "punch mark", "mill": "slot", "scribe": "line"}
 
@@ -39,7 +39,7 @@ class Done(Struct, frozen=True, gc=False):
     """Work that was found to be of a part on the bar."""
 
     part: int
-    work: Bore | MachinedPath | ToldText
+    work: Bore | MachinedPath | StampedText
 
 
 def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -56,7 +56,10 @@ def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterato
 
 
 def entry_faults(
-    made: MachinedFeatures, milled: Iterable[tuple[MachinedPath, Pocket]], shop: Shop, name: str
+    made: MachinedFeatures,
+    milled: Iterable[tuple[MachinedPath, Pocket]],
+    shop: ToolCatalogue,
+    name: str,
 ) -> Iterator[Diagnostic]:
     """Slots whose mill goes down into the full steel, where the machine drills their ends."""
     slack = 2 * shop.machine.format.resolution + 1e-6
@@ -123,7 +126,7 @@ def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
     )
 
 
-def _is_drilled_first(target: Pocket, shop: Shop) -> bool:
+def _is_drilled_first(target: Pocket, shop: ToolCatalogue) -> bool:
     """Whether the machine's file has the ends of a slot drilled before it is milled."""
     slot = target.source
     return (

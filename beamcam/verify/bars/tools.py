@@ -21,7 +21,7 @@ from beamcam.model.section import NO_PLATE
 USUAL_POINT_DEG = 118.0
 
 
-class Shop:
+class ToolCatalogue:
     """The tools of a machine, by kind, and the faces that its spindles reach."""
 
     def __init__(self, machine: Machine, drill: Drill) -> None:

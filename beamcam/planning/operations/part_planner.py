@@ -37,7 +37,7 @@ ANGLE_FACE = Rule(
 RULES = (FROM_BEHIND, ANGLE_FACE)
 
 
-class Bench:
+class PartPlanner:
     """The one thing of planning that changes while it is looked at: the account of a part."""
 
     def __init__(self, part: Part, ends: Ends, line: BarLine) -> None:
@@ -137,11 +137,11 @@ class Kind(Struct, frozen=True):
     name: str
     makes: Callable[[Feature], bool]  #: whether a feature is of this kind
     #: What the machine lacks for a feature; None if it has everything.
-    needs: Callable[[Any, Bench], Diagnostic | None]
+    needs: Callable[[Any, PartPlanner], Diagnostic | None]
     #: What is wrong with the place of a feature on the finished part, or odd.
-    refusals: Callable[[Any, Bench], Iterable[Diagnostic]] = nothing
+    refusals: Callable[[Any, PartPlanner], Iterable[Diagnostic]] = nothing
     #: The steps of all its features of a part together.
-    steps: Callable[[Sequence[Numbered], Bench], Iterable[Found]] = nothing
+    steps: Callable[[Sequence[Numbered], PartPlanner], Iterable[Found]] = nothing
     reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
     #: What might have been done instead of an operation, and why it was not.
     rejected: Callable[[WorkOp, Plan, Machine], Iterator[str]] = nothing
