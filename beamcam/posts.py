@@ -14,10 +14,9 @@ from msgspec.structs import replace
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import Plan, SheetPlan
+from beamcam.model.plan import Plan, SheetPlan, WorkTime
 from beamcam.model.program import Comment, Program
 from beamcam.model.request import Job
-from beamcam.model.work_time import WorkTime
 
 #: A program as it is written: its text, or bytes piece by piece where it may be of any length.
 Written = str | Callable[[], Iterable[bytes]]

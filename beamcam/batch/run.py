@@ -28,7 +28,7 @@ from beamcam.batch.work import FileResult, Shop, Task
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
 from beamcam.interrupts import NEVER, Asked
-from beamcam.model.marks import marked
+from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read

@@ -25,7 +25,7 @@ from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
-from beamcam.model.marks import MarkFrom, marked
+from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Order, Plan
 from beamcam.model.request import Quantity, Remnant, Request
@@ -261,7 +261,7 @@ def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, 
 
 
 def _mixed(parts: Sequence[Part], row: Row) -> Set[Source]:
-    """The sources of parts that differ from one before with the same mark, which refuse the file."""
+    """The sources of parts that differ from an earlier one with their mark; the row is refused."""
     if len({*map(mark_key, parts)}) == len(parts):
         return frozenset()
     said = tuple(other_content(parts))

@@ -6,8 +6,7 @@ from pathlib import PurePath
 
 from beamcam.commands.common import STANDARD
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
-from beamcam.model.plan import Plan, SawOp, SheetPlan
-from beamcam.model.work_time import clock
+from beamcam.model.plan import Plan, SawOp, SheetPlan, clock
 from beamcam.pipeline import Posted
 from beamcam.planning.left_out import by_hand_sources, left_out_sources
 

@@ -10,7 +10,7 @@ from beamcam.emitters.columns import lines
 from beamcam.emitters.head import comment_room
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
-from beamcam.model.part_data import PART_DATA
+from beamcam.model.description import PART_DATA
 from beamcam.model.program import (
     ArcFeed,
     Command,
