@@ -180,7 +180,7 @@ def _of_asked(
     found = verify(program, parts, machine, w.skips, w.name)
     if not parts or errors_in(found) or not carries_head(job):
         return found
-    from beamcam.verify.sheets.told import told_faults
+    from beamcam.verify.sheets.shared import told_faults
 
     return (*found, *told_faults(begin, parts, machine, w.skips, w.name))
 

@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.batch import over_stock, work
-from beamcam.batch.over_stock import Look, driven
 from beamcam.batch.pool import Result as Outcome
+from beamcam.batch.pool import driven
+from beamcam.batch.shares import Look
 from beamcam.cli import main
 from beamcam.pipeline import read_file
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading
 from beamcam.verify.head import Head, head_of
 from tests.conftest import SAMPLES
 from tests.runs import BAD, part
@@ -136,6 +137,14 @@ def test_labels_of_a_run_over_stock_are_printed(tmp_path: Path) -> None:
     long = [{"mark": "x" * 3000, "lines": [], "program": "p"}]
     (out / "labels.json").write_text(json.dumps({"schema": "beamcam/labels/1", "labels": long}))
     assert "label-code" in run("labels", out / "labels.json", "--json").stderr
+
+
+def test_a_page_has_a_setup_sheet_of_each_bar_and_sheet(tmp_path: Path) -> None:
+    words = ("--bar", 12000, "-o", tmp_path / "out", "--report", tmp_path / "r.html")
+    assert run("batch", order(tmp_path / "in"), *words).exit_code == 0
+    pages = {p.name: p.read_text() for p in (tmp_path / "r.sheets").iterdir()}
+    assert {name.removesuffix(".html") for name in pages} == {*heads(tmp_path / "out")}
+    assert all(mark in pages["UPN200_S235JR.gcode.html"] for mark in ("C1", "T1"))
 
 
 def test_workers_make_the_same(tmp_path: Path) -> None:
@@ -333,10 +342,10 @@ def test_a_worker_that_dies_fails_its_program_alone(tmp_path: Path) -> None:
             else:
                 yield Outcome(chunk, "made", [made(task) for task in chunk])
 
-    def made(task: Any) -> over_stock.FileResult:
+    def made(task: Any) -> work.FileResult:
         row: Any = {"file": task.name, "status": "posted", "format": "", "seconds": 0.0,
                     "parts": [], "messages": []}  # fmt: skip
-        return over_stock.FileResult(task.index, row, ())
+        return work.FileResult(task.index, row, ())
 
     tasks = (Look(k, f"{k}.nc1", b"") for k in range(5))
     found = {one.index: one.row["status"] for one in driven(Workers(), tasks, over_stock.NEVER)}
@@ -379,4 +388,4 @@ def test_a_file_with_two_parts_of_one_mark_is_refused(
         done = run("batch", tmp_path / "model.ifc", "-o", tmp_path / f"out{status}", "--jobs", 1)
         assert done.exit_code == status, done.stderr
         assert ("list-mark-twice" in done.stderr) == bool(status)
-        assert len(heads(tmp_path / f"out{status}")) == 2 - status
+        assert len(heads(tmp_path / f"out{status}")) == 1  # equal members are one part

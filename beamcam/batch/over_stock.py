@@ -10,129 +10,34 @@ stock are those of the last run is not made again.
 """
 
 import os
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from hashlib import sha256
-from itertools import islice
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.batch import rules
 from beamcam.batch.find import Input, read_input
-from beamcam.batch.names import FileNames, cleaned, folded
-from beamcam.batch.pool import Chunk, Workers
+from beamcam.batch.pool import Workers, driven
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import Record
-from beamcam.batch.run import (
-    CHUNK_BYTES,
-    BatchError,
-    Run,
-    Slot,
-    died,
-    recorded,
-    refused_row,
-)
+from beamcam.batch.run import BatchError, Run, Slot, recorded
 from beamcam.batch.same_marks import other_content
-from beamcam.batch.work import FileResult, Found, Shop, Task, part_row, parts_in, posted_of
+from beamcam.batch.shares import Look, Lot, ShareTask, stems_of, tasks_of
+from beamcam.batch.work import Shop, Task, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
-from beamcam.files import REFUSED_SUFFIX, FilesRead
+from beamcam.files import FilesRead
 from beamcam.interrupts import NEVER, Asked
-from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
-from beamcam.model.part_json import part_to_json
-from beamcam.model.plan import Plan
 from beamcam.model.request import Job, Remnant, Request
-from beamcam.pipeline import begin_share, plans_of
-from beamcam.planning.jobs import Share, number_of, shares_of
-from beamcam.report.hand_list import MARKS, hand_rows
-from beamcam.report.part_list import ByHand, CutBar, CutPiece, PartCount
-from beamcam.report.run import Message, PartRow, Row, StockRow, as_message, dumped
-from beamcam.system import free_of_devices
+from beamcam.planning.jobs import Share, shares_of
+from beamcam.report.part_list import CutBar, CutPiece, PartCount
+from beamcam.report.run import Message, PartRow, Row, as_message
 from beamcam.verify.asked import job_faults
 
 LotKey = tuple[str, object, str]  #: machine, section or thickness, grade
 THICKNESS_DECIMALS = 2
-
-
-class Look(Task, frozen=True):
-    """One file to be looked at: which machine makes each of its parts."""
-
-    def post(self, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
-        """Add each part with the first machine that makes it; those that none makes refuse."""
-        parts = parts_in(self, shop, row)
-        yield "read the file"
-        for part in parts:
-            count = PartCount(part, number_of(part, shop.quantity or "file"))
-            request = replace(
-                shop.request_of(part), quantity=1, stock=shop.lengths_for(part), remnants=()
-            )
-            try:
-                (planned, *_), choice = first_that_makes(request, shop.machines_for(part), plans_of)
-            except BeamcamError as error:
-                row["status"] = "refused"
-                row["messages"] += map(as_message, error.diagnostics)
-                found.looked.append(replace(count, refused=tuple(error.diagnostics)))
-                continue
-            row["messages"] += map(as_message, choice)
-            kinds = [one["kind"] for one in hand_rows(planned.plan)]
-            by_hand = ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
-            machine = planned.job.machine.name
-            found.looked.append(replace(count, machine=machine, by_hand=by_hand))
-
-
-class ShareTask(Task, frozen=True):
-    """The pieces of one bar or sheet to be made; its name is that of the program."""
-
-    parts: tuple[Part, ...]
-    pieces: tuple[int, ...]  #: of each the place of its part
-    machine: str
-    lengths: tuple[float, ...]  #: of the bar
-    program: tuple[int, int]  #: which one of its lot, and of how many
-
-    def post(self, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
-        """Add the program."""
-        request = replace(
-            shop.request_of(self.parts[0]), parts=self.parts,
-            machine=shop.machine_named(self.machine), quantity=shop.quantity or "file",
-        )  # fmt: skip
-        planned = begin_share(request, Share(self.pieces, self.lengths), program=self.program)
-        yield "planned"
-        posted = yield from posted_of(planned, lambda: self.name + REFUSED_SUFFIX, row, found)
-        if posted is None:
-            return
-        content = posted.text.encode("utf-8")
-        found.outputs.append((self.name, content))
-        marks = Counter(self.parts[place].mark or "part" for place in self.pieces)
-        named = " + ".join(f"{n} x {mark}" if n > 1 else mark for mark, n in marks.items())
-        stock, plan = None, posted.plan
-        length = 0.0
-        if isinstance(plan, Plan):
-            length = plan.bar.parts
-            cuts = plan.bar.front_trim + plan.bar.kerfs + plan.bar.end_trim - plan.bar.nested
-            stock = StockRow(
-                remnant=plan.bar.remnant, cuts=cuts,
-                pieces=[{"piece": p.given, "at": p.start, "turn": p.turn} for p in plan.pieces],
-            )  # fmt: skip
-        made = part_row(posted, self.name, content, shop.timed)
-        told: PartRow = {
-            **made, "mark": named, "quantity": len(self.pieces), "length": length, "stock": stock,
-        }  # fmt: skip
-        row["parts"].append(told)
-
-    @property
-    def key(self) -> bytes:
-        """A hash of all that its program depends on besides the shop."""
-        parts = [part_to_json(part) for part in self.parts]
-        rest = (self.pieces, self.machine, self.lengths, self.program, self.name)
-        return sha256(dumped([parts, rest])).digest()
-
-
-class Lot(Struct, frozen=True):
-    """The parts of one machine and one kind of stock, and their shares of it."""
-
-    request: Request
-    shares: tuple[Share, ...]
 
 
 class MadeShare(Struct, frozen=True):
@@ -211,9 +116,9 @@ class StockRun:
         if mixed := tuple(other_content([one.part for one in self.counts])):
             raise BatchError(mixed)
         lots, unplanned = self._lots()
-        stems = _stems(lots)
+        stems = stems_of(lots)
         for lot, stem in zip(lots, stems, strict=True):
-            self.tasks += _tasks(lot, stem, len(self.tasks))
+            self.tasks += tasks_of(lot, stem, len(self.tasks))
         for row in refused:
             row["messages"] += unplanned.pop(row["file"], [])
             yield row
@@ -352,83 +257,6 @@ class StockRun:
             programs = of_part.get(id(count.part), [])
             for number, program in enumerate(programs, 1):
                 yield count.part, number, count.quantity, program
-
-
-def driven(workers: Workers, tasks: Iterator[Task], asked: Asked) -> Iterator[FileResult]:
-    """The result of each task, in any order; nothing more once it is `asked` to end."""
-    again: deque[Chunk] = deque()
-    away, is_left = 0, True
-    while not asked:
-        while workers.has_room() and (again or is_left):
-            chunk = again.popleft() if again else _chunk(tasks, workers.most_files)
-            if not chunk:
-                is_left = False
-                break
-            workers.submit(chunk)
-            away += 1
-        if not away:
-            return
-        for result in workers.wait():
-            away -= 1
-            if result.how == "made":
-                yield from result.made
-            elif result.how == "lost":
-                again.append(result.chunk)
-            elif len(result.chunk) > 1:
-                again.extend((task,) for task in result.chunk)
-            else:
-                (task,) = result.chunk
-                yield FileResult(task.index, died(task.name), ())
-
-
-def _chunk(tasks: Iterator[Task], most: int) -> Chunk:
-    chunk: list[Task] = []
-    size = 0
-    for task in islice(tasks, most):
-        chunk.append(task)
-        size += len(task.data)
-        if size >= CHUNK_BYTES:
-            break
-    return tuple(chunk)
-
-
-def _tasks(lot: Lot, stem: str, before: int) -> Iterator[ShareTask]:
-    """The tasks of a lot, `before` others."""
-    request, machine, of = lot.request, lot.request.machine, len(lot.shares)
-    for number, share in enumerate(lot.shares, 1):
-        places = tuple(dict.fromkeys(share.pieces))
-        at = {place: k for k, place in enumerate(places)}
-        name = f"{stem}-{number}{machine.suffix}" if of > 1 else f"{stem}{machine.suffix}"
-        yield ShareTask(
-            before + number - 1, name, b"", tuple([request.parts[place] for place in places]),
-            tuple([at[place] for place in share.pieces]), machine.name, share.lengths,
-            (number, of),
-        )  # fmt: skip
-
-
-def _stems(lots: Sequence[Lot]) -> list[str]:
-    """What the programs of each lot are called: section or thickness, grade; and where two lots
-    would be called the same, the machine."""
-    plain = [_stem(lot) for lot in lots]
-    twice = {stem for stem, count in Counter(map(folded, plain)).items() if count > 1}
-    names = FileNames()
-    return [
-        names.take(
-            f"{stem}_{cleaned(lot.request.machine.name)}" if folded(stem) in twice else stem, ""
-        )
-        for stem, lot in zip(plain, lots, strict=True)
-    ]
-
-
-def _stem(lot: Lot) -> str:
-    first = lot.request.parts[0]
-    what = first.profile.name or first.profile.code
-    torch = lot.request.machine.torch
-    if torch is not None:
-        own = first.profile.web_thickness
-        what = f"PL{own if own is not None else torch.thickness or 0.0:g}"
-    words = [what, first.grade] if first.grade else [what]
-    return free_of_devices("_".join(cleaned(word.replace(" ", "")) or "_" for word in words))
 
 
 def _job(request: Request, share: Share) -> Job:

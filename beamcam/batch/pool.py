@@ -4,14 +4,18 @@
 for.
 """
 
+from collections import deque
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import Literal, Protocol
 
 from msgspec import Struct
 
-from beamcam.batch.work import FileResult, Shop, Task, make_all
+from beamcam.batch.work import FileResult, Shop, Task, died, make_all
+from beamcam.interrupts import Asked
 
 Chunk = tuple[Task, ...]
+CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
 CHUNK_FILES = 16  #: most files that a process of this machine gets at once
 
 
@@ -71,3 +75,41 @@ class Here:
 
     def close(self) -> None:
         self._done = None
+
+
+def driven(workers: Workers, tasks: Iterator[Task], asked: Asked) -> Iterator[FileResult]:
+    """The result of each task, in any order; nothing more once it is `asked` to end."""
+    again: deque[Chunk] = deque()
+    away, is_left = 0, True
+    while not asked:
+        while workers.has_room() and (again or is_left):
+            chunk = again.popleft() if again else _chunk(tasks, workers.most_files)
+            if not chunk:
+                is_left = False
+                break
+            workers.submit(chunk)
+            away += 1
+        if not away:
+            return
+        for result in workers.wait():
+            away -= 1
+            if result.how == "made":
+                yield from result.made
+            elif result.how == "lost":
+                again.append(result.chunk)
+            elif len(result.chunk) > 1:
+                again.extend((task,) for task in result.chunk)
+            else:
+                (task,) = result.chunk
+                yield FileResult(task.index, died(task.name), ())
+
+
+def _chunk(tasks: Iterator[Task], most: int) -> Chunk:
+    chunk: list[Task] = []
+    size = 0
+    for task in islice(tasks, most):
+        chunk.append(task)
+        size += len(task.data)
+        if size >= CHUNK_BYTES:
+            break
+    return tuple(chunk)

@@ -19,12 +19,12 @@ from msgspec import Struct
 from beamcam.batch import rules
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import folded
-from beamcam.batch.pool import Chunk, Result, Workers
+from beamcam.batch.pool import CHUNK_BYTES, Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import RECORD_NAME, Record, partly
 from beamcam.batch.same_marks import MarkKey, other_content
 from beamcam.batch.standing import Standing
-from beamcam.batch.work import FileResult, Shop, Task
+from beamcam.batch.work import FileResult, Shop, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
 from beamcam.interrupts import NEVER, Asked
@@ -33,10 +33,9 @@ from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.report.run import Message, PartRow, Row, Status, as_message
+from beamcam.report.run import PartRow, Row, Status, as_message
 from beamcam.system import can_sync_all
 
-CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
 
@@ -384,19 +383,6 @@ class Run:
             if stands and folded(output) not in self._claims:
                 said = rules.STALE.at(Source(slot.input.path), found=output)
                 row["messages"].append(as_message(said))
-
-
-def refused_row(path: str, said: Message) -> Row:
-    """The row of a file that is refused before it is worked on."""
-    return {
-        "file": path, "status": "refused", "format": "", "seconds": 0.0, "parts": [],
-        "messages": [said],
-    }  # fmt: skip
-
-
-def died(path: str) -> Row:
-    """The row of a file that ended its worker."""
-    return {**refused_row(path, as_message(rules.DIED.at(Source(path)))), "status": "failed"}
 
 
 def _lacks_time(row: Row) -> bool:

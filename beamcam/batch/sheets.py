@@ -5,13 +5,14 @@ that stands in the folder is that very one.
 """
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import PurePosixPath
 
 from msgspec import Struct
 
+from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import Shop, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
@@ -37,6 +38,7 @@ class Programs(Struct, frozen=True):
 
     path: str
     outputs: tuple[tuple[str, str], ...]  #: output and hash of each
+    share: ShareTask | None = None  #: of a run over stock
 
 
 class SetupSheet(Struct, frozen=True):
@@ -68,14 +70,17 @@ def picture_style() -> str:
     return f"{css('svg ')}{dark}{{{css('svg ', dark=True)}}}"
 
 
-def sheets_beside(report: str, rows: Iterable[Row], shop: Shop, jobs: int) -> dict[str, Extra]:
+def sheets_beside(
+    report: str, rows: Iterable[Row], shop: Shop, jobs: int, shares: Sequence[ShareTask] = ()
+) -> dict[str, Extra]:
     """Write the sheet of each program of a run into a folder beside its report.
 
+    `shares` are the programs of a run over stock.
     What rows of the report show of them comes back, by the name of the output. Raises OSError.
     """
     folder = os.path.splitext(report)[0] + FOLDER_SUFFIX
     found: dict[str, Extra] = {}
-    for sheet in _made(rows, shop, jobs):
+    for sheet in _made(rows, shop, jobs, {task.name: task for task in shares}):
         name = PurePosixPath(f"{sheet.output}.html")
         path = os.path.join(folder, *name.parts)
         os.makedirs(os.path.dirname(path), exist_ok=True)
@@ -85,10 +90,16 @@ def sheets_beside(report: str, rows: Iterable[Row], shop: Shop, jobs: int) -> di
     return found
 
 
-def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[SetupSheet]:
+def _made(
+    rows: Iterable[Row], shop: Shop, jobs: int, shares: Mapping[str, ShareTask]
+) -> Iterator[SetupSheet]:
     maker = SheetMaker(shop.freeze)
     tasks = (
-        Programs(row["file"], tuple((p["output"], p["sha256"]) for p in row["parts"]))
+        Programs(
+            row["file"],
+            tuple((p["output"], p["sha256"]) for p in row["parts"]),
+            shares.get(row["file"]),
+        )
         for row in rows
         if row["parts"]
     )
@@ -96,7 +107,7 @@ def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[SetupSheet]:
     try:
         left = 0
         for task in tasks:
-            if jobs <= 1 and is_interruptible(task.path):
+            if jobs <= 1 and (task.share is not None or is_interruptible(task.path)):
                 yield from maker(task)
                 continue
             while not pool.has_room():
@@ -115,6 +126,11 @@ def _made(rows: Iterable[Row], shop: Shop, jobs: int) -> Iterator[SetupSheet]:
 
 def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
     """Sheets of the parts whose programs are those that were written."""
+    if programs.share is not None:
+        posted = finished(programs.share.planned(shop))
+        if (programs.share.name, _digest(posted)) in programs.outputs:
+            yield _sheet(posted, programs.share.name, shop)
+        return
     with open(programs.path, "rb") as file:
         reading = read(file.read(), programs.path, **shop.reading)
     left = list(programs.outputs)
@@ -123,11 +139,15 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
             planned, _ = first_that_makes(shop.request_of(part), shop.machines_for(part), begin)
             for each in planned:
                 posted = finished(each)
-                digest = sha256(posted.text.encode("utf-8")).hexdigest()
+                digest = _digest(posted)
                 output = next((name for name, known in left if known == digest), None)
                 if output is not None:
                     left.remove((output, digest))
                     yield _sheet(posted, output, shop)
+
+
+def _digest(posted: Posted) -> str:
+    return sha256(posted.text.encode("utf-8")).hexdigest()
 
 
 def _sheet(posted: Posted, output: str, shop: Shop) -> SetupSheet:

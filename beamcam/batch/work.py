@@ -45,7 +45,7 @@ from beamcam.planning.rules import named_skips
 from beamcam.readers import read
 from beamcam.report.hand_list import hand_rows
 from beamcam.report.part_list import PartCount
-from beamcam.report.run import Ledger, PartRow, Row, as_message
+from beamcam.report.run import Ledger, Message, PartRow, Row, as_message
 from beamcam.version import __version__
 
 
@@ -212,6 +212,19 @@ def making(task: Task, shop: Shop) -> Generator[str, None, FileResult]:
     return FileResult(
         task.index, row, tuple(found.outputs), tuple(found.refused), tuple(found.looked)
     )
+
+
+def refused_row(path: str, said: Message) -> Row:
+    """The row of a file that is refused before it is worked on."""
+    return {
+        "file": path, "status": "refused", "format": "", "seconds": 0.0, "parts": [],
+        "messages": [said],
+    }  # fmt: skip
+
+
+def died(path: str) -> Row:
+    """The row of a file that ended its worker."""
+    return {**refused_row(path, as_message(rules.DIED.at(Source(path)))), "status": "failed"}
 
 
 def _no_clock() -> float:

@@ -146,7 +146,8 @@ def command(
         said += unmatched
         try:
             jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
-            account.write(screen.counts, said, None if dry else shop, jobs)
+            shares = () if stock_run is None else stock_run.tasks
+            account.write(screen.counts, said, None if dry else shop, jobs, shares)
         except OSError as error:
             if report == STANDARD:
                 raise  # whoever reads it has gone, and there is no one to tell

@@ -15,6 +15,7 @@ import click
 
 from beamcam.asked import check_asked
 from beamcam.batch import FoundInputs, Here, Input, Shop, Workers, check_template
+from beamcam.batch.shares import ShareTask
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
@@ -336,11 +337,13 @@ class Report:
             self._rows.write(dumped(row) + b"\n")
 
     def write(
-        self, counts: Counts, said: Iterable[Message], shop: Shop | None = None, jobs: int = 1
-    ) -> None:
+        self, counts: Counts, said: Iterable[Message], shop: Shop | None = None, jobs: int = 1,
+        shares: Sequence[ShareTask] = (),
+    ) -> None:  # fmt: skip
         """Write the report in the format that its name says; `-` prints JSON.
 
-        A page has a setup sheet for each program beside it, made as `shop` says. Raises OSError.
+        A page has a setup sheet for each program beside it, made as `shop` says; `shares` are those
+        of a run over stock. Raises OSError.
         """
         if self.path is None:
             return
@@ -355,7 +358,7 @@ class Report:
             rows = [one for one in said if one["code"] != SETTINGS.code]
             pieces = as_csv(self._read(), counts, rows)
         elif suffix == ".html":
-            pieces = self._page(counts, said, shop, jobs)
+            pieces = self._page(counts, said, shop, jobs, shares)
         else:
             pieces = as_json(self._read(), counts, said)
         if self.path == "-":
@@ -367,15 +370,16 @@ class Report:
             self._rows.close()
 
     def _page(
-        self, counts: Counts, said: Iterable[Message], shop: Shop | None, jobs: int
-    ) -> Iterable[bytes]:
+        self, counts: Counts, said: Iterable[Message], shop: Shop | None, jobs: int,
+        shares: Sequence[ShareTask],
+    ) -> Iterable[bytes]:  # fmt: skip
         from beamcam.report.run_page import as_html
 
         if shop is None or self.path is None:
             return as_html(self._read, counts, said)
         from beamcam.batch.sheets import picture_style, sheets_beside
 
-        extras = sheets_beside(self.path, self._read(), shop, jobs)
+        extras = sheets_beside(self.path, self._read(), shop, jobs, shares)
         return as_html(self._read, counts, said, extras, picture_style())
 
     def _read(self) -> Iterator[Row]:

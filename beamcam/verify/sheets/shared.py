@@ -16,8 +16,9 @@ from beamcam.machine.torch import Torch
 from beamcam.model.drawing import Measures, extent
 from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
+from beamcam.verify.head import head_of, part_faults, stock_faults
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.need import OUTLINE, Need, need_of, thickness_of
+from beamcam.verify.sheets.need import OUTLINE, Need, need_of, shift_of, thickness_of
 
 
 def as_one(
@@ -63,6 +64,24 @@ def places_of(
             top = bottom
         yield (left - x0, bottom - y0), need
         left, top = left + (x1 - x0) + torch.spacing, max(top, bottom + (y1 - y0))
+
+
+def told_faults(
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str], name: str
+) -> Iterator[Diagnostic]:
+    """All differences of the head that `text` begins with from the parts as they have to lie."""
+    head = head_of(text)
+    if head is None or machine.torch is None:
+        return
+    yield from stock_faults(
+        head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
+    )
+    if len(parts) == 1:
+        places = [shift_of(need_of(parts[0], machine, machine.torch, skips), machine.torch)]
+    else:
+        places = [place for place, _ in places_of(parts, machine, machine.torch, skips)]
+    lie = [*zip(parts, places, strict=True)]
+    yield from part_faults(head, lie, machine.torch.tolerance, False, name)
 
 
 def _shown(part: Part, torch: Torch) -> str:
