@@ -31,8 +31,10 @@ def interpreter_of(machine: Machine, name: str) -> Interpreter:
     from beamcam.controllers.rs274.grbl import GRBL
     from beamcam.controllers.rs274.interpreter import Rs274
     from beamcam.controllers.rs274.linuxcnc import LINUXCNC
+    from beamcam.controllers.rs274.mach3 import MACH3
 
-    return Rs274({"linuxcnc": LINUXCNC, "grbl": GRBL}[machine.controller], dialect, name)
+    variants = {"linuxcnc": LINUXCNC, "grbl": GRBL, "mach3": MACH3}
+    return Rs274(variants[machine.controller], dialect, name)
 
 
 def cell_events(

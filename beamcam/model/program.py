@@ -10,6 +10,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.errors import Source
+from beamcam.machine.torch import TorchRow
 
 
 class StartBar(Struct, frozen=True):
@@ -128,6 +129,17 @@ class ToolOn(Struct, frozen=True, gc=False):
     source: Source
     pierce_height: float = 0.0  #: over the sheet
     cut_height: float = 0.0
+    preheat_s: float = 0.0
+    amps: float = 0.0
+    volts: float = 0.0
+    number: int = 0  #: of the row in the controller's table of materials
+
+
+class ChooseMaterial(Struct, frozen=True, gc=False):
+    """From here on the controller works with the data of a row, which the sheet is cut by."""
+
+    row: TorchRow
+    thickness: float
 
 
 class ToolOff(Struct, frozen=True, gc=False):
@@ -197,7 +209,7 @@ class EllipseFeed(Struct, frozen=True, gc=False):
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
-    | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
+    | StartSheet | ChooseMaterial | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
 )  # fmt: skip
 
 
