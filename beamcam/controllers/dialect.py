@@ -97,6 +97,7 @@ class Dialect(Struct, frozen=True):
     laser_mode: bool = False  #: whether S holds from feed to feed, and traverses are dark
     dwell_s: float = 1.0  #: what makes seconds of what a dwell says
     lifting: Torch | None = None  #: of a table whose programs move Z
+    shares: bool = False  #: whether a table's head has several tools, each at its own place
     magic: bool = False  #: whether a comment may give the cutting data of a material
     materials: Mapping[float, float] = {}  #: feed in mm/min by the number of a row
 
@@ -148,6 +149,7 @@ def _dialect_of(machine: Machine) -> Dialect:
         laser_mode=torch is not None and torch.laser_mode,
         dwell_s=0.001 if machine.format.dwell_unit == "ms" else 1.0,
         lifting=torch if torch is not None and torch.z == "program" else None,
+        shares=any(getattr(machine.words, f"choose_{p}") for p in ("cut", "mark", "engrave")),
         magic=any(MAGIC.match(line) for line in machine.words.material),
         materials={float(r.number): r.feed_mm_min for r in torch.rows} if torch else {},
     )

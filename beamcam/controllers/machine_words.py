@@ -298,6 +298,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     lines += _filled(machine, "material")
     for process in _PROCESSES:
         if getattr(words, f"{process}_on"):
+            lines += (*_filled(machine, f"choose_{process}"), *start)
             lines += (*_filled(machine, f"{process}_on"), *feed)
             lines += _filled(machine, f"{process}_off")
     for key, (x, y, i, j) in _CURVES.items():

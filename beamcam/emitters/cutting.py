@@ -14,6 +14,7 @@ from beamcam.model.part_data import PART_DATA
 from beamcam.model.program import (
     ArcFeed,
     ChooseMaterial,
+    ChooseTool,
     Command,
     Comment,
     Compensate,
@@ -147,6 +148,8 @@ class _Writer:
             case ToolOff():
                 off = getattr(words, f"{command.process}_off")
                 return _filled(off, **self._of_torch, **self._of_part)
+            case ChooseTool(process):
+                return list(getattr(words, f"choose_{process}"))
             case ChooseMaterial(row):
                 return _filled(
                     words.material, feed=number(row.feed_mm_min / self._per_unit, 3),

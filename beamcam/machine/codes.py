@@ -20,7 +20,7 @@ _DOCUMENTED_G = frozenset(range(7)) | {8, 9, 17, 20, 21, 40, 41, 42, 64, 75, 90,
 _DOCUMENTED_M = frozenset(range(10)) | {30}
 _CODE = re.compile(r"([GM])(\d{1,3})(\.\d)?")
 _CARRYING = re.compile(r"(M\d{1,3})([A-Z$])(-?\d{1,6}(?:\.\d{1,3})?)")
-_NAMED = re.compile(r"(?:o<[a-z0-9_-]+>|#<[a-z0-9_-]+>)")
+_NAMED = re.compile(r"o<[a-z0-9_-]+>|#<[a-z0-9_-]+>(?:=-?[0-9.]+)?")
 #: M words of a controller that start and stop a tool or coolant, which a table may wire otherwise.
 _WIRED_M = frozenset((3, 4, 5, 7, 8, 9))
 _OF_TABLES = frozenset(get_args(TableMeaning))
@@ -144,7 +144,7 @@ def _table_code_faults(machine: Machine, code: str, meaning: CodeMeaning) -> Ite
     elif plain[0] == "M" and number in _WIRED_M and meaning == "none" and not carrying:
         yield key, meaning, "what it switches, as it starts or stops something"
     elif plain[0] == "M" and number not in _WIRED_M and not _takes_own_m(machine, number):
-        expected = "M61 to M73, M190, or M100 to M199, the words of the user"
+        expected = "M61 to M73, or M100 to M199, the words of the user"
         yield key, code, expected if of == "linuxcnc" else f"no M word, {of} has no others"
 
 

@@ -160,6 +160,7 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     if torch is None:
         return
     yield from table_faults(machine)
+    yield from _height_faults(machine, torch)
     yield from path_faults(machine, torch)
     worded = machine.controller not in TABLE_CONTROLLERS
     for name in _TORCH_WORDS if worded else ():
@@ -198,7 +199,6 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.drilled", torch.drilled, "refuse, as no row marks"
     if torch.origin != "table" and not worded:
         yield "torch.origin", torch.origin, "table, from whose corner the controller counts"
-    yield from _height_faults(machine, torch)
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
 

@@ -35,6 +35,10 @@ class Words(Keys, frozen=True):
     ellipse_cw: tuple[str, ...] = ()  #: the tool along an ellipse, clockwise
     ellipse_ccw: tuple[str, ...] = ()  #: counter-clockwise
     material: tuple[str, ...] = ()  #: the controller's choice of a row's data, before its contours
+    #: the tool of the head that works, before the traverse to its place where another one worked
+    choose_cut: tuple[str, ...] = ()
+    choose_mark: tuple[str, ...] = ()  #: likewise to mark
+    choose_engrave: tuple[str, ...] = ()  #: likewise to engrave
     cut_on: tuple[str, ...] = ()  #: the tool on to cut
     cut_off: tuple[str, ...] = ()  #: and off
     mark_on: tuple[str, ...] = ()  #: the tool on to mark
@@ -115,6 +119,9 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "parabola": _ARC_NAMES,
     "ellipse_cw": _ELLIPSE_NAMES,
     "ellipse_ccw": _ELLIPSE_NAMES,
+    "choose_cut": frozenset(),
+    "choose_mark": frozenset(),
+    "choose_engrave": frozenset(),
     "material": _ROW_NAMES | {"material_name", "thickness", "kerf", "nozzle"},
     "cut_on": _TORCH_NAMES,
     "cut_off": _OFF_NAMES,

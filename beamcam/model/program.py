@@ -135,6 +135,12 @@ class ToolOn(Struct, frozen=True, gc=False):
     number: int = 0  #: of the row in the controller's table of materials
 
 
+class ChooseTool(Struct, frozen=True, gc=False):
+    """From here on places are those of the tool that a process works with."""
+
+    process: Literal["cut", "mark", "engrave"]
+
+
 class ChooseMaterial(Struct, frozen=True, gc=False):
     """From here on the controller works with the data of a row, which the sheet is cut by."""
 
@@ -209,7 +215,8 @@ class EllipseFeed(Struct, frozen=True, gc=False):
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
-    | StartSheet | ChooseMaterial | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
+    | StartSheet | ChooseTool | ChooseMaterial | ToolOn | ToolOff | Pace | Compensate | Traverse
+    | Movement
 )  # fmt: skip
 
 

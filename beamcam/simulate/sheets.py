@@ -31,8 +31,13 @@ from beamcam.simulate.trace import UNIFORM, Trace, TraceBuilder, head_axes
 CHORD_TOLERANCE = 0.02
 
 
-def sheet_trace(events: Sequence[TableEvent], starts: Mapping[int, str], machine: Machine) -> Trace:
-    """The head over time; `starts` says which process the word of a line starts."""
+def sheet_trace(
+    events: Sequence[TableEvent], starts: Mapping[int, tuple[str, float]], machine: Machine
+) -> Trace:
+    """The head over time.
+
+    `starts` says which process the word of a line starts, and how long the controller then waits.
+    """
     head = _HeadPath(machine)
     path: list[HeadMove] = []
     for event in events:
@@ -48,7 +53,9 @@ def sheet_trace(events: Sequence[TableEvent], starts: Mapping[int, str], machine
             elif isinstance(event, Lift | Touch):
                 head.lift(event)
             else:
-                head.state = State(process=starts.get(event.line, ""))
+                process, waits_s = starts.get(event.line, ("", 0.0))
+                head.state = State(process=process)
+                head.steps.append(_Wait(waits_s, event.line, head.state))
     head.follow(path)
     return head.trace()
 

@@ -103,9 +103,9 @@ class HeadWords(Interpreter):
         if action == "tool":
             self._tools[1] = value
         elif action == "offset":
-            self._event(ToolOffset(line, int(value or self._tools[0])))
+            self._offset_tool(line, int(value or self._tools[0]))
         elif action == "offset off":
-            self._event(ToolOffset(line, 0))
+            self._offset_tool(line, 0)
         elif action == "system":
             if value and self._offset not in (None, "G54"):
                 self._wrong(line, f"G10 of G54 while {self._offset} holds", "P0, what holds")
@@ -121,6 +121,12 @@ class HeadWords(Interpreter):
             self._event(heights.take_back(line))
         else:
             self._event(heights.count_from(line, value, action == "zero"))
+
+    def _offset_tool(self, line: int, number: int) -> None:
+        """Places are those of a tool, which stands elsewhere than the one before."""
+        if self._dialect.shares:
+            self._event(ToolOffset(line, number))
+            self._place = (nan, nan, self._place[2])
 
     def _move_z(self, line: int, block: Block, heights: Heights | None) -> None:
         """A block with Z: a move up or down, or until the torch touches."""

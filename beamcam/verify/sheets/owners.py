@@ -13,7 +13,8 @@ _PATH = (
     "verify-sheet-restart", "verify-sheet-overcut", "verify-sheet-direction", "verify-sheet-tab*",
 )  # fmt: skip
 _MOVED = (
-    *_PATH, "verify-sheet-rapid", "verify-sheet-height", "verify-sheet-idle", "verify-sheet-area", "verify-sheet-word",
+    *_PATH, "verify-sheet-rapid", "verify-sheet-height", "verify-sheet-idle", "verify-sheet-area",
+    "verify-sheet-word",
     "verify-sheet-end", "verify-sheet-setting", "verify-sheet-tool", "verify-sheet-compensation",
     "verify-sheet-feed", "verify-sheet-ramp", "verify-sheet-arc",
 )  # fmt: skip
@@ -104,7 +105,7 @@ _MACH3 = (
     Owner(("G10",), ("L", "P"), _LIFTED, "Z is called anew, or touches again, before it counts"),
     Owner(("G10", "G92"), ("Z",), _LIFTED, "Z is called anew, or touches again, before it counts"),
     Owner(("G92.2",), (), _LIFTED, _HEIGHT),
-    Owner(("G61", "G64"), (), ("verify-sheet-end",), "how corners are passed is set at the machine"),
+    Owner(("G61", "G64"), (), ("verify-sheet-end",), "corners are passed as is set there"),
     Owner(("M3", "M4"), ("S",), _TOOL),
     Owner(("M6",), (), _TOOL, _STOPS),
     Owner(("M6",), ("T",), _TOOL, _STOPS),
@@ -168,8 +169,8 @@ _EVENTS = (
         "verify-sheet-radius", "verify-sheet-order", "verify-sheet-turn")),
     Owner(("Move.feed_mm_min",), (), ("verify-sheet-feed",)),
     Owner(("Move.own_feed",), (), (), "only strokes of drills have a feed of their own"),
-    Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-sheet-tool", "verify-sheet-end",
-        "verify-sheet-settings")),
+    Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-sheet-tool",
+        "verify-sheet-end", "verify-sheet-settings")),
     Owner(("Pause.seconds",), (), ("verify-sheet-tool",), _WAITS),
     Owner(("Compensation.side", "Compensation.radius"), (), ("verify-sheet-tool",
         "verify-sheet-side", "verify-sheet-compensation", "verify-sheet-band",

@@ -56,6 +56,7 @@ class HeadStroke(Struct):
     off: int = -1  #: of the one that stops it
     tool: int = 0  #: of the controller's table, whose places the words of the row choose
     passes: int = 1
+    waits_s: float = 0.0  #: that the controller waits by itself until it is through
     alike: tuple[TorchRow, ...] = ()  #: rows that its words and its feed stand for as well
 
     @property
@@ -274,6 +275,7 @@ class _Head:
             fed = float(moves.feed_mm_min[own].max())
             one.rows = sorted(one.rows, key=lambda words: abs(words.row.feed_mm_min - fed))
         words, *others = one.rows
+        one.stroke.waits_s = 0.0 if words.pierce_s else words.row.pierce_s
         feed, row = words.row.feed_mm_min, int(own[0])
         one.stroke.row, one.stroke.tool = words.row, words.tool
         one.stroke.alike = tuple([w.row for w in others if w.row.feed_mm_min == feed])
@@ -336,6 +338,7 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Table
 
     on = events(getattr(machine.words, f"{row.process}_on"))
     off = events(getattr(machine.words, f"{row.process}_off"))
+    chosen = events(getattr(machine.words, f"choose_{row.process}"))
     starts = tool_words((e for e in on if isinstance(e, Switch)), True)
     stops = tool_words((e for e in off if isinstance(e, Switch)), False)
     return _Words(
@@ -343,7 +346,7 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Table
         tuple(e.said for e in starts),
         tuple(e.said for e in stops),
         _seconds(dropwhile(lambda e: e not in starts, on)),
-        next((e.number for e in reversed(on) if isinstance(e, ToolOffset)), 0),
+        next((e.number for e in reversed(chosen) if isinstance(e, ToolOffset)), 0),
         _seconds(takewhile(lambda e: e not in stops, off)),
     )
 
