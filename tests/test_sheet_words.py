@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from fnmatch import fnmatchcase
 from itertools import groupby
 
-import msgspec
 import pytest
 from msgspec import Struct
 
@@ -33,7 +32,7 @@ SET_UPS: list[tuple[str, dict[str, object], int]] = [
     ("plate-linuxcnc", {}, 1), ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, 3),
     ("plate-oxyfuel", {"thickness": 10.0}, 3), ("plate-codesys", {}, 1),
     ("plate-codesys", {"kerf_by": "machine", "lead": "line"}, 3),
-    ("laser-grbl", {"material": "wood"}, 1), ("plate-mach3", {}, 1),
+    ("laser-grbl", {"material": "wood"}, 1), ("plate-mach3", {}, 1), ("plate-qtplasmac", {}, 3),
 ]  # fmt: skip
 #: Each word with each of its values in each state.
 WHOLE = [
@@ -102,11 +101,13 @@ def places(text: str) -> dict[str, int]:
     cuts = [
         k
         for k, line in enumerate(found)
-        if re.match(r"^(N\d+ )?(M0?3(?: S1)?|M4 S\d+ F\d+)$", line)
+        if re.match(r"^(N\d+ )?(M0?3(?: \$0)?(?: S1)?|M4 S\d+ F\d+)$", line)
     ]
     start = cuts[1]
     first = next(k for k in moves if k > start)
-    end = next(k for k in range(first, len(found)) if re.match(r"^(N\d+ )?M0?5$", found[k]))
+    end = next(
+        k for k in range(first, len(found)) if re.match(r"^(N\d+ )?M0?5(?: \$0)?$", found[k])
+    )
     last = next(
         k for k in reversed(range(len(found))) if re.match(r"^(N\d+ )?M0?(2|30)$", found[k])
     )
@@ -122,26 +123,22 @@ def work(text: str, machine: Machine) -> list[tuple[object, ...]]:
     """What the head does: its moves with the tool on, and each word that starts or stops one."""
     found: list[tuple[object, ...]] = []
     on = False
-    states: dict[object, object] = {}
+    states: dict[str, int] = {}
     for event in table_events(text, machine)[0]:
         if isinstance(event, Move) and on:
             if event.start != event.end or event.curve is not None:
-                found.append((event.start, event.end, event.curve, event.rapid, event.feed_mm_min))
+                own = event.curve, event.rapid, event.feed_mm_min
+                found.append((event.start, event.end, *own, sorted(states.items())))
         elif isinstance(event, Switch) and event.number not in IDLE:
             was, on = on, event.number not in (2, 5, 15, 30)
             if on or was:
                 found.append(event.said)
         elif isinstance(event, Pause) and on and event.seconds:
             found.append(("pause", event.seconds))
-        elif isinstance(event, Output | ToolOffset):
-            name, state = (
-                msgspec.structs.astuple(event)[1:3]
-                if isinstance(event, Output)
-                else ("tool", event.number)
-            )
-            if on and states.get(name, False) != state:
-                found.append((name, state))
-            states[name] = state
+        elif isinstance(event, Output):
+            states[event.name] = event.on
+        elif isinstance(event, ToolOffset):
+            states["tool"] = event.number
         elif isinstance(event, Lift) and on:
             found.append((event.start, event.end, event.rapid))
         elif isinstance(event, Compensation) and on:

@@ -214,9 +214,9 @@ CHARTS = {
         (32, 390, 2, 3.1, 9, 5),
     ],
     "plate-oxyfuel": [
-        (6, 620, 3, 1.5, 10, 6), (12, 520, 5, 1.8, 10, 6), (20, 430, 8, 2, 12, 7),
-        (30, 360, 12, 2.4, 14, 8), (50, 270, 20, 3, 16, 9), (75, 200, 32, 3.8, 18, 10),
-        (100, 150, 50, 4.6, 20, 12),
+        (6, 620, 0.5, 1.5, 10, 6), (12, 520, 1, 1.8, 10, 6), (20, 430, 1, 2, 12, 7),
+        (30, 360, 1.5, 2.4, 14, 8), (50, 270, 2.5, 3, 16, 9), (75, 200, 4, 3.8, 18, 10),
+        (100, 150, 6, 4.6, 20, 12),
     ],
     "plate-mach3": [
         (3, 5200, 0.2, 1.2, 3.8, 1.5), (6, 2300, 0.5, 1.5, 3.8, 1.5), (12, 900, 0.9, 1.9, 4, 1.6),
@@ -263,7 +263,7 @@ def test_a_torch_table(at: int) -> None:
 
 
 def test_the_heights_of_a_table_that_moves_z() -> None:
-    """20 mm over the sheet between cuts; the switch trips 3 mm below the surface; Z 0 at the top."""
+    """20 mm over the sheet between cuts; the switch trips 3 mm below it; Z 0 at the top."""
     torch = load("plate-mach3").torch
     assert torch is not None
     assert (torch.z, torch.thc, torch.touch) == ("program", "program", "each")
@@ -271,6 +271,15 @@ def test_the_heights_of_a_table_that_moves_z() -> None:
     other = load("plate-qtplasmac").torch
     assert other is not None
     assert (other.z, other.thc, other.touch) == ("controller", "controller", "none")
+
+
+def test_the_flame_of_the_oxyfuel_table() -> None:
+    """It heats the longer the thicker the plate, and longer than it then takes to pierce."""
+    torch = load("plate-oxyfuel").torch
+    assert torch is not None
+    rows = [row for row in torch.rows if row.process == "cut"]
+    assert [row.preheat_s for row in rows] == [2.5, 4, 7, 10.5, 17.5, 28, 44]
+    assert all(row.preheat_s > 2 * row.pierce_s for row in rows)
 
 
 @pytest.mark.parametrize("name", ["plate-mach3", "plate-qtplasmac"])

@@ -1,10 +1,10 @@
-"""What a table's program switches besides its tool, in its order, and as it was before at the end.
+"""What a table's program switches besides its tool: in its order, and nothing left behind.
 
 preheat            on at the place for the seconds of the row before the cutting oxygen, and as
                    long as that
 tool beside        places are those of the tool that the row's words choose, of none at the end
 material           the controller has the data of the row that cuts
-outputs            as they were before the program first switched them
+outputs            off at the end
 share of the feed  all of it at the end
 """
 
@@ -60,7 +60,6 @@ class _Watch:
         self._name = name
         self._needs_material = bool(machine.words.material)
         self._state: dict[str, bool] = {}  #: of what was switched
-        self._before: dict[str, bool] = {}  #: as it was before that
         self._pending: str = ""  #: what the next move switches
         self._flame_s: float | None = None  #: for which the preheat is on here; None: it is off
         self._share = 1.0
@@ -132,7 +131,6 @@ class _Watch:
 
     def _switch(self, event: Output) -> Iterator[Diagnostic]:
         name = event.name
-        self._before.setdefault(name, self._state.get(name, not event.on))
         self._state[name] = event.on
         if event.with_move:
             self._pending = name
@@ -151,9 +149,8 @@ class _Watch:
     def ends(self, line: int) -> Iterator[Diagnostic]:
         """What is wrong when the program ends."""
         for name, state in self._state.items():
-            if name != "thc" and state != self._before[name]:
-                found = f"the end with {name} {'on' if state else 'off'}"
-                yield self._fault(rules.OUTPUT, line, found, "it as it was before the program")
+            if state and name != "thc":
+                yield self._fault(rules.OUTPUT, line, f"the end with {name} on", "it off")
         if self._pending:
             found = f"{self._pending} switched with a move that does not come"
             yield self._fault(rules.OUTPUT, line, found, "it switched at once")

@@ -21,7 +21,8 @@ _MOVED = (
 _WORD = ("verify-sheet-word",)
 _TOOL = ("verify-sheet-tool", "verify-sheet-word", "verify-sheet-end", "verify-sheet-height",
          "verify-sheet-thc", "verify-sheet-output")  # fmt: skip
-_LIFTED = ("verify-sheet-height", "verify-sheet-thc", *_WORD, "verify-sheet-end")
+_LIFTED = ("verify-sheet-height", "verify-sheet-thc", "verify-sheet-output", *_WORD,
+           "verify-sheet-end")  # fmt: skip
 _SWITCHED = ("verify-sheet-thc", "verify-sheet-output", "verify-sheet-end")
 _AGAIN = "says again what holds already"
 _ELSEWHERE = "names no place, or the head goes there with its tool off"
@@ -87,12 +88,14 @@ _LINUXCNC = (
     Owner(("M50", "M51", "M52", "M53"), ("P",), _TOOL, _OVERRIDE),
     Owner(("M51",), ("$",), _TOOL, _OVERRIDE),
     Owner(("G92.2",), (), ("verify-sheet-end",), _HEIGHT),
-    Owner(("G43",), (), ("verify-sheet-output", "verify-sheet-end"), _HEIGHT),
-    Owner(("G43",), ("H", "Z"), ("verify-sheet-output", "verify-sheet-end"), _HEIGHT),
+    Owner(("G43",), (), (*_WORD, "verify-sheet-output", "verify-sheet-end"), _HEIGHT),
+    Owner(("G43",), ("H", "Z"), (*_WORD, "verify-sheet-output", "verify-sheet-end"), _HEIGHT),
     Owner(("G59.1", "G59.2", "G59.3"), (), (*_WORD, "verify-sheet-end"),
         "one offset holds for the whole program"),
     Owner(("M62", "M63", "M64", "M65"), (), _TOOL),
-    Owner(("M62", "M63", "M64", "M65"), ("P",), _TOOL),
+    Owner(("M62", "M63", "M64", "M65"), ("P",), _TOOL, "[codes] says what it does, and that says "
+        "again what holds already"),
+    Owner(("other",), (), _TOOL),
 )  # fmt: skip
 
 _MACH3 = (
@@ -117,8 +120,17 @@ _MACH3 = (
 )  # fmt: skip
 
 #: Words of a table's own, by what its file says that they do.
+_HELD = (Owner(("codes: thc on", "codes: thc off"), (), _SWITCHED, _AGAIN),)
 _OF_CODES = (
-    Owner(("codes: thc on", "codes: thc off"), (), _SWITCHED, "says again what holds already"),
+    *_HELD,
+    Owner(("codes: none",), (), (*_WORD, "verify-sheet-end"), "the machine's file says that it "
+        "does nothing"),
+    Owner(("codes: torch on", "codes: torch off", "codes: cutting oxygen on",
+        "codes: cutting oxygen off"), (), (*_TOOL, *_PATH, "verify-sheet-idle"), _OFF),
+    Owner(("codes: preheat on", "codes: preheat off"), (), _SWITCHED, _AGAIN),
+    Owner(("codes: feed share",), (), (*_WORD, "verify-sheet-feed", *_SWITCHED), _AGAIN),
+    Owner(("codes: material",), (), (*_WORD, "verify-sheet-material", "verify-sheet-end"),
+        "no contour is cut with it"),
 )  # fmt: skip
 
 _GRBL = (
@@ -189,7 +201,7 @@ _EVENTS = (
 )  # fmt: skip
 
 OWNERS: dict[tuple[Stock, Language], tuple[Owner, ...]] = {
-    ("sheet", "codesys"): _CODESYS, ("sheet", "linuxcnc"): _LINUXCNC, ("sheet", "grbl"): _GRBL,
-    ("sheet", "mach3"): (*_MACH3, *_OF_CODES),
+    ("sheet", "codesys"): _CODESYS, ("sheet", "linuxcnc"): (*_LINUXCNC, *_OF_CODES), ("sheet", "grbl"): _GRBL,
+    ("sheet", "mach3"): (*_MACH3, *_HELD),
     ("sheet", "events"): _EVENTS,
 }  # fmt: skip
