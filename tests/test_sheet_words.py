@@ -128,7 +128,7 @@ def work(text: str, machine: Machine) -> list[tuple[object, ...]]:
         if isinstance(event, Move) and on:
             if event.start != event.end or event.curve is not None:
                 own = event.curve, event.rapid, event.feed_mm_min
-                found.append((event.start, event.end, *own, sorted(states.items())))
+                found.append((event.start, event.end, *own, sorted(filter(states.get, states))))
         elif isinstance(event, Switch) and event.number not in IDLE:
             was, on = on, event.number not in (2, 5, 15, 30)
             if on or was:

@@ -246,7 +246,7 @@ def test_a_torch_table(at: int) -> None:
     assert torch is not None
     like = at if at < 3 else 0
     assert {key: getattr(torch, key) for key in TORCHES} == {k: r[like] for k, r in TORCHES.items()}
-    cuts = [row for row in torch.rows if row.process == "cut"]
+    cuts = [row for row in torch.rows if row.process == "cut" and row.material == "mild steel"]
     assert [
         (r.up_to, r.feed_mm_min, r.pierce_s, r.kerf, r.pierce_height, r.cut_height) for r in cuts
     ] == CHARTS[name]
@@ -287,10 +287,27 @@ def test_arcs_of_plasma_torches(name: str) -> None:
     """A thicker plate has a longer arc, and a torch of 130 A above 12 mm."""
     torch = load(name).torch
     assert torch is not None
-    rows = [row for row in torch.rows if row.process == "cut"]
+    rows = [row for row in torch.rows if row.material == "mild steel"]
     assert [(row.amps, row.volts) for row in rows] == [
         (45, 110), (45, 120), (45, 135), (130, 145), (130, 165),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("material", "chart"),
+    [
+        ("stainless steel", [(3, 4200, 1.4, 45), (6, 1500, 1.6, 45), (12, 1500, 2.4, 130),
+                             (20, 700, 2.8, 130)]),
+        ("aluminium", [(3, 6000, 1.5, 45), (6, 2400, 1.7, 45), (12, 2000, 2.6, 130),
+                       (20, 1000, 3, 130)]),
+    ],
+)  # fmt: skip
+def test_other_metals_on_a_plasma_table(material: str, chart: list[tuple[float, ...]]) -> None:
+    torch = load("plate-qtplasmac").torch
+    assert torch is not None
+    rows = [row for row in torch.rows if row.material == material]
+    assert [(row.up_to, row.feed_mm_min, row.kerf, row.amps) for row in rows] == chart
+    assert [row.pierce_height for row in rows] == [3.8, 3.8, 6, 7]
 
 
 #: The lasers' acrylic up to 2, 4 and 8 mm, wood up to 4 and 8: feed, and on grbl power and kerf.

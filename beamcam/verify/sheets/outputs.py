@@ -92,6 +92,9 @@ class _Watch:
                     else (f"after {flame_s:g} s of preheat")
                 )
                 yield self._fault(rules.OUTPUT, line, found, f"{row.preheat_s:g} s of it here")
+        elif self._flame_s is not None:
+            found = f"the preheat on to {stroke.process}"
+            yield self._fault(rules.OUTPUT, line, found, "it off, as the row has none")
         if self._needs_material and row.process == "cut":
             yield from self._material_faults(line, row)
 

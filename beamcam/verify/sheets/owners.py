@@ -201,7 +201,7 @@ _EVENTS = (
 )  # fmt: skip
 
 OWNERS: dict[tuple[Stock, Language], tuple[Owner, ...]] = {
-    ("sheet", "codesys"): _CODESYS, ("sheet", "linuxcnc"): (*_LINUXCNC, *_OF_CODES), ("sheet", "grbl"): _GRBL,
-    ("sheet", "mach3"): (*_MACH3, *_HELD),
+    ("sheet", "codesys"): _CODESYS, ("sheet", "linuxcnc"): (*_LINUXCNC, *_OF_CODES),
+    ("sheet", "grbl"): _GRBL, ("sheet", "mach3"): (*_MACH3, *_HELD),
     ("sheet", "events"): _EVENTS,
 }  # fmt: skip
