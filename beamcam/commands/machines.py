@@ -15,9 +15,9 @@ from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.machine import Machine, load, settings, shipped
 from beamcam.machine.chart_file import chart_rows
+from beamcam.machine.keys import starting_file
 from beamcam.machine.load import files_of
 from beamcam.machine.names import machine_folders, own_machines, resolved
-from beamcam.machine.starting_file import starting_file
 from beamcam.machine_proof import load_proved
 
 MAX_CHART_BYTES = 10_000_000
@@ -245,6 +245,6 @@ def schema() -> None:
     \b
     beamcam machines schema > machine.schema.json
     """
-    from beamcam.machine.schema import machine_schema
+    from beamcam.machine.keys import machine_schema
 
     click.echo(json.dumps(machine_schema(), indent=1))

@@ -10,7 +10,7 @@ from beamcam.emitters.columns import lines
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part_data import PART_DATA
+from beamcam.model.description import PART_DATA
 from beamcam.model.program import (
     ArcFeed,
     ChooseMaterial,

@@ -15,9 +15,9 @@ from msgspec import Struct
 from beamcam.controllers.events import HeadMove, Lift, Move, Pause, Switch, TableEvent, Touch
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
-from beamcam.geometry.moves import move_seconds
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
+from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
