@@ -24,7 +24,7 @@ from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Written, beginning, carries_head, post_of
 from beamcam.verify.head import head_of
 
-_AT = Source("the part that proves a machine")
+_AT = Source("the plate or bar on trial")
 _NAME = "JOB"
 _LENGTH = 1000.0  #: mm of the bar's part, if the machine makes so short ones
 #: A section of each kind that bars have, by their DSTV codes.

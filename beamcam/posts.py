@@ -150,6 +150,7 @@ POSTS = {
     ("sheet", "codesys"): sheet_post,
     ("sheet", "linuxcnc"): sheet_post,
     ("sheet", "grbl"): sheet_post,
+    ("sheet", "mach3"): sheet_post,
     ("sheet", "simotion"): trigger_post,
     ("sheet", "plcopen"): trigger_post,
     ("sheet", "stepper"): step_post,

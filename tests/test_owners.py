@@ -102,7 +102,7 @@ def test_bars_are_owned_on_every_controller_that_runs_them() -> None:
 
 def test_sheets_are_owned_on_every_controller_of_g_code() -> None:
     assert {language for stock, language in OWNERS if stock == "sheet"} == {
-        "codesys", "linuxcnc", "grbl", "events",
+        "codesys", "linuxcnc", "grbl", "mach3", "events",
     }  # fmt: skip
 
 

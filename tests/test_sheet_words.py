@@ -13,7 +13,7 @@ import pytest
 from msgspec import Struct
 
 from beamcam.controllers import interpreter_of, table_events
-from beamcam.controllers.events import Compensation, Move, Pause, Switch
+from beamcam.controllers.events import Compensation, Lift, Move, Output, Pause, Switch, ToolOffset
 from beamcam.errors import Severity
 from beamcam.machine import Machine
 from beamcam.pipeline import post
@@ -32,7 +32,7 @@ SET_UPS: list[tuple[str, dict[str, object], int]] = [
     ("plate-linuxcnc", {}, 1), ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}, 3),
     ("plate-oxyfuel", {"thickness": 10.0}, 3), ("plate-codesys", {}, 1),
     ("plate-codesys", {"kerf_by": "machine", "lead": "line"}, 3),
-    ("laser-grbl", {"material": "wood"}, 1),
+    ("laser-grbl", {"material": "wood"}, 1), ("plate-mach3", {}, 1), ("plate-qtplasmac", {}, 3),
 ]  # fmt: skip
 #: Each word with each of its values in each state.
 WHOLE = [
@@ -45,13 +45,16 @@ VALUES = {
     **dict.fromkeys("PTQ", ("0", "0.01", "1", "-1", "9999")), "R": ("0", "5", "-5", "9999"),
     "K": ("0", "90"), "D": ("0", "2", "-2", "9999"), "S": ("0", "1", "500", "99999"),
     "$": ("0", "1", "2", "9"), "F": ("0", "1", "2300", "-5", "99999999"),
-    "E": ("0", "1000", "5", "99999"), **dict.fromkeys("HZ", ("0", "1", "-5", "9999")),
+    "L": ("0", "2", "20"), "E": ("0", "1000", "5", "99999"),
+    **dict.fromkeys("HZ", ("0", "1", "-5", "9999")),
 }  # fmt: skip
 #: M words that neither move a head nor switch its tool: coolant, stops, overrides.
 IDLE = {0, 1, 6, 7, 8, 9, 48, 49, 50, 51, 52, 53, 60}
 PATH = frozenset(("G0", "G1", "G2", "G3", "G6", "G8", "G9"))
 NEEDS = {"G2": "I5 J0", "G3": "I5 J0", "G6": "I5 J5", "G8": "I5 J0 K0 R0.5", "G9": "I5 J0 K0 R0.5",
-         "G81": "R1", "G82": "P1 R1", "G83": "Q1 R1", "G73": "Q1 R1"}  # fmt: skip
+         "G31": "F600", "G92": "Z0", "G10": "L20 P0 Z0", "G81": "R1",
+         "G82": "P1 R1", "G83": "Q1 R1", "G73": "Q1 R1"}  # fmt: skip
+LIFTING = ("G10", "G31", "G92")
 MOVE = re.compile(r"^(?:N\d+ )?G0?[0-9] ?X")
 
 
@@ -67,6 +70,10 @@ def blocks(machine: Machine) -> Iterator[Put]:
     """Every word by itself, and with each thing that it carries at each of its values."""
     known = interpreter_of(machine, "").vocabulary()
     for word, letters in known.items():
+        if word.startswith("codes: "):
+            meant = word.removeprefix("codes: ")
+            yield from (Put(word, "", key) for key, does in machine.codes.items() if does == meant)
+            continue
         if word in ("other", "choose", "change"):
             continue
         if word in ("F", "S", "T"):
@@ -78,9 +85,10 @@ def blocks(machine: Machine) -> Iterator[Put]:
             for value in VALUES[letter[0]]:
                 said = f"{letter}{value}"
                 more = NEEDS.get(word, "")
-                if letter[0] in "IJKRPQ" and word in NEEDS:
+                if letter[0] in "IJKRPQLZ" and word in NEEDS:
                     more = " ".join(w for w in more.split() if w[0] != letter[0])
-                place = "X333 Y333" if word in NEEDS and letter not in "XY" else ""
+                flat = word in NEEDS and word not in LIFTING
+                place = "X333 Y333" if flat and letter not in "XY" else ""
                 if letter in ("E", "E-", "F") and word in PATH and not place:
                     place = "X333 Y333"
                 yield Put(word, letter, " ".join(w for w in (word, place, more, said) if w))
@@ -93,11 +101,13 @@ def places(text: str) -> dict[str, int]:
     cuts = [
         k
         for k, line in enumerate(found)
-        if re.match(r"^(N\d+ )?(M0?3(?: S1)?|M4 S\d+ F\d+)$", line)
+        if re.match(r"^(N\d+ )?(M0?3(?: \$0)?(?: S1)?|M4 S\d+ F\d+)$", line)
     ]
     start = cuts[1]
     first = next(k for k in moves if k > start)
-    end = next(k for k in range(first, len(found)) if re.match(r"^(N\d+ )?M0?5$", found[k]))
+    end = next(
+        k for k in range(first, len(found)) if re.match(r"^(N\d+ )?M0?5(?: \$0)?$", found[k])
+    )
     last = next(
         k for k in reversed(range(len(found))) if re.match(r"^(N\d+ )?M0?(2|30)$", found[k])
     )
@@ -113,16 +123,24 @@ def work(text: str, machine: Machine) -> list[tuple[object, ...]]:
     """What the head does: its moves with the tool on, and each word that starts or stops one."""
     found: list[tuple[object, ...]] = []
     on = False
+    states: dict[str, int] = {}
     for event in table_events(text, machine)[0]:
         if isinstance(event, Move) and on:
             if event.start != event.end or event.curve is not None:
-                found.append((event.start, event.end, event.curve, event.rapid, event.feed_mm_min))
+                own = event.curve, event.rapid, event.feed_mm_min
+                found.append((event.start, event.end, *own, sorted(filter(states.get, states))))
         elif isinstance(event, Switch) and event.number not in IDLE:
             was, on = on, event.number not in (2, 5, 15, 30)
             if on or was:
                 found.append(event.said)
         elif isinstance(event, Pause) and on and event.seconds:
             found.append(("pause", event.seconds))
+        elif isinstance(event, Output):
+            states[event.name] = event.on
+        elif isinstance(event, ToolOffset):
+            states["tool"] = event.number
+        elif isinstance(event, Lift) and on:
+            found.append((event.start, event.end, event.rapid))
         elif isinstance(event, Compensation) and on:
             found.append((event.side, event.radius))
     return found

@@ -70,6 +70,8 @@ class SheetOptions(TypedDict, total=False):
 
     thickness: float
     material: str
+    amps: float
+    nozzle: str
     kerf: float
     kerf_by: Literal["none", "offset", "machine"]
     lead: Literal["none", "line", "arc"]

@@ -20,8 +20,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     ),
     "How files are read": ("units", "width", "layers", "fit", "encoding"),
     "How sheets are cut": (
-        "colours", "thickness", "material", "kerf", "kerf_by", "lead", "lead_in", "lead_out",
-        "tabs", "tab_width",
+        "colours", "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead",
+        "lead_in", "lead_out", "tabs", "tab_width",
         "inner_tabs", "overcut", "gap", "allow_open", "place", "origin", "mirror", "rotate",
         "copies", "spacing", "sheet_size", "unrolled",
     ),

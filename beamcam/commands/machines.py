@@ -2,6 +2,7 @@
 
 import json
 import os
+from typing import Any
 
 import click
 
@@ -13,10 +14,13 @@ from beamcam.config.places import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.machine import Machine, load, settings, shipped
+from beamcam.machine.chart_file import chart_rows
 from beamcam.machine.keys import starting_file
 from beamcam.machine.load import files_of
 from beamcam.machine.names import machine_folders, own_machines, resolved
 from beamcam.machine_proof import load_proved
+
+MAX_CHART_BYTES = 10_000_000
 
 
 @click.group("machines")
@@ -70,9 +74,15 @@ def list_machines(as_json: bool) -> None:
     "--base", default="beamline", show_default=True, shell_complete=options.machine_names,
     metavar="NAME", help="Shipped machine to base it on.",
 )  # fmt: skip
+@click.option(
+    "--chart",
+    metavar="FILE",
+    type=click.Path(exists=True, dir_okay=False),
+    help="Cut chart for its rows: QtPlasmaC's material.cfg, SheetCam's .tools.",
+)
 @click.option("--user", is_flag=True, help="Among the user's settings, for jobs in every folder.")
 @options.voiced
-def new(name: str, base: str, user: bool, voice: Voice) -> None:
+def new(name: str, base: str, chart: str | None, user: bool, voice: Voice) -> None:
     """Write a machine file of your own: all values of the base as comments, to be made yours.
 
     It goes to `machines` beside the nearest beamcam.toml, or in this folder, where it is known by
@@ -81,14 +91,18 @@ def new(name: str, base: str, user: bool, voice: Voice) -> None:
     \b
     beamcam machines new mine --base beamline
     beamcam machines new drill-3 --base beamline-pusher --user
+    beamcam machines new table --base plate-qtplasmac --chart material.cfg
     """
     if not name or cleaned(name) != name or name in shipped():
         expected = "letters, digits, - and _, and no shipped machine's name"
         raise click.UsageError(f"found {name!r} for the machine's name; expected {expected}.")
     folder = machine_folders(own_files())[-1 if user else 0]
     path = os.path.join(folder, f"{name}.toml")
+    rows = _chart(chart, voice) if chart else []
     try:
-        text = starting_file(name, base)
+        if rows and load(base).torch is None:
+            raise click.UsageError(f"{base} has no torch, so --chart has no effect.")
+        text = starting_file(name, base, rows)
     except BeamcamError as error:
         voice.stop(error.diagnostics)
     if os.path.lexists(path):
@@ -102,6 +116,15 @@ def new(name: str, base: str, user: bool, voice: Voice) -> None:
     if not voice.quiet:
         say_lines([f"{path}: change what differs, then `beamcam machines check {name}`:"])
         _held_up(load(path), path, voice)
+
+
+def _chart(path: str, voice: Voice) -> list[dict[str, Any]]:
+    """The rows of a cut chart; ends where one cannot be read."""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        rows, said = chart_rows(file.read(MAX_CHART_BYTES), path)
+    if said:
+        voice.stop(said)
+    return rows
 
 
 @command.command("show")

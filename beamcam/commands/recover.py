@@ -24,7 +24,8 @@ from beamcam.readers.content import shown_name
 from beamcam.recovery import Stock, recover, with_marks
 from beamcam.writers import TARGETS
 
-READ_BY = ("codesys", "linuxcnc", "grbl")  #: controllers whose programs are understood here
+#: controllers whose programs are understood here
+READ_BY = ("codesys", "linuxcnc", "grbl", "mach3")
 
 
 @click.command("recover", cls=Grouped)

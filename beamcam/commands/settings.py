@@ -32,8 +32,8 @@ _OPTIONS = {
 #: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
 SHEET_OPTIONS = (
-    "thickness", "material", "kerf", "kerf_by", "lead", "lead_in", "lead_out", "tabs",
-    "tab_width", "inner_tabs", "overcut", "gap", "allow_open", "place",
+    "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead", "lead_in",
+    "lead_out", "tabs", "tab_width", "inner_tabs", "overcut", "gap", "allow_open", "place",
     "origin", "mirror",
     "rotate", "copies", "spacing", "sheet_size", "unrolled",
 )  # fmt: skip

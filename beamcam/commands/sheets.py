@@ -98,6 +98,8 @@ torch_options = group(
                  help="Process of a colour or layer: cut, mark, engrave or ignore."),
     thickness,
     click.option("--material", help="Material of the sheet, as named in the machine file."),
+    click.option("--amps", type=Number(), help="Rows of the cut chart for this current, A."),
+    click.option("--nozzle", help="Rows of the cut chart for this nozzle or gas."),
     click.option("--kerf", type=Number(least=0), help="Width of the cut, mm."),
     click.option("--kerf-by", type=click.Choice(["none", "offset", "machine"]),
                  help="Kerf compensation: none, by offset, or by the machine."),

@@ -38,6 +38,8 @@ class Sheet(Keys, frozen=True):
 
     thickness: Positive | None = None
     material: Text | None = None
+    amps: Positive | None = None
+    nozzle: Text | None = None
     kerf: NotNegative | None = None
     kerf_by: Literal["none", "offset", "machine"] | None = None
     lead: Literal["none", "line", "arc"] | None = None

@@ -36,7 +36,7 @@ def interpreter_of(machine: Machine, name: str) -> Interpreter:
 
 def longest_line(machine: Machine) -> int | None:
     """The characters that a line may have for a machine's controller; None: no limit is known."""
-    if machine.controller not in ("linuxcnc", "grbl"):
+    if machine.controller not in ("linuxcnc", "grbl", "mach3"):
         return None
     return _variants()[machine.controller].longest_line
 
@@ -44,8 +44,9 @@ def longest_line(machine: Machine) -> int | None:
 def _variants() -> "dict[str, Variant]":
     from beamcam.controllers.rs274.grbl import GRBL
     from beamcam.controllers.rs274.linuxcnc import LINUXCNC
+    from beamcam.controllers.rs274.mach3 import MACH3
 
-    return {"linuxcnc": LINUXCNC, "grbl": GRBL}
+    return {"linuxcnc": LINUXCNC, "grbl": GRBL, "mach3": MACH3}
 
 
 def cell_events(

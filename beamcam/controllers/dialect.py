@@ -16,9 +16,10 @@ from msgspec import Struct
 from beamcam.caches import PerObject
 from beamcam.controllers.codesys.blocks import LETTERS, NUMBER
 from beamcam.controllers.rules import BY_STOCK, ProgramRules
-from beamcam.machine.codes import plain_code, shown_code
+from beamcam.machine.codes import plain_code, plain_key, shown_code
 from beamcam.machine.machine import CodeMeaning, Machine
 from beamcam.machine.tools import tool_numbers
+from beamcam.machine.torch import Torch
 
 Role = Literal[
     "saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "change", "other"
@@ -37,6 +38,7 @@ _SAYS: dict[str, Role] = {
 _COMMAND = re.compile(r"\s*([GM])0*(\d+)\b")
 _WORD = re.compile(r"(?<![A-Z])([GM])0*(\d+(?:\.\d)?)")  #: of a line, wherever it stands
 FIELD = re.compile(r"\b([A-Z])\{(\w+)\}")  #: letter and name of a word with a figure
+MAGIC = re.compile(r"\(\s*o\s*=")  #: how a comment begins that QtPlasmaC takes a material from
 TELLS = "{string}"  #: in the line that tells a text
 _PLACEHOLDER = re.compile(r"([^{}]+)|\{(\w+)[^}]*\}")  #: plain text, or the name in braces
 
@@ -93,6 +95,11 @@ class Dialect(Struct, frozen=True):
     text_word: TextWord | None = None  #: where a stamp or printer letters
     startup: str = ""  #: block that runs before each program
     laser_mode: bool = False  #: whether S holds from feed to feed, and traverses are dark
+    dwell_s: float = 1.0  #: what makes seconds of what a dwell says
+    lifting: Torch | None = None  #: of a table whose programs move Z
+    shares: bool = False  #: whether a table's head has several tools, each at its own place
+    magic: bool = False  #: whether a comment may give the cutting data of a material
+    materials: Mapping[float, float] = {}  #: feed in mm/min by the number of a row
 
     def size(self, diameter: float) -> float:
         """The shop's tool that a diameter means: programs write three decimals of an inch size."""
@@ -119,6 +126,7 @@ def _dialect_of(machine: Machine) -> Dialect:
     said = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
     # RS274 counts in mm/min (G94), whatever the templates of a machine are filled with.
     by_second = machine.controller == "codesys" and machine.format.feed_unit == "mm/s"
+    torch = machine.torch
     return Dialect(
         stock=machine.stock,
         axes="XYZ" if machine.stock == "beam" else "XY",
@@ -131,14 +139,19 @@ def _dialect_of(machine: Machine) -> Dialect:
         feeds=feeding,
         changes=any(word.role == "change" for word in m_words.values()),
         sizes=tuple(sorted({d for tools in machine.tools for d in tools.sizes})),
-        codes={plain_code(code) or code: meaning for code, meaning in machine.codes.items()},
+        codes={plain_key(code): meaning for code, meaning in machine.codes.items()},
         allowed=frozenset(plain_code(code) or code for code in machine.allowed_codes),
         numbered={number: tool for tool, number in tool_numbers(machine.tools).items()},
         cycles=cycles,
         only_spindle=machine.spindles[0].number if len(machine.spindles) == 1 else None,
         text_word=_text_word(machine),
         startup=machine.startup_code,
-        laser_mode=machine.torch is not None and machine.torch.laser_mode,
+        laser_mode=torch is not None and torch.laser_mode,
+        dwell_s=0.001 if machine.format.dwell_unit == "ms" else 1.0,
+        lifting=torch if torch is not None and torch.z == "program" else None,
+        shares=any(getattr(machine.words, f"choose_{p}") for p in ("cut", "mark", "engrave")),
+        magic=any(MAGIC.match(line) for line in machine.words.material),
+        materials={float(r.number): r.feed_mm_min for r in torch.rows} if torch else {},
     )
 
 

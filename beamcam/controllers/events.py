@@ -7,6 +7,13 @@
     Acceleration  from here on the head runs up or brakes at another acceleration
     Blending      from here on corners may be passed at some distance
     Lettering     a unit stamps or prints a text
+    Lift          the torch goes up or down over the sheet
+    Touch         the torch goes down until it touches the sheet
+    Zero          from here on Z counts from elsewhere, or as it did before
+    Output        something of the machine is switched: height control, preheat, an output
+    FeedShare     from here on the head moves at a share of the feed that is programmed
+    ToolOffset    from here on places are those of another tool of the head
+    Material      the controller takes the cutting data of a row
 
 Every run of `post` makes thousands of them, and a drawing tens of thousands. Coordinates are mm,
 feeds mm/min; a coordinate that no block has named yet is not a number (nan). A controller that has
@@ -45,6 +52,7 @@ class Switch(Struct, frozen=True, gc=False):
     line: int
     number: int
     words: dict[str, float]  #: its parameters by letter
+    does: str = ""  #: what `[codes]` says of it: "torch on", "cutting oxygen off"; else nothing
 
     @property
     def said(self) -> "Said":
@@ -97,7 +105,69 @@ class Lettering(Struct, frozen=True, gc=False):
     values: dict[str, float]  #: what the word carries, by the names of the machine's file
 
 
-Other = Switch | Pause | Compensation | Acceleration | Blending | Lettering  #: all but moves
+class Lift(Struct, frozen=True, gc=False):
+    """A move of the torch in Z alone, by its heights over the sheet.
+
+    A height is nan where nothing says it, and inf at the top of the axis, clear of everything.
+    """
+
+    line: int
+    rapid: bool
+    start: float
+    end: float
+    feed_mm_min: float
+
+
+class Touch(Struct, frozen=True, gc=False):
+    """The torch goes down until it touches the sheet, and stands there."""
+
+    line: int
+    height: float  #: of its tip, below 0, as far as the axis goes on until the probe trips
+    feed_mm_min: float
+
+
+class Zero(Struct, frozen=True, gc=False):
+    """From here on Z counts from elsewhere."""
+
+    line: int
+    shifted: bool  #: whether it has to be taken back: what G92 sets would hold for the next program
+
+
+class Output(Struct, frozen=True, gc=False):
+    """Something of the machine besides its tool is switched."""
+
+    line: int
+    name: str  #: "thc", "preheat", or the word that switches it, without what says on or off
+    on: bool
+    with_move: bool = False  #: when the next move begins, so that it needs one
+
+
+class FeedShare(Struct, frozen=True, gc=False):
+    """From here on the head moves at a share of the feed that is programmed."""
+
+    line: int
+    share: float  #: 1 is all of it
+
+
+class ToolOffset(Struct, frozen=True, gc=False):
+    """From here on places are those of a tool of the head that stands beside the torch."""
+
+    line: int
+    number: int  #: in the controller's table of tools; 0 is the torch
+
+
+class Material(Struct, frozen=True, gc=False):
+    """The controller takes the cutting data of a row."""
+
+    line: int
+    values: dict[str, float]  #: "number", or figures by the names of a machine's row
+
+
+#: All but moves.
+Other = (
+    Switch | Pause | Compensation | Acceleration | Blending | Lettering | Lift | Touch | Zero
+    | Output | FeedShare | ToolOffset | Material
+)  # fmt: skip
 HeadMove = Move[Point]
 BarEvent = Move[Place] | Other
 TableEvent = HeadMove | Other

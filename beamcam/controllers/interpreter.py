@@ -23,6 +23,7 @@ from beamcam.controllers.events import (
     Place,
     Switch,
 )
+from beamcam.controllers.heights import Heights
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import shown_code
@@ -85,6 +86,8 @@ class Interpreter(ABC):
         self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
         self._feed = 0.0  #: in the unit of F words
         self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
+        self._share = 1.0  #: of the feed, at which a table's head moves
+        self._heights = Heights(dialect.lifting) if dialect.lifting is not None else None
         self._motion = -1
         self._absolute = True
         self._drilling = drill_cycle.DRILL  #: the canned cycle that was said last
@@ -277,6 +280,7 @@ class Interpreter(ABC):
                 return
         feed = self._feed * self.per_minute
         if self._flat:
+            feed *= self._share
             self._add(Move(line, motion == 0, start[:2], end[:2], feed, own_feed, curve))
         else:
             self._add(Move(line, motion == 0, start, end, feed, own_feed, curve))

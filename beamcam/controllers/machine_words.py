@@ -22,9 +22,10 @@ from beamcam.controllers.dialect import (
 )
 from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
 from beamcam.controllers.rules import SETTING, SHEET_SETTING
+from beamcam.controllers.table_words import IDLE_SWITCHES, STOPS, tool_words
 from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine import rules
-from beamcam.machine.codes import plain_code
+from beamcam.machine.codes import key_for, plain_code
 from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
 from beamcam.machine.load import load, source_in
@@ -48,7 +49,9 @@ _FIGURES = {
     "section": "1", "width": "100", "height": "200", "spindle": "1",
     "station": "1", "diameter": "20", "pitch": "2", "angle": "30", "tilt": "0", "feed": "600",
     "speed": "300", "peck": "5", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
-    "pierce_height": "4", "cut_height": "2",
+    "pierce_height": "4", "cut_height": "2", "preheat": "5", "amps": "45", "volts": "120",
+    "number": "1", "clearance": "20", "touch_height": "-1", "material_name": "mild steel",
+    "thickness": "6", "nozzle": "45 A",
     "acceleration": "100", "ratio": "0.5", "string": "A1", "face": "1",
     "tool_name": "drill 20",
 }  # fmt: skip
@@ -59,6 +62,7 @@ _CURVES = {
     "ellipse_cw": ("20", "0", "10", "0"), "ellipse_ccw": ("20", "0", "10", "0"),
 }  # fmt: skip
 
+_ENDS = (2, 30)
 TEXT_X = 300.0  #: machine X of the text that is tried
 
 Line = tuple[str, str, str]  #: key of the template, its text, the block that it becomes
@@ -291,8 +295,10 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     start = [*_filled(machine, "traverse", x="0", y="0")]
     feed = [*_filled(machine, "feed", x="10", y="0")]
     lines = [*_filled(machine, "header"), *_filled(machine, "comment"), *start]
+    lines += _filled(machine, "material")
     for process in _PROCESSES:
         if getattr(words, f"{process}_on"):
+            lines += (*_filled(machine, f"choose_{process}"), *start)
             lines += (*_filled(machine, f"{process}_on"), *feed)
             lines += _filled(machine, f"{process}_off")
     for key, (x, y, i, j) in _CURVES.items():
@@ -307,6 +313,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     lines += _filled(machine, "footer")
     events, said = cell_events(_text(lines), machine, "")
     yield from _said(lines, said)
+    yield from _unexplained(lines, events)
     yield from _standing(lines, events)
     torch = machine.needed(machine.torch, "torch")
     low, high = torch.area[:2], (torch.length, torch.width)
@@ -318,6 +325,27 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
             found = f"a move to X {event.end[0]:g}, Y {event.end[1]:g}"
             expected = f"one within the table of {high[0]:g} x {high[1]:g} mm"
             yield fault_in(key, text, found, expected)
+
+
+def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
+    """Each M word beside the one that switches a tool of which nothing says what it does."""
+    of: dict[str, list[Switch]] = {}
+    for event in events:
+        if isinstance(event, Switch) and event.number not in _ENDS:
+            of.setdefault(lines[event.line - 1][0].removeprefix("words."), []).append(event)
+    for name, switches in of.items():
+        known = {*DOCUMENTED, *STOPS, *IDLE_SWITCHES}
+        switching = name.endswith(("_on", "_off"))
+        tool = tool_words(switches, name.endswith("_on"))[:1] if switching else []
+        for switch in switches:
+            if switch.does or switch.number in known or switch in tool:
+                continue
+            key, text, _ = lines[switch.line - 1]
+            code = f"M{switch.number}"
+            expected = f'codes.{key_for(code, switch.words)} = "none", or what it does, such as '
+            yield fault_in(
+                key, text, f"{switch}, which beamcam does not know", f'{expected}"thc on"'
+            )
 
 
 def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:

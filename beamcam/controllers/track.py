@@ -9,7 +9,7 @@ from typing import cast
 
 import numpy as np
 
-from beamcam.controllers.events import HeadMove, Other
+from beamcam.controllers.events import FeedShare, HeadMove, Other
 from beamcam.controllers.interpreter import Interpreter
 from beamcam.controllers.moves import Moves, TableRun, arcs_between, joined, moves_of, sure_arcs
 from beamcam.controllers.scan import PlainMoves, scan
@@ -48,6 +48,8 @@ class Track:
         self._runs: list[tuple[int, int]] = []  #: first row of each, and the one behind its last
         self._starts: list[Point] = []  #: where each run begins
         self._feeds: list[float] = []  #: that each begins with
+        self._shares: list[float] = []  #: of the feed that is said, in each
+        self._share = 1.0
         self._moves: list[HeadMove] = []
         self._order: list[tuple[int, int]] = []  #: runs as above, moves behind all plain rows
         self._others: list[tuple[int, Other]] = []
@@ -76,6 +78,9 @@ class Track:
     def event(self, event: Other) -> None:
         """Anything but a move."""
         self._others.append((self._count, event))
+        if isinstance(event, FeedShare):
+            self._share = event.share
+            self._behind = None  # the next moves are a run of their own
 
     def move(self, move: HeadMove) -> None:
         """A move by itself."""
@@ -97,6 +102,7 @@ class Track:
             self._order.append((first, last))
             self._starts.append(start)
             self._feeds.append(feed)
+            self._shares.append(self._share)
         self._count += last - first
         x, y = self.plain.end[last - 1].tolist()
         fed = int(self._fed[last - 1])
@@ -140,7 +146,7 @@ class Track:
             rows = self._rows()
             own = self._fed[rows] >= np.repeat(firsts, sizes)
             said = np.where(own, plain.feed[self._fed[rows]], np.repeat(self._feeds, sizes))
-            feed[rows] = said * self._per_minute
+            feed[rows] = said * np.repeat(self._shares, sizes) * self._per_minute
         is_arc = plain.motion >= 2
         arcs = np.zeros((len(plain.line), 5))
         centre = start[is_arc] + plain.centre[is_arc]

@@ -10,9 +10,12 @@ from beamcam.emitters.columns import lines
 from beamcam.emitters.head import comment_room
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
+from beamcam.machine.torch import TorchRow
 from beamcam.model.description import PART_DATA
 from beamcam.model.program import (
     ArcFeed,
+    ChooseMaterial,
+    ChooseTool,
     Command,
     Comment,
     Compensate,
@@ -63,6 +66,12 @@ class _Writer:
         self._per_unit = 1 if per_minute else SECONDS_PER_MINUTE
         self._acceleration = number(machine.torch.acceleration if machine.torch else 0.0, 3)
         self._room = comment_room(machine)
+        self._dwells = 1000 if machine.format.dwell_unit == "ms" else 1  #: a second of G4
+        torch = machine.torch
+        self._of_torch = {
+            "clearance": number(torch.clearance if torch else 0.0, 3),
+            "touch_height": number(torch.touch_height if torch else 0.0, 3),
+        }
         self._feed = "0"
         self._carried: tuple[str, ...] = ()  #: words of `modal` as they were written last
         self._wanted: tuple[str, ...] = ()
@@ -130,15 +139,26 @@ class _Writer:
                 self._carried = ()  # said again for every contour, where an operator may start anew
                 self._want(command.feed_mm_min)
                 return _filled(
-                    getattr(words, f"{command.process}_on"), feed=self._feed,
-                    power=number(command.power, 3), pierce=number(command.pierce_s, 3),
-                    pierce_height=number(command.pierce_height, 3),
-                    cut_height=number(command.cut_height, 3), **self._of_part,
-                )  # fmt: skip
+                    getattr(words, f"{command.process}_on"),
+                    feed=self._feed,
+                    **self._of_row(command),
+                    **self._of_torch,
+                    **self._of_part,
+                )
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)
             case ToolOff():
-                return _filled(getattr(words, f"{command.process}_off"), **self._of_part)
+                off = getattr(words, f"{command.process}_off")
+                return _filled(off, **self._of_torch, **self._of_part)
+            case ChooseTool(process):
+                return list(getattr(words, f"choose_{process}"))
+            case ChooseMaterial(row):
+                return _filled(
+                    words.material, feed=number(row.feed_mm_min / self._per_unit, 3),
+                    kerf=number(row.kerf, 4), thickness=number(command.thickness, 3),
+                    material_name=comment_text(row.material), nozzle=comment_text(row.nozzle),
+                    **self._of_row(row),
+                )  # fmt: skip
             case ParabolaFeed() | EllipseFeed():
                 return [self._move("\n".join(self._curve(command)))]
             case Compensate():
@@ -156,6 +176,16 @@ class _Writer:
             case OfPart():
                 self._of_part = _texts({**self._program.about, **command.about})
         return []
+
+    def _of_row(self, of: ToolOn | TorchRow) -> dict[str, str]:
+        """The figures of a row that words of the torch may carry, but its feed."""
+        return {
+            "power": number(of.power, 3), "number": str(of.number),
+            "pierce": number(of.pierce_s * self._dwells, 3),
+            "preheat": number(of.preheat_s * self._dwells, 3),
+            "pierce_height": number(of.pierce_height, 3), "cut_height": number(of.cut_height, 3),
+            "amps": number(of.amps, 3), "volts": number(of.volts, 3),
+        }  # fmt: skip
 
     def _curve(self, command: ParabolaFeed | EllipseFeed) -> list[str]:
         """The blocks of a parabola or an ellipse."""

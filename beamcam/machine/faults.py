@@ -159,6 +159,7 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     if torch is None:
         return
     yield from table_faults(machine)
+    yield from _height_faults(machine, torch)
     yield from path_faults(machine, torch)
     worded = machine.controller not in TABLE_CONTROLLERS
     for name in _TORCH_WORDS if worded else ():
@@ -201,11 +202,47 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
 
 
+_LIFTING = ("linuxcnc", "grbl", "mach3")  #: controllers whose Z a table's program may move
+
+
+def _height_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
+    """Keys of a torch's height that contradict each other, or that nothing can keep."""
+    meanings = set(machine.codes.values())
+    by_program = torch.z == "program"
+    if by_program and machine.controller not in _LIFTING:
+        expected = f"controller; {machine.controller} is not followed in Z"
+        yield "torch.z", torch.z, expected
+    if by_program and not torch.clearance:
+        yield "torch.clearance", torch.clearance, "a height for traverses, as the program moves Z"
+    if not by_program and torch.touch != "none":
+        yield "torch.touch", torch.touch, "none, as the controller moves Z"
+    if by_program and torch.touch != "none" and torch.top is None:
+        expected = "Z of the machine at the top, as nothing else is known before the first touch"
+        yield "torch.top", torch.top, expected
+    if torch.thc == "program" and not meanings >= {"thc on", "thc off"}:
+        expected = "controller, or words of codes that are thc on and thc off"
+        yield "torch.thc", torch.thc, expected
+    for index, row in enumerate(torch.rows):
+        key = f"torch.rows.{index}"
+        if by_program and row.process == "cut":
+            if not row.cut_height:
+                yield f"{key}.cut_height", row.cut_height, "a height, as the program moves Z"
+            elif row.cut_height >= torch.clearance or row.pierce_height > torch.clearance:
+                found = max(row.cut_height, row.pierce_height)
+                yield "torch.clearance", torch.clearance, f"more than {found:g} of {key}"
+        if row.preheat_s and not meanings >= {"preheat on", "preheat off"}:
+            expected = "0, or words of codes that are preheat on and preheat off"
+            yield f"{key}.preheat_s", row.preheat_s, expected
+
+
 def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
     """Each limit along a path that the axes contradict."""
     axes = {axis.moves: axis for axis in machine.axes}
     if ("X" in axes) != ("Y" in axes):
         yield "axes", [axis.name for axis in machine.axes], "an axis for X and one for Y"
+    if torch.z == "program" and "X" in axes and "Z" not in axes:
+        found = [axis.name for axis in machine.axes]
+        yield "axes", found, "an axis for Z, as the program moves it (torch.z)"
     for name in ("X", "Y"):
         axis = axes.get(name)
         if axis is not None and torch.acceleration >= axis.acceleration:
@@ -313,6 +350,8 @@ def view_faults(machine: Machine) -> Iterator[Fault]:
     """Keys of what is seen of a machine, its bodies and its registers, that contradict others."""
     names = frozenset(axis.name for axis in machine.axes)
     if not names and machine.stock == "sheet":
-        names = frozenset(machine.triggers.axes if machine.triggers else "XY")
+        lifts = machine.torch is not None and machine.torch.z == "program"
+        letters = "XYZ" if lifts else "XY"
+        names = frozenset(machine.triggers.axes if machine.triggers else letters)
     yield from body_faults(machine.bodies, names)
     yield from modbus_faults(machine.modbus, len(names))

@@ -5,7 +5,7 @@ The records' own annotations and `#:` comments say it, so this list cannot grow 
 
 import json
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from types import UnionType
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
@@ -150,15 +150,25 @@ title = {title}
 """
 
 
-def starting_file(name: str, base: str) -> str:
-    """The text of a file for the machine `name`, over the machine `base`. Raises MachineError."""
+def starting_file(name: str, base: str, rows: Sequence[Mapping[str, Any]] = ()) -> str:
+    """The text of a file for the machine `name`, over the machine `base`.
+
+    `rows` are those of a cut chart, in the place of the base's rows to cut. Raises MachineError.
+    """
     table, _ = merged(files_of_machine(base))
     for key in ("name", "default_for", "choice"):
         table.pop(key, None)
     title = json.dumps(f"{table.pop('title')} ({name})", ensure_ascii=False)
     head = _HEAD.format(name=name, base=base, title=title, suffix=table.get("suffix", ""))
     meanings = {key.name: key.meaning for key in machine_keys()}
+    if rows and "torch" in table:
+        others = [row for row in table["torch"]["rows"] if row["process"] != "cut"]
+        table["torch"]["rows"] = Own([*map(dict, rows), *others])
     return head + "".join(f"{line}\n" for line in _lines(table, "", meanings))
+
+
+class Own(list[Any]):
+    """A value of the file's own, which is written without the # of a comment."""
 
 
 def _lines(table: Mapping[str, Any], prefix: str, meanings: Mapping[str, str]) -> Iterator[str]:
@@ -177,16 +187,17 @@ def _is_table(value: object) -> bool:
 
 
 def _value(key: str, value: object, meaning: str) -> Iterator[str]:
+    mark = "" if isinstance(value, Own) else "# "
     short = f"# {_key(key)} = {_toml(value)}"
     if len(short) <= WIDTH and not _is_list_of_tables(value):
         yield f"{short}  # {meaning}" if meaning else short
         return
     if meaning:
         yield f"## {meaning}"
-    yield f"# {_key(key)} = ["
+    yield f"{mark}{_key(key)} = ["
     if isinstance(value, list):
-        yield from (f"#     {_toml(row)}," for row in value)
-    yield "# ]"
+        yield from (f"{mark}    {_toml(row)}," for row in value)
+    yield f"{mark}]"
 
 
 def _is_list_of_tables(value: object) -> bool:

@@ -33,6 +33,7 @@ class NumberFormat(Keys, frozen=True):
     length_decimals: Decimals = 3  #: of lengths and feeds in a program
     angle_decimals: Decimals = 3  #: of angles
     feed_unit: Literal["mm/s", "mm/min"] = "mm/min"  #: of {feed}
+    dwell_unit: Literal["s", "ms"] = "s"  #: of {pierce} and {preheat}, and of what G4 waits
     number_blocks: bool = False  #: N1, N2, ... before every block but % and comments
 
     @property
@@ -93,11 +94,22 @@ class ControlledAxis(Keys, frozen=True):
         return -inf if self.min is None else self.min, inf if self.max is None else self.max
 
 
-#: What a word of a machine's own does: nothing, or of a G word a canned cycle of drilling, straight
+#: What a word of a line's own does: nothing, or of a G word a canned cycle of drilling, straight
 #: down, with a dwell, drawn back for the chips or to break them, or the end of one.
-CodeMeaning = Literal[
+CycleMeaning = Literal[
     "none", "drill-cycle", "drill-cycle-dwell", "drill-cycle-peck", "drill-cycle-chips", "end-cycle"
 ]
+#: What a word of a table's own does besides nothing. `thc` is the control of the torch's height by
+#: its voltage, `output` anything else that has to be as it was when the program ends. Words carry a
+#: number with `feed share` (percent; 0, and 100 or more, are all of it), `height` (mm over the
+#: sheet) and `material` (the number of a row); `touch off` goes down to the sheet and counts Z
+#: from there.
+TableMeaning = Literal[
+    "torch on", "torch off", "cutting oxygen on", "cutting oxygen off", "preheat on",
+    "preheat off", "thc on", "thc off", "output on", "output off", "feed share", "height",
+    "touch off", "material",
+]  # fmt: skip
+CodeMeaning = Literal[CycleMeaning, TableMeaning]
 
 
 class MachineFile(Keys, frozen=True):
@@ -106,7 +118,7 @@ class MachineFile(Keys, frozen=True):
     name: str  #: that of the file, if it gives none
     title: str  #: what it is, in lists of machines
     #: the family of its controller
-    controller: Literal["codesys", "linuxcnc", "grbl", "simotion", "plcopen", "stepper"]
+    controller: Literal["codesys", "linuxcnc", "grbl", "mach3", "simotion", "plcopen", "stepper"]
     stock: Literal["beam", "sheet"]  #: what it works on
     format: NumberFormat
     words: Words = Words()
@@ -128,7 +140,8 @@ class MachineFile(Keys, frozen=True):
     triggers: Triggers | None = None
     stepper: Stepper | None = None
     sections: Mapping[str, int] = field(default_factory=dict)  #: the program's section codes
-    #: words that the controller of this machine takes besides those of its family, as "G81", "M77"
+    #: words that the controller of this machine takes besides those of its family, as "G81", "M77",
+    #: "M64P2" (with what it carries), "o<probe>" (a call) or "#<holes>" (a value that is set)
     codes: Mapping[str, CodeMeaning] = field(default_factory=dict)
     #: all G and M words that it takes, as "G01"; empty: those of its family, codes and words
     allowed_codes: tuple[str, ...] = ()

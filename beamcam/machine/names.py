@@ -89,6 +89,7 @@ DEFAULTS: Mapping[tuple[Stock, str], tuple[str, ...]] = {
     ("sheet", ".ngc"): ("plate-linuxcnc", "plate-oxyfuel"),
     ("sheet", ".st"): ("table-simotion",),
     ("sheet", ".steps"): ("laser-stepper",),
+    ("sheet", ".tap"): ("plate-mach3",),
 }
 
 DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX][0]

@@ -21,22 +21,27 @@ def with_torch(
     kerf: float | None = None,
     settings: Mapping[str, LookSettings] | None = None,
     sheet_size: tuple[float, float] | None = None,
+    amps: float | None = None,
+    nozzle: str | None = None,
     **values: Any,
 ) -> Machine:
     """The machine with other values of its torch; itself if nothing is given.
 
     `sheet_size` is the length and width of the sheet, no larger than the table. `colours` are laid
     over those of the machine, before them, each with its `settings` or with none; `kerf` replaces
-    that of every row to cut, and 0 turns compensation off. `values` are fields of `Torch`; those
+    that of every row to cut, and 0 turns compensation off. Of the rows to cut those with `amps` and
+    of `nozzle` are left. `values` are fields of `Torch`; those
     that are None count as not given. Raises ValueError for a machine without a torch, without words
     for what is asked, or whose numbers cannot write it.
     """
     given = {name: value for name, value in values.items() if value is not None}
-    if not (colours or given or sheet_size or kerf is not None):
+    if not (colours or given or sheet_size or kerf is not None or amps or nozzle):
         return machine
     torch = machine.torch
     if torch is None:
         raise ValueError(f"{machine.name} has no torch, so the option has no effect")
+    if amps or nozzle:
+        torch = replace(torch, rows=_chosen(torch, machine.name, amps, nozzle))
     if sheet_size:
         if sheet_size[0] > torch.length or sheet_size[1] > torch.width:
             size = " x ".join(f"{v:g}" for v in sheet_size)
@@ -60,6 +65,25 @@ def with_torch(
         changed = replace(changed, lead="line")
     _check(machine, changed)
     return replace(machine, torch=changed)
+
+
+def _chosen(
+    torch: Torch, name: str, amps: float | None, nozzle: str | None
+) -> tuple[TorchRow, ...]:
+    """The rows of a chart for a current and a nozzle or gas, and those of other processes."""
+    cuts = [row for row in torch.rows if row.process == "cut"]
+    fitting = [
+        row for row in cuts
+        if (not amps or row.amps == amps)
+        and (not nozzle or row.nozzle.casefold() == nozzle.casefold())
+    ]  # fmt: skip
+    if not fitting:
+        asked = " and ".join(
+            [*([f"{amps:g} A"] if amps else []), *([f"the nozzle {nozzle!r}"] if nozzle else [])]
+        )
+        has = sorted({f"{row.amps:g} A {row.nozzle}".strip() for row in cuts})
+        raise ValueError(f"{asked}; the rows of {name} are for {', '.join(has)}")
+    return tuple(row for row in torch.rows if row.process != "cut" or row in fitting)
 
 
 def _kerf_values(machine: Machine, torch: Torch, kerf: float) -> dict[str, Any]:

@@ -54,6 +54,12 @@ BASE_LOOP = Rule(
     "A machine file may build on another by `base`, but not on itself.",
 )
 
+CHART = Rule(
+    "machine-chart",
+    Severity.ERROR,
+    "found {found}; expected {expected}",
+    "A row of a chart that is left out, or read as another thickness, would cut by wrong figures.",
+)
 FORMER_KEY = Rule(
     "machine-former-key",
     Severity.WARNING,
@@ -69,5 +75,5 @@ KEY_TWICE = Rule(
 
 RULES = (
     UNKNOWN_MACHINE, NAME_TWICE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD, BASE_LOOP,
-    FORMER_KEY, KEY_TWICE,
+    CHART, FORMER_KEY, KEY_TWICE,
 )  # fmt: skip

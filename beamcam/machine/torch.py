@@ -22,8 +22,13 @@ class TorchRow(Keys, frozen=True):
     pierce_s: NotNegative = 0.0  #: between the tool's start and the first move
     kerf: NotNegative = 0.0  #: width of the cut
     pierce_width: NotNegative = 0.0  #: of the hole that piercing burns; 0: twice the kerf
+    preheat_s: NotNegative = 0.0  #: of the flame at the place before it pierces
     pierce_height: NotNegative = 0.0  #: of the torch over the sheet as it pierces; 0: not known
     cut_height: NotNegative = 0.0  #: of the torch over the sheet as it cuts; 0: not known
+    amps: NotNegative = 0.0  #: current of a plasma torch; 0: not known
+    volts: NotNegative = 0.0  #: of its arc at the height of the cut; 0: not known
+    nozzle: str = ""  #: nozzle or gas that the row is for
+    number: Count = 0  #: of the row in the controller's own table of materials; 0: none
     passes: PositiveCount = 1  #: how often a contour is followed
 
     @property
@@ -119,6 +124,18 @@ class Torch(Keys, frozen=True):
     #: whether the tool works in feeds alone, with the last S, and traverses are dark ($32 of grbl)
     laser_mode: bool = False
     corner: NotNegative = 0.0  #: distance from a corner of a circle passed as fast; 0 stops there
+    z: Literal["controller", "program"] = "controller"  #: which of them moves the torch up and down
+    #: which of them holds the torch at its height by the voltage of the arc: the controller by
+    #: itself, or the program, which switches that on in each cut
+    thc: Literal["controller", "program"] = "controller"
+    clearance: NotNegative = 0.0  #: lowest height over the sheet for traverses, of z = "program"
+    #: when the program has the torch touch the sheet: never, as Z counts from it already; before
+    #: the first start; before each
+    touch: Literal["none", "once", "each"] = "none"
+    #: of the torch over the sheet where it has touched it; below 0, as far as the axis goes on
+    #: until the probe trips
+    touch_height: Annotated[float, Meta(ge=-50, le=0)] = 0.0
+    top: float | None = None  #: Z of the machine (G53) where the torch is clear of everything
 
     @property
     def area(self) -> tuple[float, float, float, float]:

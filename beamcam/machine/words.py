@@ -34,6 +34,11 @@ class Words(Keys, frozen=True):
     parabola: tuple[str, ...] = ()  #: the tool along a parabola
     ellipse_cw: tuple[str, ...] = ()  #: the tool along an ellipse, clockwise
     ellipse_ccw: tuple[str, ...] = ()  #: counter-clockwise
+    material: tuple[str, ...] = ()  #: the controller's choice of a row's data, before its contours
+    #: the tool of the head that works, before the traverse to its place where another one worked
+    choose_cut: tuple[str, ...] = ()
+    choose_mark: tuple[str, ...] = ()  #: likewise to mark
+    choose_engrave: tuple[str, ...] = ()  #: likewise to engrave
     cut_on: tuple[str, ...] = ()  #: the tool on to cut
     cut_off: tuple[str, ...] = ()  #: and off
     mark_on: tuple[str, ...] = ()  #: the tool on to mark
@@ -79,7 +84,14 @@ _TEXT_NAMES = PART_NAMES | frozenset({"string", "x", "y", "height", "angle", "fa
 _TO_NAMES = frozenset({"x", "y", "feed"})
 _ARC_NAMES = _TO_NAMES | {"i", "j"}
 _ELLIPSE_NAMES = _ARC_NAMES | {"angle", "ratio"}
-_TORCH_NAMES = PART_NAMES | frozenset({"power", "pierce", "feed", "pierce_height", "cut_height"})
+_ROW_NAMES = frozenset(
+    {
+        "power", "pierce", "preheat", "feed", "pierce_height", "cut_height", "amps", "volts",
+        "number",
+    }
+)  # fmt: skip
+_OFF_NAMES = PART_NAMES | {"clearance"}
+_TORCH_NAMES = _OFF_NAMES | _ROW_NAMES | {"touch_height"}
 _SIDE_NAMES = frozenset({"kerf", "half_kerf"})
 
 #: What each template of `Words` may name.
@@ -107,12 +119,16 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "parabola": _ARC_NAMES,
     "ellipse_cw": _ELLIPSE_NAMES,
     "ellipse_ccw": _ELLIPSE_NAMES,
+    "choose_cut": frozenset(),
+    "choose_mark": frozenset(),
+    "choose_engrave": frozenset(),
+    "material": _ROW_NAMES | {"material_name", "thickness", "kerf", "nozzle"},
     "cut_on": _TORCH_NAMES,
-    "cut_off": PART_NAMES,
+    "cut_off": _OFF_NAMES,
     "mark_on": _TORCH_NAMES,
-    "mark_off": PART_NAMES,
+    "mark_off": _OFF_NAMES,
     "engrave_on": _TORCH_NAMES,
-    "engrave_off": PART_NAMES,
+    "engrave_off": _OFF_NAMES,
     "left": _SIDE_NAMES,
     "right": _SIDE_NAMES,
     "straight": frozenset(),

@@ -10,6 +10,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.errors import Source
+from beamcam.machine.torch import TorchRow
 
 
 class StartBar(Struct, frozen=True):
@@ -134,6 +135,23 @@ class ToolOn(Struct, frozen=True, gc=False):
     source: Source
     pierce_height: float = 0.0  #: over the sheet
     cut_height: float = 0.0
+    preheat_s: float = 0.0
+    amps: float = 0.0
+    volts: float = 0.0
+    number: int = 0  #: of the row in the controller's table of materials
+
+
+class ChooseTool(Struct, frozen=True, gc=False):
+    """From here on places are those of the tool that a process works with."""
+
+    process: Literal["cut", "mark", "engrave"]
+
+
+class ChooseMaterial(Struct, frozen=True, gc=False):
+    """From here on the controller works with the data of a row, which the sheet is cut by."""
+
+    row: TorchRow
+    thickness: float
 
 
 class ToolOff(Struct, frozen=True, gc=False):
@@ -203,7 +221,8 @@ class EllipseFeed(Struct, frozen=True, gc=False):
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool
-    | Comment | StartSheet | ToolOn | ToolOff | Pace | Compensate | Traverse | Movement
+    | Comment | StartSheet | ChooseTool | ChooseMaterial | ToolOn | ToolOff | Pace | Compensate
+    | Traverse | Movement
 )  # fmt: skip
 
 

@@ -12,10 +12,13 @@ from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
+from beamcam.machine.torch import TorchProcess
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
 from beamcam.model.description import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
+    ChooseMaterial,
+    ChooseTool,
     Command,
     Comment,
     Compensate,
@@ -46,11 +49,21 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     paths = pen.along([(*p.lead_in, *p.curves, *p.lead_out) for p in passes])
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
+    chooses, chosen = bool(machine.words.material), None
+    tool: TorchProcess = "cut"
     for op in plan.operations:
+        if op.row.process != tool:
+            tool = op.row.process
+            commands.append(ChooseTool(tool))
         if tells:
             commands.append(OfPart(part_data([plan.pieces[op.features[0][0]].part])))
+        if chooses and op.row.process == "cut" and op.row != chosen:
+            chosen = op.row
+            commands.append(ChooseMaterial(op.row, plan.thickness))
         for _ in op.passes:
             commands += _pass(op, next(paths), pen)
+    if tool != "cut":
+        commands.append(ChooseTool("cut"))
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
@@ -61,7 +74,7 @@ def _pass(op: ContourOp, path: ChainMoves, pen: "Pen") -> Iterator[Command]:
         yield Compensate(op.side, op.kerf)
     yield ToolOn(
         row.process, row.feed_mm_min, row.power, row.pierce_s, op.source, row.pierce_height,
-        row.cut_height,
+        row.cut_height, row.preheat_s, row.amps, row.volts, row.number,
     )  # fmt: skip
     if pen.limits is None:
         yield from path.moves

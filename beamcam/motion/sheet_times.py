@@ -1,7 +1,7 @@
 """Run time of a program on a cutting table, from the look-ahead over its moves.
 
     traverse            from rest to rest, as fast as the axes go
-    tool on             its wait to pierce
+    tool on             its waits to preheat and to pierce
     moves of a contour  from rest to rest, through corners as fast as `corner` allows
 
 Lines, arcs, parabolas and ellipses are segments as they are, no chords: each has the feed that the
@@ -77,7 +77,7 @@ def _passes(program: Program, machine: Machine) -> Iterator[float]:
                 here = command.x, command.y
             case ToolOn():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
-                seconds += command.pierce_s
+                seconds += command.preheat_s + command.pierce_s
             case Pace():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
             case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():

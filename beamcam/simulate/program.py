@@ -72,7 +72,7 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
     strokes, _ = strokes_of(
         done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
     )
-    starts = {stroke.line: stroke.process for stroke in strokes.each}
+    starts = {stroke.line: (stroke.process, stroke.waits_s) for stroke in strokes.each}
     offset = max((stroke.radius for stroke in strokes.each if stroke.side), default=0.0)
     return Simulated(sheet_trace(done.events(), starts, machine), tuple(said), kerf_offset=offset)
 

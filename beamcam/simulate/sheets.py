@@ -1,20 +1,23 @@
 """The trace of a cutting table that runs G-code: the look-ahead over what was read back.
 
 The times are those of `motion.sheet_times`, which `plan` gives too: traverses and contours run from
-rest to rest, a contour passes its corners as fast as the machine's file allows.
+rest to rest, a contour passes its corners as fast as the machine's file allows. A torch that the
+program moves up and down is at a height besides, over the sheet; at one that nothing says, and at
+the top of its axis, it counts as clear of the sheet by `torch.clearance`.
 """
 
 from collections.abc import Mapping, Sequence
-from math import isnan
+from math import inf, isfinite, isnan
 
 import numpy as np
 from msgspec import Struct
 
-from beamcam.controllers.events import HeadMove, Move, Pause, Switch, TableEvent
+from beamcam.controllers.events import HeadMove, Lift, Move, Pause, Switch, TableEvent, Touch
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
+from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
@@ -22,28 +25,37 @@ from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, 
 from beamcam.motion.speed_sections import SpeedSection
 from beamcam.simulate.phases import Chords, Phases, phases_of
 from beamcam.simulate.state import State
-from beamcam.simulate.trace import Trace, TraceBuilder, head_axes
+from beamcam.simulate.trace import UNIFORM, Trace, TraceBuilder, head_axes
 
 #: Of the chords that stand for a curve in a trace.
 CHORD_TOLERANCE = 0.02
 
 
-def sheet_trace(events: Sequence[TableEvent], starts: Mapping[int, str], machine: Machine) -> Trace:
-    """The head over time; `starts` says which process the word of a line starts."""
+def sheet_trace(
+    events: Sequence[TableEvent], starts: Mapping[int, tuple[str, float]], machine: Machine
+) -> Trace:
+    """The head over time.
+
+    `starts` says which process the word of a line starts, and how long the controller then waits.
+    """
     head = _HeadPath(machine)
     path: list[HeadMove] = []
     for event in events:
         if isinstance(event, Move) and not event.rapid:
             path.append(event)
-        elif isinstance(event, Move | Pause | Switch):
+        elif isinstance(event, Move | Pause | Switch | Lift | Touch):
             head.follow(path)
             path = []
             if isinstance(event, Move):
                 head.follow([event])
             elif isinstance(event, Pause):
                 head.steps.append(_Wait(event.seconds, event.line, head.state))
+            elif isinstance(event, Lift | Touch):
+                head.lift(event)
             else:
-                head.state = State(process=starts.get(event.line, ""))
+                process, waits_s = starts.get(event.line, ("", 0.0))
+                head.state = State(process=process)
+                head.steps.append(_Wait(waits_s, event.line, head.state))
     head.follow(path)
     return head.trace()
 
@@ -52,6 +64,15 @@ class _Wait(Struct, frozen=True):
     """Standstill of the head."""
 
     seconds: float
+    line: int
+    state: State
+
+
+class _Up(Struct, frozen=True):
+    """A move of the torch up or down, from rest to rest."""
+
+    seconds: float
+    height: float  #: where it ends
     line: int
     state: State
 
@@ -76,7 +97,11 @@ class _HeadPath:
         self.curves: list[Curve] = []
         self.segments: list[Segment] = []
         self.lines: list[int] = []
-        self.steps: list[_Wait | _Path] = []
+        self.steps: list[_Wait | _Path | _Up] = []
+        torch = machine.needed(machine.torch, "torch")
+        self.lifts, self.clearance = torch.z == "program", torch.clearance
+        self.height = self.clearance
+        self.z_axis = next((axis for axis in machine.axes if axis.moves == "Z"), None)
 
     def follow(self, legs: Sequence[HeadMove]) -> None:
         """Moves from rest to rest."""
@@ -94,9 +119,26 @@ class _HeadPath:
         if len(self.segments) > first:
             self.steps.append(_Path(first, len(self.segments), self.state))
 
+    def lift(self, event: Lift | Touch) -> None:
+        """The torch up or down, or to the sheet; one axis from rest to rest."""
+        height = event.height if isinstance(event, Touch) else event.end
+        height = height if isfinite(height) else self.clearance
+        rapid = isinstance(event, Lift) and event.rapid
+        feed = event.feed_mm_min
+        wanted = self.rapid_mm_min if rapid or not feed > 0.0 else feed
+        speed, way = wanted / SECONDS_PER_MINUTE, abs(height - self.height)
+        axis = self.z_axis
+        seconds = way / speed
+        if axis is not None:
+            jerk = inf if axis.jerk is None else axis.jerk
+            seconds = move_seconds(way, min(speed, axis.speed), axis.acceleration, jerk)
+        self.height = height
+        self.steps.append(_Up(seconds, height, event.line, self.state))
+
     def trace(self) -> Trace:
         """All of it."""
-        builder = TraceBuilder(head_axes(self.machine), (0.0, 0.0))
+        height = (self.clearance,) if self.lifts else ()
+        builder = TraceBuilder(head_axes(self.machine), (0.0, 0.0, *height))
         if not self.segments:
             return builder.trace()
         chords, firsts = self._chords()
@@ -106,9 +148,16 @@ class _HeadPath:
             if isinstance(step, _Wait):
                 builder.wait(step.seconds, step.line, step.state)
                 continue
+            if isinstance(step, _Up):
+                end = [*builder.here[:2].tolist(), step.height]
+                builder.add([step.seconds], [end], UNIFORM, step.line, step.state)
+                continue
             own = slice(int(edges[step.first]), int(edges[step.last]))
             lines = chords.lines[run.chord[own]]
-            builder.add(run.seconds[own], run.ends[own], run.slopes[own], lines, step.state)
+            ends = run.ends[own]
+            if self.lifts:
+                ends = np.column_stack((ends, np.full(len(ends), builder.here[2])))
+            builder.add(run.seconds[own], ends, run.slopes[own], lines, step.state)
         return builder.trace()
 
     def _chords(self) -> tuple[Chords, Counts]:

@@ -158,14 +158,18 @@ def trace_rows(trace: Trace, every_s: float | None = None) -> Iterator[TraceRow]
             yield TraceRow(time_s, line, tuple(at), state)
 
 
-def head_axes(machine: Machine) -> tuple[TraceAxis, TraceAxis]:
-    """The two axes of a head over a table, named as the machine's file does."""
+def head_axes(machine: Machine) -> tuple[TraceAxis, ...]:
+    """The axes of a head over a table, named as the machine's file does: X, Y, and the height of a
+    torch over the sheet, where its program moves it.
+    """
     names: dict[str, str] = {axis.moves: axis.name for axis in machine.axes}
     if machine.triggers is not None:
         names = dict(zip("XY", machine.triggers.axes, strict=True))
     torch = machine.torch
     low_x, low_y, high_x, high_y = torch.area if torch else (0.0, 0.0, None, None)
-    return (
+    plane = (
         TraceAxis(names.get("X", "X"), "mm", low_x, high_x),
         TraceAxis(names.get("Y", "Y"), "mm", low_y, high_y),
     )
+    lifts = torch is not None and torch.z == "program"
+    return (*plane, TraceAxis(names.get("Z", "Z"))) if lifts else plane

@@ -13,7 +13,9 @@ from typing import Literal
 from msgspec import Struct
 
 #: What a program is written for, or the events that are made of it.
-Language = Literal["codesys", "linuxcnc", "grbl", "simotion", "plcopen", "stepper", "events"]
+Language = Literal[
+    "codesys", "linuxcnc", "grbl", "mach3", "simotion", "plcopen", "stepper", "events"
+]
 Stock = Literal["beam", "sheet"]
 
 

@@ -79,7 +79,11 @@ def _strokes(
             last = count + int(moved.sum())
             feeds = way.feeds_mm_min
             row, *others = [replace(row_of[way.process], feed_mm_min=feed) for feed in feeds]
-            each.append(HeadStroke(number, row, "on", 0.0, count, last, way.passes, tuple(others)))
+            each.append(
+                HeadStroke(
+                    number, row, "on", 0.0, count, last, passes=way.passes, alike=tuple(others)
+                )
+            )
             count = last
     return Strokes(each, straight_moves(chains))
 

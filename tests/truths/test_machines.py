@@ -214,12 +214,21 @@ CHARTS = {
         (32, 390, 2, 3.1, 9, 5),
     ],
     "plate-oxyfuel": [
-        (6, 620, 3, 1.5, 10, 6), (12, 520, 5, 1.8, 10, 6), (20, 430, 8, 2, 12, 7),
-        (30, 360, 12, 2.4, 14, 8), (50, 270, 20, 3, 16, 9), (75, 200, 32, 3.8, 18, 10),
-        (100, 150, 50, 4.6, 20, 12),
+        (6, 620, 0.5, 1.5, 10, 6), (12, 520, 1, 1.8, 10, 6), (20, 430, 1, 2, 12, 7),
+        (30, 360, 1.5, 2.4, 14, 8), (50, 270, 2.5, 3, 16, 9), (75, 200, 4, 3.8, 18, 10),
+        (100, 150, 6, 4.6, 20, 12),
+    ],
+    "plate-mach3": [
+        (3, 5200, 0.2, 1.2, 3.8, 1.5), (6, 2300, 0.5, 1.5, 3.8, 1.5), (12, 900, 0.9, 1.9, 4, 1.6),
+        (20, 1050, 1.2, 2.4, 7, 3), (32, 420, 2, 3.1, 9, 5),
+    ],
+    "plate-qtplasmac": [
+        (3, 5200, 0.2, 1.2, 3.8, 1.5), (6, 2300, 0.5, 1.5, 3.8, 1.5), (12, 900, 0.9, 1.9, 4, 1.6),
+        (20, 1050, 1.2, 2.4, 7, 3), (32, 420, 2, 3.1, 9, 5),
     ],
 }  # fmt: skip
-#: Key of [torch]: its value on the three of `CHARTS`, in their order.
+#: Key of [torch]: its value on the first three of `CHARTS`, in their order; the others are as the
+#: first.
 TORCHES: dict[str, tuple[object, object, object]] = {
     "length": (3000,) * 3, "width": (1500,) * 3, "thickness": (6, 6, 20), "margin": (10,) * 3,
     "tolerance": (0.02,) * 3, "gap": (0.05,) * 3, "lead_in": (3, 3, 6), "lead_out": (1, 1, 2),
@@ -230,13 +239,14 @@ TORCHES: dict[str, tuple[object, object, object]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("at", range(3), ids=CHARTS)
+@pytest.mark.parametrize("at", range(5), ids=CHARTS)
 def test_a_torch_table(at: int) -> None:
     name = [*CHARTS][at]
     torch = load(name).torch
     assert torch is not None
-    assert {key: getattr(torch, key) for key in TORCHES} == {k: r[at] for k, r in TORCHES.items()}
-    cuts = [row for row in torch.rows if row.process == "cut"]
+    like = at if at < 3 else 0
+    assert {key: getattr(torch, key) for key in TORCHES} == {k: r[like] for k, r in TORCHES.items()}
+    cuts = [row for row in torch.rows if row.process == "cut" and row.material == "mild steel"]
     assert [
         (r.up_to, r.feed_mm_min, r.pierce_s, r.kerf, r.pierce_height, r.cut_height) for r in cuts
     ] == CHARTS[name]
@@ -244,11 +254,60 @@ def test_a_torch_table(at: int) -> None:
     assert [r.kerf for r in cuts] == sorted(r.kerf for r in cuts)
     (mark,) = (row for row in torch.rows if row.process == "mark")
     assert (mark.feed_mm_min, mark.kerf, mark.up_to) == (3000, 0, cuts[-1].up_to)
-    assert [(a.moves, a.speed, a.acceleration) for a in load(name).axes] == [
-        ("X", 400, 2000), ("Y", 400, 2000),
-    ]  # fmt: skip
+    axes = [("X", 400, 2000), ("Y", 400, 2000)]
+    if name == "plate-mach3":
+        axes = [("X", 250, 1000), ("Y", 250, 1000), ("Z", 80, 800)]
+    assert [(a.moves, a.speed, a.acceleration) for a in load(name).axes] == axes
     assert load(name).format.length_decimals == (4 if "codesys" not in name else 3)
     assert load(name).format.feed_unit == ("mm/s" if "codesys" in name else "mm/min")
+
+
+def test_the_heights_of_a_table_that_moves_z() -> None:
+    """20 mm over the sheet between cuts; the switch trips 3 mm below it; Z 0 at the top."""
+    torch = load("plate-mach3").torch
+    assert torch is not None
+    assert (torch.z, torch.thc, torch.touch) == ("program", "program", "each")
+    assert (torch.clearance, torch.touch_height, torch.top) == (20, -3, 0)
+    other = load("plate-qtplasmac").torch
+    assert other is not None
+    assert (other.z, other.thc, other.touch) == ("controller", "controller", "none")
+
+
+def test_the_flame_of_the_oxyfuel_table() -> None:
+    """It heats the longer the thicker the plate, and longer than it then takes to pierce."""
+    torch = load("plate-oxyfuel").torch
+    assert torch is not None
+    rows = [row for row in torch.rows if row.process == "cut"]
+    assert [row.preheat_s for row in rows] == [2.5, 4, 7, 10.5, 17.5, 28, 44]
+    assert all(row.preheat_s > 2 * row.pierce_s for row in rows)
+
+
+@pytest.mark.parametrize("name", ["plate-mach3", "plate-qtplasmac"])
+def test_arcs_of_plasma_torches(name: str) -> None:
+    """A thicker plate has a longer arc, and a torch of 130 A above 12 mm."""
+    torch = load(name).torch
+    assert torch is not None
+    rows = [row for row in torch.rows if row.material == "mild steel"]
+    assert [(row.amps, row.volts) for row in rows] == [
+        (45, 110), (45, 120), (45, 135), (130, 145), (130, 165),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("material", "chart"),
+    [
+        ("stainless steel", [(3, 4200, 1.4, 45), (6, 1500, 1.6, 45), (12, 1500, 2.4, 130),
+                             (20, 700, 2.8, 130)]),
+        ("aluminium", [(3, 6000, 1.5, 45), (6, 2400, 1.7, 45), (12, 2000, 2.6, 130),
+                       (20, 1000, 3, 130)]),
+    ],
+)  # fmt: skip
+def test_other_metals_on_a_plasma_table(material: str, chart: list[tuple[float, ...]]) -> None:
+    torch = load("plate-qtplasmac").torch
+    assert torch is not None
+    rows = [row for row in torch.rows if row.material == material]
+    assert [(row.up_to, row.feed_mm_min, row.kerf, row.amps) for row in rows] == chart
+    assert [row.pierce_height for row in rows] == [3.8, 3.8, 6, 7]
 
 
 #: The lasers' acrylic up to 2, 4 and 8 mm, wood up to 4 and 8: feed, and on grbl power and kerf.
@@ -315,7 +374,8 @@ STEEL = {"red": "cut", "white": "cut", "black": "cut", "blue": "mark"}
 LASER = {"red": "cut", "blue": "mark", "lime": "mark", "black": "engrave"}
 PLATE = {**STEEL, "yellow": "mark"}
 COLOURS = {
-    "plate-linuxcnc": PLATE, "plate-oxyfuel": PLATE, "plate-codesys": PLATE,
+    **dict.fromkeys(("plate-linuxcnc", "plate-oxyfuel", "plate-codesys"), PLATE),
+    **dict.fromkeys(("plate-mach3", "plate-qtplasmac"), PLATE),
     "table-simotion": STEEL, "table-plcopen": STEEL, "laser-grbl": LASER, "laser-stepper": LASER,
 }  # fmt: skip
 

@@ -11,8 +11,10 @@ from msgspec import Struct
 
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Blending, Compensation, Other, Pause, Side, Switch
+from beamcam.controllers.table_words import HEAD_ACTIONS, carried, event_of, with_number
 from beamcam.geometry.plane import Point
-from beamcam.machine.codes import OTHER_LETTERS, shown_code
+from beamcam.machine.codes import OTHER_LETTERS, key_for, meaning_of, shown_code
+from beamcam.machine.machine import CodeMeaning
 from beamcam.model import drill_cycle
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
@@ -24,7 +26,9 @@ MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 CYCLES = {f"G{number}": number for number in (drill_cycle.END, *drill_cycle.DRILLING)}
 ENDS = (2, 30)
 #: G words that shift or leave the places that a program names.
-SHIFTS = ("G10", "G28", "G28.1", "G30", "G30.1", "G52", "G68", "G92", "G92.3")
+SHIFTS = ("G10", "G28", "G28.1", "G30", "G30.1", "G52", "G68", "G92", "G92.3", "G43", "G43.1")
+#: Those of a tool's length, which shift Z where a table's program moves it.
+LENGTHS = ("G43", "G43.1")
 #: Letters of a block that belong to its move, whatever else stands in it.
 MOVING = frozenset("XYZIJRF")
 LARGEST = 1e15  #: of any number; controllers count no further
@@ -51,6 +55,9 @@ class Variant(Struct, frozen=True):
     offsets: frozenset[str]
     #: M words that neither move a table nor switch its tool, and what they carry.
     idle_switches: dict[int, frozenset[str]]
+    #: G words that go down in Z until the torch touches, of a table whose programs move Z.
+    probes: frozenset[str]
+    named: bool  #: whether it knows values and subroutines by names, `#<holes>=1`, `o<probe> call`
     arc_fault: Callable[[Point, Point, Point, bool], str | None]  #: start, end, centre, clockwise
 
     @property
@@ -58,6 +65,13 @@ class Variant(Struct, frozen=True):
         """All G words that it knows."""
         others = {*self.settings, *self.sides, "G4", "G40", "G90", "G91"}
         return frozenset({*MOTIONS, *others, *(("G98", "G99", *CYCLES) if self.cycles else ())})
+
+
+#: What a block does to a table's head before its move, and the number for it: "height" and
+#: "touch off" as in `[codes]`; "zero" and "kept zero" call the place of Z (G92, G10 L20); "take
+#: back" undoes that (G92.1); "tool" prepares one (T), "offset" takes places as those of one, 0 for
+#: the one in the head (G43), "offset off" as the torch's (G49).
+Action = tuple[str, float]
 
 
 class Block(Struct, frozen=True):
@@ -70,6 +84,8 @@ class Block(Struct, frozen=True):
     speed: float | None = None  #: of a table's tool, said apart from the word that starts it
     events: tuple[Other, ...] = ()  #: before its move; their lines are 0
     settings: tuple[str, ...] = ()
+    actions: tuple[Action, ...] = ()  #: before its move
+    probe: bool = False  #: whether its move ends where the torch touches
     motion: int | None = None
     values: dict[str, float] = {}  #: of the words that are left for the move
     end: int | None = None  #: the M word that ends the program
@@ -109,6 +125,8 @@ class _Words:
         self._variant, self._switches, self._dialect = variant, switches, dialect
         self._own = dialect.codes
         self._is_table = dialect.stock == "sheet"
+        self._lifts = dialect.lifting is not None  #: whether its programs move Z
+        self._actions: list[Action] = []
         self._faults: list[tuple[str, str]] = []
         self._unknown: list[tuple[str, str]] = []
         self._values: dict[str, float] = {}
@@ -120,12 +138,16 @@ class _Words:
     def _wrong(self, found: str, expected: str) -> None:
         self._faults.append((found, expected))
 
-    def _unexplained(self, word: str) -> None:
+    def _unexplained(self, word: str, key: str = "") -> None:
         """A word that nothing gives a meaning, with the line that would."""
-        expected = f'codes.{word} = "none" in the machine file, if it neither moves nor switches'
+        key = key or word
+        expected = f'codes.{key} = "none" in the machine file, if it neither moves nor switches'
+        if self._is_table and word[0] == "M":
+            expected += ', or what it does, such as "thc off"'
         if word in SHIFTS:
             expected = "none, it shifts the places of all that follows"
-        self._unknown.append((f"{word}, which beamcam does not know", expected))
+        shown = f"{word} {key.removeprefix(word)}".strip()
+        self._unknown.append((f"{shown}, which beamcam does not know", expected))
 
     def _take(self, place: int, letter: str, digits: str) -> None:
         value = float(digits)
@@ -154,13 +176,16 @@ class _Words:
             if not self._dialect.is_allowed(code):
                 self._wrong(shown_code(code), self._dialect.shown_allowed())
         known = {**MOTIONS, **CYCLES} if self._variant.cycles else MOTIONS
-        settings = tuple(code for code in self._codes if code not in known)
+        probes = [c for c in self._codes if self._lifts and c in self._variant.probes]
+        settings = tuple(c for c in self._codes if c not in known and c not in probes)
         events = (*self._m_events(), *self._settings(settings))
         speed = self._values.pop("S", None) if self._is_table else None
         if self._is_table:
-            self._values.pop("T", None)  # prepares a tool; which one works the machine's words say
+            if "T" in self._values:
+                self._actions.insert(0, ("tool", self._values.pop("T")))
             stand_alone = not self._unknown  # else they belong to the word that is not known
-            for letter in sorted(self._values.keys() & OTHER_LETTERS):
+            others = OTHER_LETTERS - {"Z"} if self._lifts else OTHER_LETTERS
+            for letter in sorted(self._values.keys() & others):
                 del self._values[letter]
                 if stand_alone:
                     self._unexplained(letter)
@@ -168,14 +193,14 @@ class _Words:
                 expected = "places on the sheet; where those of the machine are is not known"
                 self._wrong("G53 with X or Y", expected)
         motions = [known[code] for code in self._codes if code in known]
-        if len(motions) > 1:
+        if len(motions) + len(probes) > 1:
             self._wrong("two motions in a block", "one")
         ends = [number for number in self._m_words if number in ENDS]
         if len(ends) > 1:
             self._wrong("two ends of the program in a block", "one")
         return Block(
             faults=tuple(self._faults), unknown=tuple(self._unknown), feed=feed, speed=speed,
-            events=events, settings=settings,
+            events=events, settings=settings, actions=tuple(self._actions), probe=bool(probes),
             motion=motions[-1] if motions else None, values=self._values,
             end=ends[0] if ends else None,
         )  # fmt: skip
@@ -186,36 +211,86 @@ class _Words:
             values = self._values
             if number in ENDS:
                 continue
-            if f"M{number}" in self._own:
-                for letter in values.keys() - MOVING:
-                    del values[letter]
+            known = meaning_of(self._own, f"M{number}", values)
+            if known is not None:
+                yield from self._own_word(number, known[1])
                 continue
             if letters is None:
-                self._unexplained(f"M{number}")
+                word = f"M{number}"
+                self._unexplained(word, key_for(word, values) if self._is_table else word)
+                if self._is_table:
+                    carried(values)
                 continue
             yield Switch(0, number, {k: values.pop(k) for k in sorted(letters & values.keys())})
+
+    def _own_word(self, number: int, meaning: CodeMeaning) -> Iterator[Other]:
+        """What an M word of the machine's own does."""
+        if meaning == "none":
+            for letter in self._values.keys() - MOVING:
+                del self._values[letter]
+            return
+        said = carried(self._values, self._variant.switches.get(number, frozenset()))
+        value = with_number(meaning, said)
+        if value is None:
+            self._wrong(f"M{number} without a number", "P or Q, as codes says that it carries one")
+        elif meaning in HEAD_ACTIONS:
+            self._actions.append((meaning, value))
+        else:
+            yield event_of(number, meaning, said, value)
+
+    def _zero(self, code: str) -> bool:
+        """Whether a G word calls the place of Z, or takes that back, and no other place."""
+        values = self._values
+        if not self._lifts or values.keys() & set("XY"):
+            return False
+        if code in ("G92.1", "G92.2"):
+            self._actions.append(("take back", 0.0))
+            return True
+        kept = code == "G10" and values.get("L") == 20.0
+        if "Z" not in values or not (kept or code == "G92"):
+            return False
+        if kept:
+            # P0 is the offset that holds, P1 that of G54.
+            del values["L"]
+            system = values.pop("P", -1.0)
+            if system not in (0.0, 1.0):
+                return False
+            self._actions.append(("system", system))
+        self._actions.append(("kept zero" if kept else "zero", values.pop("Z")))
+        return True
 
     def _settings(self, codes: Iterable[str]) -> Iterator[Other]:
         values, variant = self._values, self._variant
         for code in codes:
             if code == "G4":
                 if "P" in values:
-                    yield Pause(0, values.pop("P"))
+                    yield Pause(0, values.pop("P") * self._dialect.dwell_s)
                 else:
-                    self._wrong("G4", "P with seconds")
+                    unit = "seconds" if self._dialect.dwell_s == 1.0 else "milliseconds"
+                    self._wrong("G4", f"P with {unit}")
             elif code in variant.sides:
                 yield Compensation(0, variant.sides[code], values.pop("D", 0.0) / 2)
             elif code == "G40":
                 yield Compensation(0, "on", 0.0)
-            elif code == "G64" and code in variant.settings:
+            elif code == "G64" and variant.blends:
                 # Q is the reach of its filter of short lines; without P, or with 0, no limit holds.
                 off = values.pop("P", 0.0)
                 yield Blending(0, max(off, values.pop("Q", off)) if off > 0.0 else inf)
             elif code in ("G61", "G61.1") and variant.blends:
                 yield Blending(0, 0.0)
-            elif (code in ("G98", "G99") and variant.cycles) or self._own.get(code) == "none":
+            elif (
+                (code in ("G98", "G99") and variant.cycles)
+                or self._own.get(code) == "none"
+                or self._zero(code)
+            ):
                 continue
+            elif self._lifts and code in LENGTHS:
+                self._unexplained(code)
+                carried(values, "Z")
             elif self._is_table and code in variant.idle:
+                if code in ("G43", "G49"):
+                    action = "offset" if code == "G43" else "offset off"
+                    self._actions.append((action, values.get("H", 0.0)))
                 for letter in variant.idle[code] & values.keys():
                     del values[letter]
             elif self._is_table and code in variant.offsets:

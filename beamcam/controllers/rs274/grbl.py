@@ -53,5 +53,7 @@ GRBL = Variant(
     idle={"G43.1": frozenset("Z"), "G49": frozenset(), "G53": frozenset(), "G92.1": frozenset()},
     offsets=frozenset(f"G{number}" for number in range(54, 60)),
     idle_switches={0: frozenset(), 1: frozenset()},
+    probes=frozenset({"G38.2", "G38.3"}),
+    named=False,
     arc_fault=arc_fault,
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The interpreter of RS274/NGC, for the controllers that descend from it: LinuxCNC and grbl.
+"""The interpreter of RS274/NGC, for the controllers that descend from it: LinuxCNC, grbl, Mach3.
 
     G1 X10 Y5 F600 (comment)      words in any order, spaces mean nothing
     G3 X0 Y0 I-5 J0               I and J from the start of the arc (G91.1)
@@ -9,23 +9,26 @@ modal. Source: LinuxCNC documentation, "G-Code Overview".
 """
 
 import re
+from math import nan
 
 from msgspec.structs import replace
 
 from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.dialect import Dialect
-from beamcam.controllers.events import Curve, Other, Switch
+from beamcam.controllers.events import Curve, FeedShare, Material, Other, Switch
 from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.controllers.rs274.blocks import ENDS, Block, Variant, read_block
+from beamcam.controllers.rs274.head import HeadWords
 from beamcam.geometry.plane import Point
 from beamcam.model import drill_cycle
 
 _NUMBERED = re.compile(r"\s*N[0-9]+\s*")
 _LAST_TRAVEL = 3  #: G3; beyond it are canned cycles
+_TOOL_CHANGE = 6
 _STOPS = (0, 1)  #: M words for a program stop at a manual tool change
 
 
-class Rs274(Interpreter):
+class Rs274(HeadWords, Interpreter):
     """The state of the controller between two blocks."""
 
     fed_traverse = True
@@ -34,7 +37,7 @@ class Rs274(Interpreter):
     def __init__(self, variant: Variant, dialect: Dialect, name: str) -> None:
         super().__init__(dialect, name)
         self.controller, self.longest_line = variant.name, variant.longest_line
-        self._variant = variant
+        self._variant, self._knows_names = variant, variant.named
         self._known: dict[str, Block] = {}  # programs say the same thing over and over
         self._switches = {
             **variant.switches,
@@ -53,6 +56,7 @@ class Rs274(Interpreter):
         self._speed: float | None = None  #: S of a table's tool, said apart from what starts it
         self._running = 0  #: M word that has started it
         self._lit: Switch | None = None  #: what it works with, in laser mode
+        self._tools = [0.0, 0.0]  #: of a table's head: the one in it, the one that was prepared
         self._ready = False
 
     def begin(self, lines: int) -> None:
@@ -66,7 +70,12 @@ class Rs274(Interpreter):
 
     def knows(self, code: str) -> bool:
         """Whether a G word has a meaning here."""
-        return code in self._dialect.codes or code in self._variant.g_words
+        variant = self._variant
+        known = code in self._dialect.codes or code in variant.g_words
+        if self._flat:
+            known = known or code in variant.idle or code in variant.offsets
+        lifts = self._heights is not None
+        return known or (lifts and (code in variant.probes or code in ("G10", "G92")))
 
     def vocabulary(self) -> dict[str, frozenset[str]]:
         """All words that it gives a meaning, each with what it may carry."""
@@ -75,7 +84,7 @@ class Rs274(Interpreter):
         found |= {"G0": axes, "G1": axes, "G2": axes | set("IJ"), "G3": axes | set("IJ")}
         found |= {"G4": frozenset("P"), "F": frozenset()}
         found |= dict.fromkeys(variant.sides, frozenset("D"))
-        if "G64" in variant.settings:
+        if variant.blends:
             found["G64"] = frozenset("PQ")
         if variant.cycles:
             for number, letters in drill_cycle.OWN_LETTERS.items():
@@ -84,6 +93,13 @@ class Rs274(Interpreter):
         found |= {f"M{number}": frozenset[str]() for number in ENDS}
         for word, carried in self._words_of_the_file().items():
             found[word] = found.get(word, frozenset()) | carried
+        if self._heights is not None:
+            found |= {
+                **dict.fromkeys((*variant.probes, "G92"), frozenset("Z")),
+                "G10": frozenset("LPZ"),
+                "G0": found["G0"] | {"Z"},
+                "G1": found["G1"] | {"Z"},
+            }
         if self._flat:
             found |= variant.idle | {f"M{n}": known for n, known in variant.idle_switches.items()}
             found |= dict.fromkeys((*variant.offsets, "S", "T"), frozenset())
@@ -93,6 +109,8 @@ class Rs274(Interpreter):
         """Carries out a line of the text."""
         if len(text) > self._variant.longest_line:
             self._syntax(line, text, f"at most {self._variant.longest_line} characters")
+        if self._flat:
+            text = self._without_names(line, text)
         block = self._known.get(text)
         if block is None:
             if self._is_text(line, _NUMBERED.sub("", text)):
@@ -128,9 +146,11 @@ class Rs274(Interpreter):
                 self._wrong(line, found, expected)
         if self._flat:
             self._switch_tool(line, block)
+            for action, value in block.actions:
+                self._act(line, action, value)
         else:
             for event in block.events:
-                self._event(_on_line(line, event))
+                self._event(on_line(line, event))
         for code in block.settings:
             if code in ("G90", "G91"):
                 self._absolute = code == "G90"
@@ -142,7 +162,9 @@ class Rs274(Interpreter):
                     self._wrong(line, code, expected)
                 self._offset = code
             self._seen.add(code)
-        if block.motion is not None or block.values:
+        if block.probe or (self._heights is not None and "Z" in block.values):
+            self._move_z(line, block, self._heights)
+        elif block.motion is not None or block.values:
             self._travel(line, block)
         if block.end is not None:
             self._end(Switch(line, block.end, {}))
@@ -161,7 +183,14 @@ class Rs274(Interpreter):
                     said = replace(event, words={**event.words, "S": self._speed})
                 if laser:
                     continue
-            self._event(_on_line(line, said))
+            if isinstance(said, Switch) and said.number == _TOOL_CHANGE:
+                self._tools[0] = said.words.get("T", self._tools[1])
+            elif isinstance(said, FeedShare):
+                self._share = said.share
+            elif isinstance(said, Material):
+                number = said.values.get("number", 0.0)
+                self._material_feed = self._dialect.materials.get(number, nan)
+            self._event(on_line(line, said))
         if laser and not self._running:
             self._light(line, None)
         elif self._running and block.speed is not None and not laser and not block.events:
@@ -257,6 +286,6 @@ class Rs274(Interpreter):
             self._syntax(last, "%", "% on both the first and the last line, or on none")
 
 
-def _on_line(line: int, event: Other) -> Other:
+def on_line(line: int, event: Other) -> Other:
     """The same event, said on a line."""
     return replace(event, line=line)

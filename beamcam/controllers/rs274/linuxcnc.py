@@ -54,5 +54,7 @@ LINUXCNC = Variant(
         50: frozenset("P"), 51: frozenset("P$"), 52: frozenset("P"), 53: frozenset("P"),
         60: frozenset(),
     },
+    probes=frozenset({"G38.2", "G38.3"}),
+    named=True,
     arc_fault=arc_fault,
 )  # fmt: skip

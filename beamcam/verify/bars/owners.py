@@ -127,7 +127,7 @@ _EVENTS = (
     Owner(("Move.start", "Move.end"), (), (*_MADE, *_ON_THE_WAY)),
     Owner(("Move.feed_mm_min", "Move.own_feed"), (), ("verify-no-feed", "verify-feed*")),
     Owner(("Move.curve",), (), ("verify-word",)),
-    Owner(("Switch.number", "Switch.words"), (), ("verify-word",)),
+    Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-word",)),
     Owner(("Pause.seconds",), (), ("verify-word",), "a minute at most, no tool in the steel"),
     Owner(("Compensation.side",), (), ("verify-word",)),
     Owner(("Compensation.radius",), (), (), "nothing keeps it where no side is asked for"),
@@ -135,6 +135,10 @@ _EVENTS = (
     Owner(("Acceleration.braking", "Acceleration.mm_s2"), (), ("verify-word",),
         "no more than the axes' own"),
     Owner(("Lettering.kind", "Lettering.text", "Lettering.values"), (), ("verify-text*",)),
+    Owner(("Lift.rapid", "Lift.start", "Lift.end", "Lift.feed_mm_min", "Touch.height",
+        "Touch.feed_mm_min", "Zero.shifted", "Output.name", "Output.on", "Output.with_move",
+        "FeedShare.share", "ToolOffset.number", "Material.values"), (), (),
+        "only words of a table make one"),
 )  # fmt: skip
 
 OWNERS: dict[tuple[Stock, Language], tuple[Owner, ...]] = {

@@ -32,7 +32,9 @@ def verify_sheet(
     from beamcam.verify.sheets.alike import told_apart
     from beamcam.verify.sheets.compare import compare_part
     from beamcam.verify.sheets.contour_names import with_contours
+    from beamcam.verify.sheets.heights import height_faults
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
+    from beamcam.verify.sheets.outputs import output_faults
     from beamcam.verify.sheets.passes import passes_folded
     from beamcam.verify.sheets.radii import radius_faults
     from beamcam.verify.sheets.shared import as_one
@@ -52,6 +54,8 @@ def verify_sheet(
         done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
     )
     said += more
+    said += height_faults(done, strokes, machine, torch, name)
+    said += output_faults(done, strokes, machine, name)
     if is_far(strokes.moves, torch):
         return tuple(said)
     strokes = passes_folded(strokes, rows)

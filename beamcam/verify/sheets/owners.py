@@ -13,12 +13,17 @@ _PATH = (
     "verify-sheet-restart", "verify-sheet-overcut", "verify-sheet-direction", "verify-sheet-tab*",
 )  # fmt: skip
 _MOVED = (
-    *_PATH, "verify-sheet-rapid", "verify-sheet-idle", "verify-sheet-area", "verify-sheet-word",
+    *_PATH, "verify-sheet-rapid", "verify-sheet-height", "verify-sheet-idle", "verify-sheet-area",
+    "verify-sheet-word",
     "verify-sheet-end", "verify-sheet-setting", "verify-sheet-tool", "verify-sheet-compensation",
     "verify-sheet-feed", "verify-sheet-ramp", "verify-sheet-arc",
 )  # fmt: skip
 _WORD = ("verify-sheet-word",)
-_TOOL = ("verify-sheet-tool", "verify-sheet-word", "verify-sheet-end")
+_TOOL = ("verify-sheet-tool", "verify-sheet-word", "verify-sheet-end", "verify-sheet-height",
+         "verify-sheet-thc", "verify-sheet-output")  # fmt: skip
+_LIFTED = ("verify-sheet-height", "verify-sheet-thc", "verify-sheet-output", *_WORD,
+           "verify-sheet-end")  # fmt: skip
+_SWITCHED = ("verify-sheet-thc", "verify-sheet-output", "verify-sheet-end")
 _AGAIN = "says again what holds already"
 _ELSEWHERE = "names no place, or the head goes there with its tool off"
 _WAITS = "waits with the tool off"
@@ -55,15 +60,15 @@ _RS274 = (
     Owner(("M0", "M1"), (), _TOOL, _STOPS),
     Owner(("S",), (), _TOOL, "no tool is on, or it is the speed that holds already"),
     Owner(("T",), (), ("verify-sheet-end",), "the machine's words say which tool works"),
-    Owner(("G49", "G53", "G92.1"), (), (*_WORD, "verify-sheet-end"), _HEIGHT),
-    Owner(("G43.1",), (), ("verify-sheet-end",), _HEIGHT),
-    Owner(("G43.1",), ("Z",), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G49", "G53", "G92.1"), (), _LIFTED, _HEIGHT),
     Owner(_OFFSETS, (), (*_WORD, "verify-sheet-end"), "one offset holds for the whole program"),
     Owner(("G80",), (), _MOVED, "no cycle holds"),
 )  # fmt: skip
 
 _LINUXCNC = (
     *_RS274,
+    Owner(("G43.1",), (), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G43.1",), ("Z",), ("verify-sheet-end",), _HEIGHT),
     Owner(("G41.1", "G42.1"), (), _MOVED),
     Owner(("G41.1", "G42.1"), ("D",), _MOVED),
     Owner(("G61", "G61.1", "G64"), (), ("verify-sheet-corner", "verify-sheet-end")),
@@ -82,16 +87,56 @@ _LINUXCNC = (
     Owner(("M48", "M49", "M50", "M51", "M52", "M53"), (), _TOOL, _OVERRIDE),
     Owner(("M50", "M51", "M52", "M53"), ("P",), _TOOL, _OVERRIDE),
     Owner(("M51",), ("$",), _TOOL, _OVERRIDE),
-    Owner(("G43", "G92.2"), (), ("verify-sheet-end",), _HEIGHT),
-    Owner(("G43",), ("H", "Z"), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G92.2",), (), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G43",), (), (*_WORD, "verify-sheet-output", "verify-sheet-end"), _HEIGHT),
+    Owner(("G43",), ("H", "Z"), (*_WORD, "verify-sheet-output", "verify-sheet-end"), _HEIGHT),
     Owner(("G59.1", "G59.2", "G59.3"), (), (*_WORD, "verify-sheet-end"),
         "one offset holds for the whole program"),
     Owner(("M62", "M63", "M64", "M65"), (), _TOOL),
-    Owner(("M62", "M63", "M64", "M65"), ("P",), _TOOL),
+    Owner(("M62", "M63", "M64", "M65"), ("P",), _TOOL, "[codes] says what it does, and that says "
+        "again what holds already"),
+    Owner(("other",), (), _TOOL),
+)  # fmt: skip
+
+_MACH3 = (
+    *_RS274,
+    Owner(("G0", "G1"), ("Z",), (*_LIFTED, *_MOVED), "the torch is at that height already, or "
+        "goes up and comes to the row's again"),
+    Owner(("G31",), (), _LIFTED),
+    Owner(("G31",), ("Z",), _LIFTED, "Z is called anew, or touches again, before it counts"),
+    Owner(("G10", "G92"), (), _LIFTED),
+    Owner(("G10",), ("L", "P"), _LIFTED, "Z is called anew, or touches again, before it counts"),
+    Owner(("G10", "G92"), ("Z",), _LIFTED, "Z is called anew, or touches again, before it counts"),
+    Owner(("G92.2",), (), _LIFTED, _HEIGHT),
+    Owner(("G61", "G64"), (), ("verify-sheet-end",), "corners are passed as is set there"),
+    Owner(("M3", "M4"), ("S",), _TOOL),
+    Owner(("M6",), (), _TOOL, _STOPS),
+    Owner(("M6",), ("T",), _TOOL, _STOPS),
+    Owner(("M60",), (), _TOOL, _STOPS),
+    Owner(("M10", "M11"), (), _TOOL),
+    Owner(("M10", "M11"), ("P",), _TOOL),
+    Owner(("M48", "M49"), (), _TOOL, _OVERRIDE),
+    Owner(("other",), (), _TOOL),
+)  # fmt: skip
+
+#: Words of a table's own, by what its file says that they do.
+_HELD = (Owner(("codes: thc on", "codes: thc off"), (), _SWITCHED, _AGAIN),)
+_OF_CODES = (
+    *_HELD,
+    Owner(("codes: none",), (), (*_WORD, "verify-sheet-end"), "the machine's file says that it "
+        "does nothing"),
+    Owner(("codes: torch on", "codes: torch off", "codes: cutting oxygen on",
+        "codes: cutting oxygen off"), (), (*_TOOL, *_PATH, "verify-sheet-idle"), _OFF),
+    Owner(("codes: preheat on", "codes: preheat off"), (), _SWITCHED, _AGAIN),
+    Owner(("codes: feed share",), (), (*_WORD, "verify-sheet-feed", *_SWITCHED), _AGAIN),
+    Owner(("codes: material",), (), (*_WORD, "verify-sheet-material", "verify-sheet-end"),
+        "no contour is cut with it"),
 )  # fmt: skip
 
 _GRBL = (
     *_RS274,
+    Owner(("G43.1",), (), ("verify-sheet-end",), _HEIGHT),
+    Owner(("G43.1",), ("Z",), ("verify-sheet-end",), _HEIGHT),
     Owner(("G61",), (), ("verify-sheet-end",), "grbl knows no other mode"),
     Owner(("M3", "M4"), ("S",), _TOOL),
     Owner(("M4",), ("{power}", "{feed}"), (*_TOOL, "verify-sheet-feed", "verify-sheet-settings")),
@@ -136,19 +181,27 @@ _EVENTS = (
         "verify-sheet-radius", "verify-sheet-order", "verify-sheet-turn")),
     Owner(("Move.feed_mm_min",), (), ("verify-sheet-feed",)),
     Owner(("Move.own_feed",), (), (), "only strokes of drills have a feed of their own"),
-    Owner(("Switch.number", "Switch.words"), (), ("verify-sheet-tool", "verify-sheet-end",
-        "verify-sheet-settings")),
+    Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-sheet-tool",
+        "verify-sheet-end", "verify-sheet-settings")),
     Owner(("Pause.seconds",), (), ("verify-sheet-tool",), _WAITS),
     Owner(("Compensation.side", "Compensation.radius"), (), ("verify-sheet-tool",
         "verify-sheet-side", "verify-sheet-compensation", "verify-sheet-band",
         "verify-sheet-extra")),
     Owner(("Acceleration.braking", "Acceleration.mm_s2"), (), ("verify-sheet-ramp",)),
     Owner(("Blending.distance",), (), ("verify-sheet-corner",)),
+    Owner(("Lift.rapid", "Lift.start", "Lift.end", "Lift.feed_mm_min", "Touch.height",
+        "Touch.feed_mm_min", "Zero.shifted"), (), ("verify-sheet-height",)),
+    Owner(("Output.name", "Output.on", "Output.with_move"), (), ("verify-sheet-thc",
+        "verify-sheet-output")),
+    Owner(("FeedShare.share",), (), ("verify-sheet-feed", "verify-sheet-output")),
+    Owner(("ToolOffset.number",), (), ("verify-sheet-output",)),
+    Owner(("Material.values",), (), ("verify-sheet-material",)),
     Owner(("Lettering.kind", "Lettering.text", "Lettering.values"), (), (),
         "no table has a stamp or printer"),
 )  # fmt: skip
 
 OWNERS: dict[tuple[Stock, Language], tuple[Owner, ...]] = {
-    ("sheet", "codesys"): _CODESYS, ("sheet", "linuxcnc"): _LINUXCNC, ("sheet", "grbl"): _GRBL,
+    ("sheet", "codesys"): _CODESYS, ("sheet", "linuxcnc"): (*_LINUXCNC, *_OF_CODES),
+    ("sheet", "grbl"): _GRBL, ("sheet", "mach3"): (*_MACH3, *_HELD),
     ("sheet", "events"): _EVENTS,
 }  # fmt: skip

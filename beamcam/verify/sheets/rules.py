@@ -24,6 +24,31 @@ TOOL = Rule(
     "found {found}; expected {expected}",
     "The tool would not run as the machine's file says.",
 )
+HEIGHT = Rule(
+    "verify-sheet-height",
+    _E,
+    "found {found}; expected {expected}",
+    "The torch would strike the sheet or what has tipped up, or cut from another height than the "
+    "row's.",
+)
+THC = Rule(
+    "verify-sheet-thc",
+    _E,
+    "found {found}; expected {expected}",
+    "The control of the height would follow no arc, or dive into what is cut already.",
+)
+OUTPUT = Rule(
+    "verify-sheet-output",
+    _E,
+    "found {found}; expected {expected}",
+    "Gases and outputs would come in another order, or stay as no next program expects them.",
+)
+MATERIAL = Rule(
+    "verify-sheet-material",
+    _E,
+    "found {found}; expected {expected}",
+    "The controller would pierce and cut by the data of another row.",
+)
 CORNER = Rule(
     "verify-sheet-corner",
     _E,
@@ -214,8 +239,8 @@ LAID = Rule(
     "Where such a feature would come to lie is not known.",
 )
 RULES = (
-    *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING,
-    EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN, RESTART, TABS, TAB_WIDTH, TAB_PLACE,
-    OVERCUT,
-    LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
+    *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, HEIGHT, THC, OUTPUT, MATERIAL, CORNER, TOOL,
+    RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN,
+    RESTART, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, ORDER, SETTINGS,
+    TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

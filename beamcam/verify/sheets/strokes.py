@@ -5,7 +5,7 @@ program that says anything else, or moves as it should not, is reported.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from itertools import takewhile
+from itertools import dropwhile, takewhile
 
 import numpy as np
 from msgspec import Struct
@@ -17,13 +17,16 @@ from beamcam.controllers.events import (
     Side,
     Switch,
     TableEvent,
+    ToolOffset,
 )
 from beamcam.controllers.moves import Moves, TableRun
 from beamcam.controllers.rules import SHEET_END
+from beamcam.controllers.table_words import IDLE_SWITCHES, STOPS, tool_words
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
+from beamcam.machine.codes import key_for
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.description import PART_DATA
@@ -32,10 +35,7 @@ from beamcam.verify.sheets.ability import expected_feeds
 from beamcam.verify.sheets.controller_state import ControllerState, Setting
 
 ENDS = (2, 30)
-#: M words that neither move the head nor switch its tool: coolant, overrides.
-IDLE_SWITCHES = frozenset({7, 8, 9, 48, 49, 50, 51, 52, 53})
-#: M words that stop the program until the operator goes on.
-STOPS = frozenset({0, 1, 6, 60})
+_TURNING = (3, 4, 5)  #: M words of a spindle or a tool
 FEED_SLACK = 1e-3
 LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are rounded
 FEED_ROUNDING = 0.0006  #: of a feed as it is written, whatever its unit
@@ -52,7 +52,11 @@ class HeadStroke(Struct):
     radius: float  #: that the controller keeps off the path
     first: int  #: of its moves
     last: int  #: behind the last of them
+    on: int = -1  #: place of the word that starts its tool among the events that are no moves
+    off: int = -1  #: of the one that stops it
+    tool: int = 0  #: of the controller's table, whose places the words of the row choose
     passes: int = 1
+    waits_s: float = 0.0  #: that the controller waits by itself until it is through
     alike: tuple[TorchRow, ...] = ()  #: rows that its words and its feed stand for as well
 
     @property
@@ -74,6 +78,7 @@ class _Words(Struct, frozen=True):
     on: tuple[Said, ...]
     off: tuple[Said, ...]
     pierce_s: float
+    tool: int  #: of the controller's table, whose places they choose; 0 is the torch
     stop_s: float  #: that it stays on for, the head at rest, before it is stopped
 
 
@@ -98,8 +103,8 @@ def strokes_of(
     `parse` gives the events of a few blocks.
     """
     head = _Head([_words_of(row, machine, parse) for row in rows], machine, torch, name)
-    for before, event in run.others:
-        head.take(before, event)
+    for place, (before, event) in enumerate(run.others):
+        head.take(place, before, event)
     head.finish(run)
     head.check_places(run.moves, torch, torch.tolerance + machine.format.resolution / 2)
     return head.strokes(run.moves), sorted(head.said, key=lambda said: said.source.line or 0)
@@ -141,13 +146,15 @@ class _Head:
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
         self._started: list[_Started] = []
+        self._place = -1
         self._on = False
 
     def _wrong(self, rule: Rule, line: int, **values: str) -> None:
         self.said.append(rule.at(Source(self._name, line), **values))
 
-    def take(self, before: int, event: Other) -> None:
-        """Anything but a move, with the number of moves before it."""
+    def take(self, place: int, before: int, event: Other) -> None:
+        """Anything but a move, with its place among such and the number of moves before it."""
+        self._place = place
         if isinstance(event, Switch):
             self._switch(before, event)
         elif isinstance(event, Pause):
@@ -177,7 +184,9 @@ class _Head:
             state = self._state
             self.said += state.starts(event.line, before)
             row = starts[0].row
-            stroke = HeadStroke(event.line, row, state.side, state.radius, before, before)
+            stroke = HeadStroke(
+                event.line, row, state.side, state.radius, before, before, self._place
+            )
             self._started.append(_Started(stroke, starts, []))
         elif any(said in w.off for w in self._known):
             if self._on:
@@ -185,13 +194,19 @@ class _Head:
                 self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
         elif event.number in IDLE_SWITCHES or ((all_off or event.number in STOPS) and not self._on):
             return
+        elif not self._on and event.number not in _TURNING and not event.does:
+            expected = f"codes.{key_for(f'M{event.number}', event.words)} in the machine file, "
+            expected += 'with what it does, or "none"'
+            found = f"{event}, which beamcam does not know"
+            self._wrong(rules.TOOL, event.line, found=found, expected=expected)
         else:
             words = " or ".join(str(Switch(0, n, dict(w))) for n, w in self._starting)
             expected = f"{words} on this sheet, the other tool off"
             self._wrong(rules.TOOL, event.line, found=str(event), expected=expected)
 
     def _stop(self, before: int) -> None:
-        self._started[-1].stroke.last = before
+        stroke = self._started[-1].stroke
+        stroke.last, stroke.off = before, self._place
         self._on = False
 
     def finish(self, run: TableRun) -> None:
@@ -260,8 +275,9 @@ class _Head:
             fed = float(moves.feed_mm_min[own].max())
             one.rows = sorted(one.rows, key=lambda words: abs(words.row.feed_mm_min - fed))
         words, *others = one.rows
+        one.stroke.waits_s = 0.0 if words.pierce_s else words.row.pierce_s
         feed, row = words.row.feed_mm_min, int(own[0])
-        one.stroke.row = words.row
+        one.stroke.row, one.stroke.tool = words.row, words.tool
         one.stroke.alike = tuple([w.row for w in others if w.row.feed_mm_min == feed])
         last = int(own[-1])
         before = sum(seconds for moved, seconds in one.pauses if moved <= row)
@@ -298,14 +314,22 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Table
     Programs write powers, seconds and feeds to three decimals.
     """
 
+    second = 0.001 if machine.format.dwell_unit == "ms" else 1.0
+
     def events(template: tuple[str, ...]) -> list[TableEvent]:
         lines = [
             line.format(
                 power=f"{row.power:.3f}",
-                pierce=f"{row.pierce_s:.3f}",
+                pierce=f"{row.pierce_s / second:.3f}",
+                preheat=f"{row.preheat_s / second:.3f}",
                 feed="1",
                 pierce_height=f"{row.pierce_height:.3f}",
                 cut_height=f"{row.cut_height:.3f}",
+                amps=f"{row.amps:.3f}",
+                volts=f"{row.volts:.3f}",
+                number=str(row.number),
+                clearance="0",
+                touch_height="0",
                 **PART_DATA,  # in comments only, as the machine's file is checked
             )
             for line in template
@@ -314,11 +338,18 @@ def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[Table
 
     on = events(getattr(machine.words, f"{row.process}_on"))
     off = events(getattr(machine.words, f"{row.process}_off"))
+    chosen = events(getattr(machine.words, f"choose_{row.process}"))
+    starts = tool_words((e for e in on if isinstance(e, Switch)), True)
+    stops = tool_words((e for e in off if isinstance(e, Switch)), False)
     return _Words(
         row,
-        tuple(e.said for e in on if isinstance(e, Switch)),
-        tuple(e.said for e in off if isinstance(e, Switch)),
-        sum(e.seconds for e in on if isinstance(e, Pause)),
-        sum(e.seconds for e in takewhile(lambda e: not isinstance(e, Switch), off)
-            if isinstance(e, Pause)),
-    )  # fmt: skip
+        tuple(e.said for e in starts),
+        tuple(e.said for e in stops),
+        _seconds(dropwhile(lambda e: e not in starts, on)),
+        next((e.number for e in reversed(chosen) if isinstance(e, ToolOffset)), 0),
+        _seconds(takewhile(lambda e: e not in stops, off)),
+    )
+
+
+def _seconds(events: Iterable[TableEvent]) -> float:
+    return sum(event.seconds for event in events if isinstance(event, Pause))

@@ -1,0 +1,185 @@
+"""Heights of a torch whose program moves it up and down, and the control of its height by voltage.
+
+traverse       clear of the sheet
+touch, zero    before the first height that counts on them, and before each start if so asked
+start          at the pierce height of the row, the height control off
+down           at a feed to the cut height, before the first move along the contour
+cut            at the cut height, the height control on
+stop           the height control off first, then the tool, then up
+end            clear, and Z counts as it did before
+"""
+
+from collections.abc import Iterator
+from math import inf, isnan, nan
+
+from beamcam.controllers.events import Lift, Other, Output, Touch, Zero
+from beamcam.controllers.moves import TableRun
+from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.geometry.array_types import Flags
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
+from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.strokes import HeadStroke, Strokes
+
+SLACK = 0.001  #: mm, and half of what the program's numbers step by
+
+
+def height_faults(
+    run: TableRun, strokes: Strokes, machine: Machine, torch: Torch, name: str
+) -> list[Diagnostic]:
+    """What is wrong with where the torch stands over the sheet, and what holds it there."""
+    watch = _Watch(run.moves.rapid, machine, torch, name)
+    starts = {stroke.on: stroke for stroke in strokes.each}
+    stops = {stroke.off: stroke for stroke in strokes.each}
+    done, line = 0, 1
+    for place, (before, event) in enumerate(run.others):
+        said = [*watch.moves(done, before, run.moves.line[done:before].tolist())]
+        done, line = before, event.line
+        if place in starts:
+            said = [*said, *watch.starts(event.line, starts[place])]
+        elif place in stops:
+            said = [*said, *watch.stops(event.line)]
+        watch.said += [*said, *watch.take(event)]
+    watch.said += watch.moves(done, len(run.moves), run.moves.line[done:].tolist())
+    watch.said += watch.ends(line)
+    return watch.said
+
+
+class _Watch:
+    """The torch over the sheet while its program runs."""
+
+    def __init__(self, rapid: Flags, machine: Machine, torch: Torch, name: str) -> None:
+        self.said: list[Diagnostic] = []
+        self._rapid, self._torch, self._name = rapid, torch, name
+        self._follows = torch.z == "program"
+        self._slack = SLACK + machine.format.resolution / 2
+        self._height = nan
+        self._touched = torch.touch == "none"  #: since the torch was traversed, or ever
+        self._zeroed = True  #: since it touched
+        self._shifted = False  #: G92 holds
+        self._stroke: HeadStroke | None = None
+        self._moved = False  #: since the tool was started
+        self._by_program = torch.thc == "program"
+        self._thc = not self._by_program
+
+    def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
+        return rule.at(Source(self._name, line), found=found, expected=expected)
+
+    def _off(self, height: float) -> bool:
+        """Whether the torch stands elsewhere, or where nothing says."""
+        return not abs(self._height - height) <= self._slack
+
+    def moves(self, first: int, last: int, lines: list[int]) -> Iterator[Diagnostic]:
+        """What is wrong with the moves in X and Y of one height."""
+        if first == last:
+            return
+        rapids = self._rapid[first:last].tolist()
+        if True in rapids:
+            self._touched = self._touched and self._torch.touch != "each"
+            clear = self._height >= self._torch.clearance - self._slack
+            if self._follows and not clear:
+                line, expected = lines[rapids.index(True)], f"{self._torch.clearance:g} mm or more"
+                found = f"a traverse {_shown(self._height)}"
+                yield self._fault(rules.HEIGHT, line, found, f"{expected} (torch.clearance)")
+        if self._stroke is None or False not in rapids:
+            return
+        line, asked = lines[rapids.index(False)], self._stroke.row.cut_height
+        if self._follows and asked and self._off(asked):
+            found, process = f"a feed {_shown(self._height)}", self._stroke.process
+            yield self._fault(rules.HEIGHT, line, found, f"{asked:g} mm to {process}")
+        if self._stroke.process == "cut" and not self._thc:
+            yield self._fault(rules.THC, line, "a cut with the height control off", "it on")
+        self._moved = True
+
+    def starts(self, line: int, stroke: HeadStroke) -> Iterator[Diagnostic]:
+        """What is wrong as a tool is started."""
+        self._stroke, self._moved = stroke, False
+        asked = stroke.row.pierce_height or stroke.row.cut_height
+        if self._follows and asked and not self._touched:
+            when = "since it was traversed" if self._torch.touch == "each" else "before"
+            expected = f"the sheet touched {when} (torch.touch)"
+            yield self._fault(rules.HEIGHT, line, "a start without a touch", expected)
+        elif self._follows and asked and self._off(asked):
+            found, process = f"the tool started {_shown(self._height)}", stroke.process
+            yield self._fault(rules.HEIGHT, line, found, f"{asked:g} mm to {process}")
+        if self._by_program and self._thc:
+            found = "a start with the height control on"
+            yield self._fault(rules.THC, line, found, "it off until the torch is at its height")
+
+    def stops(self, line: int) -> Iterator[Diagnostic]:
+        """What is wrong as a tool is stopped."""
+        self._stroke = None
+        if self._by_program and self._thc:
+            found = "the tool stopped with the height control on"
+            yield self._fault(rules.THC, line, found, "that off before")
+
+    def take(self, event: Other) -> Iterator[Diagnostic]:
+        """Anything but a move in X and Y."""
+        if isinstance(event, Output) and event.name == "thc":
+            yield from self._switch(event)
+        elif isinstance(event, Zero):
+            self._shifted, self._zeroed = event.shifted, True
+        elif isinstance(event, Touch):
+            self._height, self._touched, self._zeroed = event.height, True, False
+            if self._stroke is not None:
+                yield self._fault(rules.HEIGHT, event.line, "a touch with the tool on", "it off")
+            if event.feed_mm_min == 0.0:
+                yield self._fault(rules.HEIGHT, event.line, "a touch without a feed", "F before")
+        elif isinstance(event, Lift):
+            yield from self._lift(event)
+
+    def _switch(self, event: Output) -> Iterator[Diagnostic]:
+        row = None if self._stroke is None else self._stroke.row
+        high = self._follows and row is not None and bool(row.cut_height)
+        if event.on and self._by_program and (row is None or (high and self._off(row.cut_height))):
+            found = (
+                f"the height control on {_shown(self._height)}"
+                if row
+                else ("the height control on with the tool off")
+            )
+            yield self._fault(rules.THC, event.line, found, "it on in a cut, at its height")
+        self._thc = event.on
+
+    def _lift(self, event: Lift) -> Iterator[Diagnostic]:
+        """What is wrong with a move up or down."""
+        self._height = event.end
+        found = f"a move in Z to where the torch is {_shown(event.end)}"
+        expected = ""
+        if not self._zeroed:
+            found, expected = "a height that counts from before the touch", "G92 behind the touch"
+        elif isnan(event.end):
+            expected = "a Z that counts from the sheet, or the machine's top (torch.top)"
+        elif event.end < -self._slack:
+            expected = "0 or more, as only a touch goes farther"
+        elif not event.rapid and event.feed_mm_min == 0.0:
+            found, expected = "a move in Z without a feed", "F before"
+        elif self._stroke is not None:
+            row = self._stroke.row
+            least, most = sorted((row.cut_height, row.pierce_height or row.cut_height))
+            if self._moved:
+                found, expected = "a move in Z in mid contour", "the tool off before"
+            elif event.rapid:
+                found, expected = "a traverse in Z with the tool on", "a feed"
+            elif not least - self._slack <= event.end <= most + self._slack:
+                expected = f"{least:g} to {most:g} mm with the tool on"
+        if expected:
+            yield self._fault(rules.HEIGHT, event.line, found, expected)
+
+    def ends(self, line: int) -> Iterator[Diagnostic]:
+        """What is wrong when the program ends."""
+        if self._follows and not self._height >= self._torch.clearance - self._slack:
+            found = f"the end with the torch {_shown(self._height)}"
+            yield self._fault(rules.HEIGHT, line, found, f"{self._torch.clearance:g} mm or more")
+        if self._shifted:
+            expected = "G92.1 before, or every next program counts Z from there"
+            yield self._fault(rules.HEIGHT, line, "the end while G92 holds", expected)
+        if self._thc == self._by_program:
+            state = "on" if self._thc else "off"
+            found, expected = f"the end with the height control {state}", "it as it was before"
+            yield self._fault(rules.THC, line, found, expected)
+
+
+def _shown(height: float) -> str:
+    if isnan(height):
+        return "at a height that nothing says"
+    return "at the top of the axis" if height == inf else f"{height:g} mm over the sheet"

@@ -1,0 +1,182 @@
+"""Programs for QtPlasmaC: its own filter takes every line, and rs274 makes the moves of each."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from beamcam.machine import load
+from beamcam.pipeline import post
+from beamcam.verify.sheets import verify_sheet
+from tests.conftest import SAMPLES
+from tests.qtplasmac import filtered, needs_filter
+from tests.rs274 import INI, interpreted, needs_rs274
+from tests.unit.sheets.parts import NESTED
+
+#: Samples that a plasma table makes.
+PLATES = (
+    "dstv/gusset.nc1", "dstv/lettered.nc1", "dstv/plate.nc1", "dxf/plate.dxf", "dxf/layers.dxf",
+    "dxf/gasket-inch.dxf", "json/cam.json", "json/curves.json", "svg/corel-x6.svg",
+)  # fmt: skip
+TOOLS = "T1 P1 X40 Y-20 Z0 D1 ;scribe\n"
+MOVE = re.compile(r"^[Gg][0123](?=\s*[XxYy])")
+
+
+def posted(sample: str, tmp_path: Path, machine: str = "plate-qtplasmac") -> Path:
+    out = tmp_path / "program.ngc"
+    words = ["post", str(SAMPLES / sample), "--machine", machine, "-o", str(out)]
+    drawn = sample.startswith(("dxf", "svg"))
+    done = CliRunner().invoke(main, [*words, *(["--thickness", "3"] if drawn else [])])
+    assert done.exit_code == 0, done.stderr
+    return out
+
+
+def moves(text: str) -> list[str]:
+    """The blocks of moves in X and Y, without blanks."""
+    return [
+        line.replace(" ", "").casefold() for line in text.splitlines() if MOVE.match(line)
+    ]  # fmt: skip
+
+
+@needs_filter
+@pytest.mark.parametrize("sample", PLATES)
+def test_the_filter_of_the_controller_takes_every_line(sample: str, tmp_path: Path) -> None:
+    program = posted(sample, tmp_path)
+    before = program.read_text()
+    done = filtered(program, tmp_path / "filter")
+    lines = before.splitlines()
+    # It tells that a scribe moves faster than the torch cuts; nothing else is odd to it.
+    marked = [k for k, line in enumerate(lines, 1) if line.startswith("M3 $1")]
+    assert set(done.faults) <= {k + 1 for k in marked}
+    assert "end program" not in done.text
+    assert moves(done.text) == moves(before)
+    assert "m190 p1000000\nm66 p3 l3 q1\n" in done.text  # the comment became a material
+    assert len(re.findall(r"^m3\$0s1$", done.text, re.MULTILINE)) == before.count("M3 $0 S1")
+
+
+@needs_filter
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("G0 X43.6599 Y151.9099\n", ""), ("(o=0,", "(o=1,"), ("F2300", "F1300"),
+        ("pd=0.5", "pd=x"),
+    ],
+)  # fmt: skip
+def test_the_filter_sees_what_is_wrong(old: str, new: str, tmp_path: Path) -> None:
+    """That it passes the programs above says something."""
+    program = posted("dstv/gusset.nc1", tmp_path)
+    sound = filtered(program, tmp_path / "filter")
+    text = program.read_text()
+    assert old in text
+    program.write_text(text.replace(old, new, 1))
+    broken = filtered(program, tmp_path / "filter")
+    assert set(broken.faults) > set(sound.faults)
+
+
+@needs_rs274
+@pytest.mark.parametrize("sample", PLATES)
+def test_rs274_takes_every_program(sample: str, tmp_path: Path) -> None:
+    program = posted(sample, tmp_path)
+    done = interpreted(program, ini=INI, tools=TOOLS)
+    assert "error" not in (done.stdout + done.stderr).casefold(), done.stderr
+    text = program.read_text()
+    feeds = len([m for m in moves(text) if not m.startswith("g0")])
+    assert len(re.findall(r"(?:STRAIGHT|ARC)_FEED\(", done.stdout)) >= feeds
+    assert "PROGRAM_END" in done.stdout
+
+
+@needs_rs274
+def test_the_scribe_is_brought_to_its_line_by_its_own_offset(tmp_path: Path) -> None:
+    """rs274 changes to tool 1 and its offset before the traverse to a mark, and back likewise."""
+    program = posted("dstv/gusset.nc1", tmp_path)
+    said = interpreted(program, ini=INI, tools=TOOLS).stdout
+    steps = re.findall(
+        r"(CHANGE_TOOL|USE_TOOL_LENGTH_OFFSET|STRAIGHT_TRAVERSE|START_SPINDLE_\w+\(\d\))", said
+    )
+    assert steps[:8] == [
+        "CHANGE_TOOL", "USE_TOOL_LENGTH_OFFSET", "STRAIGHT_TRAVERSE",
+        "START_SPINDLE_CLOCKWISE(1)", "CHANGE_TOOL", "USE_TOOL_LENGTH_OFFSET",
+        "STRAIGHT_TRAVERSE", "START_SPINDLE_CLOCKWISE(0)",
+    ]  # fmt: skip
+
+
+#: What a wrong program has in place of the right one, and the code that refuses it.
+MUTANTS = [
+    ("ph=3.8", "ph=2.8", "verify-sheet-material"),
+    ("fr=2300", "fr=2000", "verify-sheet-material"),
+    ("ca=45", "ca=85", "verify-sheet-material"),
+    ("kw=1.5", "kw=1.2", "verify-sheet-material"),
+    (", ph=3.8", "", "verify-sheet-word"),
+    ("pd=0.5", "pd=x", "verify-sheet-word"),
+    ("(o=0, ", "(plain, ", "verify-sheet-material"),
+    ("T0 M6\nG43 H0\n", "", "verify-sheet-output"),
+    ("T1 M6\nG43 H0\n", "", "verify-sheet-output"),
+    ("T1 M6\nG43 H0\nG0 X{scribe}\nM3 $1", "G0 X{scribe}\nT1 M6\nG43 H0\nM3 $1",
+     "verify-sheet-word"),
+    ("M3 $0 S1\n", "M3 $0 S1\nM62 P2\n", "verify-sheet-thc"),
+    ("M68 E3 Q0\nM65 P2\nG0", "M68 E3 Q0\nM64 P2\nG0", "verify-sheet-thc"),
+    ("M68 E3 Q0\nM65 P2\nG0", "M68 E3 Q60\nM65 P2\nG0", "verify-sheet-output"),
+    ("M68 E3 Q0\nM52", "M68 E3 Q60\nM52", ""),
+    ("M52 P1\nM68 E3 Q0", "M52 P1\nM68 E3 Q60", "verify-sheet-feed"),
+    ("M3 $0 S1\n", "M3 $0 S1\nM67 E3 Q50\n", "verify-sheet-feed"),
+    ("M3 $0 S1\n", "M3 $0 S1\nM64 P7\n", "verify-sheet-tool"),
+    ("M3 $0 S1\n", "#<pierce-only>=1\nM3 $0 S1\n", "verify-sheet-word"),
+    ("M3 $0 S1\n", "#<holes>=2\nM3 $0 S1\n", "verify-sheet-word"),
+    ("M3 $0 S1\n", "o<lift> call [3]\nM3 $0 S1\n", "verify-sheet-word"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "code"), MUTANTS)
+def test_what_differs_from_the_row_is_refused(old: str, new: str, code: str) -> None:
+    machine = load("plate-qtplasmac")
+    text = post((NESTED,), machine).text
+    assert isinstance(text, str)
+    assert not verify_sheet(text, (NESTED,), machine)
+    scribe = re.search(r"G0 X(\S+ Y\S+)\nM3 \$1", text)
+    assert scribe is not None
+    old, new = (one.replace("{scribe}", scribe[1]) for one in (old, new))
+    if not code:
+        assert old not in text
+        return
+    assert old in text
+    said = verify_sheet(text.replace(old, new, 1), (NESTED,), machine)
+    assert code in {one.code for one in said}, said
+
+
+#: The same program as another post or hand would have it.
+RIGHT = [
+    ("M65 P2\nG0 X0", "M63 P2\nG0 X0"),
+    ("M3 $0 S1\nF2300\n", "M3 $0 S1\nF#<_hal[plasmac.cut-feed-rate]>\n"),
+    ("G64 P0.1\n", "G64 P0.1\n#<holes>=0\n"),
+    ("M3 $0 S1\n", "M62 P2\nM63 P2\nM3 $0 S1\n"),
+    ("M68 E3 Q0\nM65 P2\nG0", "M68 E3 Q100\nM65 P2\nG0"),
+]
+
+
+@pytest.mark.parametrize(("old", "new"), RIGHT)
+def test_what_means_the_same_is_taken(old: str, new: str) -> None:
+    machine = load("plate-qtplasmac")
+    text = post((NESTED,), machine).text
+    assert isinstance(text, str)
+    assert old in text
+    assert not verify_sheet(text.replace(old, new), (NESTED,), machine)
+
+
+def test_a_material_may_be_chosen_by_its_number(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'base = "plate-qtplasmac"\n[torch]\n'
+        "rows = [{process = 'cut', material = 'mild steel', up_to = 12, feed_mm_min = 2000, "
+        "kerf = 1.5, number = 5}, {process = 'mark', up_to = 12, feed_mm_min = 3000}]\n"
+        '[words]\nmaterial = ["M190 P{number}", "M66 P3 L3 Q1"]\n'
+        'cut_on = ["M3 $0 S1", "F{feed}"]\n'
+    )
+    machine = load(str(path))
+    text = post((NESTED,), machine).text
+    assert isinstance(text, str)
+    assert text.count("M190 P5\nM66 P3 L3 Q1\n") == 1
+    said = verify_sheet(text.replace("M190 P5", "M190 P4"), (NESTED,), machine)
+    assert {one.code for one in said} == {"verify-sheet-material"}
+    assert "number 4; expected 5" in said[0].message
