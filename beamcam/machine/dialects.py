@@ -18,8 +18,8 @@ UNCONFIRMED = (
 
 #: Names of PLCopen's blocks; the library of a controller may call them otherwise.
 PLCOPEN_NAMES = (
-    "AXIS_REF", "MC_Power", "MC_Home", "MC_MoveAbsolute", "MC_Stop", "MC_Reset", "MC_ReadStatus",
-    "MC_ReadActualPosition", "MC_ReadParameter", "PLC",
+    "AXIS_REF", "MC_Power", "MC_MoveAbsolute", "MC_Halt", "MC_SetPosition", "MC_Stop", "MC_Reset",
+    "MC_ReadStatus", "MC_ReadActualPosition", "MC_ReadParameter", "PLC",
 )  # fmt: skip
 
 
@@ -53,15 +53,6 @@ DIALECTS = {
         address=r"X?\d+(\.\d+)*",
         renamed=PLCOPEN_NAMES,
         library="plcopen_blocks",
-        without=(
-            "path_objects",
-            "path_object",
-            "package",
-            "uses",
-            "max_data",
-            "stop",
-            "homing_slow_mm_s",
-            "late_factor",
-        ),
+        without=("path_objects", "path_object", "package", "uses", "max_data"),
     ),
 }  #: by the controller of a machine

@@ -212,12 +212,6 @@ class CuttingTable:
         """Where the switches see the axes."""
         return self.axes[0].place, self.axes[1].place
 
-    def at_low(self, axis: Axis) -> bool:
-        """Whether the low limit switch of an axis is actuated."""
-        index = self.axes.index(axis)
-        is_there = self.head()[index] <= 0.0 or 2 * index in self.closed
-        return is_there and 2 * index not in self.loose
-
     def tool(self, process: str) -> bool:
         """Whether the output of a process is on."""
         return bool(self.interpreter.globals[self._tools[process]])

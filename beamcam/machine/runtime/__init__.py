@@ -26,6 +26,7 @@ INPUTS = (
     "stopButton",
 )  # fmt: skip
 _INDENT = " " * 8
+_INCLUDE = re.compile(r"^<include (\w+)>\n", re.MULTILINE)
 
 
 class Runtime(Struct, frozen=True):
@@ -47,7 +48,8 @@ def runtime_of(machine: Machine, style: str) -> Runtime:
 def library_runtime(machine: Machine, style: str) -> Runtime:
     """The same, with the names of the controller's library as the manuals have them."""
     triggers = machine.needed(machine.triggers, "trigger program")
-    text = _of_style(shipped(dialect_of(machine).text), style)
+    text = _INCLUDE.sub(lambda mark: shipped(mark[1]), shipped(dialect_of(machine).text))
+    text = _of_style(text, style)
     text = text.replace("<motion>\n", shipped("paths" if triggers.path_objects else "lines"))
     text = text.replace("<operations>\n", shipped(style))
     for name, lines in _lines(triggers).items():
@@ -85,6 +87,7 @@ def _values(t: Triggers) -> dict[str, str]:
         "package": t.technology,
         "cycle_ms": f"{1000 * t.cycle_s:g}",
         "home_position": lreal(-t.back_off),
+        "far": lreal(t.homing_mm_s * t.max_homing_s),
         "stop_deceleration": lreal(STOP_BRAKES * t.acceleration),
         **{name: lreal(getattr(t, name)) for name in numbers},
     }

@@ -6,9 +6,11 @@ What is wrong begins in a cycle of the script and is looked at in every cycle.
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from functools import cache
+from itertools import product
 from math import exp
 from typing import Any
 
+import pytest
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion.axes import Axis
@@ -20,27 +22,38 @@ from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
 from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerTable
 
-from .shop import table_machine
+from .shop import plain_machine, table_machine
 
 WAITS, HOMING, WORK, DONE, FAULT = range(5)
 STOPPED_S = 0.5  #: a stop takes at most this
+STYLES = ("chain", "table")
+#: What moves the axes: commands of SIMOTION to each, its path objects, or blocks of PLCopen.
+KINDS = ("axes", "paths", "blocks")
+MOVES, STOPS = ("_POS", "MC_MOVEABSOLUTE"), ("_STOP", "MC_STOP")  #: commands of an axis
+
+WAYS = tuple(product(STYLES, KINDS))
+
+each_kind = pytest.mark.parametrize("kind", ["axes", "blocks"])
+each_way = pytest.mark.parametrize(("style", "kind"), WAYS)
 
 Deed = Callable[["Plant"], None]
 
 
 @cache
-def small_machine(path_objects: bool = False) -> Machine:
+def small_machine(kind: str = "axes") -> Machine:
     """A small table that homes soon."""
-    machine = table_machine(
-        path_objects=path_objects, back_off=5.0, overrun=5.0, max_homing_s=15.0, max_late_s=0.5
-    )
+    changes = {"back_off": 5.0, "overrun": 5.0, "max_homing_s": 15.0, "max_late_s": 0.5}
+    if kind == "blocks":
+        machine = plain_machine(**changes)
+    else:
+        machine = table_machine(path_objects=kind == "paths", **changes)
     assert machine.torch is not None
     return replace(machine, torch=replace(machine.torch, length=40.0, width=40.0))
 
 
-def small_job(path_objects: bool = False) -> TriggerTable:
+def small_job(kind: str = "axes") -> TriggerTable:
     """A triangle to cut, or with path objects one with a round corner, and a line to mark."""
-    corner = ArcTravel(9, 8, 8, 3.5, 8.0) if path_objects else Travel(9, 8, 8.0)
+    corner = ArcTravel(9, 8, 8, 3.5, 8.0) if kind == "paths" else Travel(9, 8, 8.0)
     return TriggerTable(
         "small",
         (Travel(2, 2, 20.0), Switch("cut", True, 0.2), Travel(6, 2, 8.0), corner,
@@ -50,10 +63,23 @@ def small_job(path_objects: bool = False) -> TriggerTable:
 
 
 @cache
-def loaded(style: str = "chain", path_objects: bool = False) -> tuple[Unit, ...]:
+def loaded(style: str = "chain", kind: str = "axes") -> tuple[Unit, ...]:
     """The units of the small job."""
-    machine = small_machine(path_objects)
-    return units_of(simotion.emit(small_job(path_objects), machine, style), machine)
+    machine = small_machine(kind)
+    return units_of(simotion.emit(small_job(kind), machine, style), machine)
+
+
+def plant(style: str = "chain", kind: str = "axes", **more: Any) -> "Plant":
+    """A small table with the small job."""
+    return Plant(loaded(style, kind), small_machine(kind), **more)
+
+
+def cutting(one: "Plant") -> "Plant":
+    """The same plant, homed and cutting its first line."""
+    one.press_start()
+    while not one.tool_on or one.still:
+        one.cycle()
+    return one
 
 
 def units_of(text: str, machine: Machine) -> tuple[Unit, ...]:
@@ -162,9 +188,9 @@ class Plant(CuttingTable):
         return {id(one): one for one in kept}
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
-        if name in ("_POS", "MC_MOVEABSOLUTE") or name.startswith("_MOVEPATH"):
+        if name in MOVES or name.startswith("_MOVEPATH"):
             self.commanded = self.count
-        if self.late and name in ("_POS", "MC_MOVEABSOLUTE"):
+        if self.late and name in MOVES:
             self.taken.append((name, values, line))
             return 0
         return super().command(name, values, line)
@@ -197,7 +223,11 @@ class Plant(CuttingTable):
         assert (self.value("faultNumber") != 0) == (state == FAULT)
         assert [self.tool(p) for p in ("cut", "mark", "engrave")].count(True) <= 1
 
-    # -- deeds ------------------------------------------------------------------------------
+    def places(self) -> list[tuple[float, float]]:
+        """Where the torch was on, to a hundredth."""
+        return [(round(x, 2), round(y, 2)) for x, y in self.points["cut"]]
+
+    # -- what an operator does ------------------------------------------------------------------
 
     def run_until(self, state: int, most_s: float = 60.0) -> None:
         """Go on until a state; it has to come in time."""
@@ -222,114 +252,3 @@ class Plant(CuttingTable):
         self.cycle()
         self.acknowledge = True
         self.cycle()
-
-
-def disable(index: int) -> Deed:
-    """The drive of an axis drops out: it runs out by itself."""
-
-    def deed(plant: Plant) -> None:
-        axis = plant.axes[index]
-        axis.stop()
-        axis.enabled = False
-
-    return deed
-
-
-def alarm(index: int) -> Deed:
-    """An axis reports a fault."""
-
-    def deed(plant: Plant) -> None:
-        axis = plant.axes[index]
-        axis.stop()
-        axis.error = True
-
-    return deed
-
-
-def alarm_that_stays(index: int, cycles: int) -> Deed:
-    """A fault whose cause goes away so many cycles after it was acknowledged."""
-
-    def deed(plant: Plant) -> None:
-        alarm(index)(plant)
-        axis = plant.axes[index]
-
-        def reset() -> int:
-            def late(plant: Plant) -> None:
-                axis.error = False
-
-            plant.script[plant.count + cycles] = late
-            return 0
-
-        axis.reset = reset  # type: ignore[method-assign]
-
-    return deed
-
-
-def close(index: int) -> Deed:
-    """A limit switch closes."""
-    return lambda plant: plant.closed.add(index)
-
-
-def freeze(index: int) -> Deed:
-    """An encoder tells one place for ever; the belt may be torn."""
-
-    def deed(plant: Plant) -> None:
-        axis: Axis = plant.axes[index]
-        plant.frozen[axis.name] = axis.actual
-
-    return deed
-
-
-def displace(index: int, by: float) -> Deed:
-    """An encoder tells a place so far from the true one."""
-
-    def deed(plant: Plant) -> None:
-        plant.astray[plant.axes[index].name] = by
-
-    return deed
-
-
-def creep(index: int, mm_s: float) -> Deed:
-    """An axis drifts from its set position, and its drive says nothing."""
-
-    def deed(plant: Plant) -> None:
-        plant.creeps[plant.axes[index].name] = mm_s
-
-    return deed
-
-
-def override(share: float) -> Deed:
-    """Set positions go on at a share of their speed, as by an override of the operator panel."""
-
-    def deed(plant: Plant) -> None:
-        for one in (*plant.axes, *filter(None, [plant.path])):
-            real = type(one).advance.__get__(one)
-            one.advance = lambda s, real=real: real(share * s)  # type: ignore[method-assign]
-
-    return deed
-
-
-def press_stop(plant: Plant) -> None:
-    """The stop button is pressed, and stays so."""
-    plant.stop = True
-
-
-def break_wire(index: int) -> Deed:
-    """The wire of an input breaks."""
-    return lambda plant: plant.broken.add(index)
-
-
-def fault_task(plant: Plant) -> None:
-    """The system calls the program of the fault tasks."""
-    plant.interpreter.run("CutFault")
-
-
-def mend(plant: Plant) -> None:
-    """What was broken is whole again; errors remain to be acknowledged."""
-    plant.closed.clear()
-    plant.loose.clear()
-    plant.broken.clear()
-    plant.creeps.clear()
-    plant.stop = False
-    plant.frozen.clear()
-    plant.astray.clear()
