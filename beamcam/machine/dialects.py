@@ -27,6 +27,7 @@ class Dialect(Struct, frozen=True):
     """What the programs of a family of controllers have of their own besides their text."""
 
     text: str  #: shipped text
+    homing: str  #: shipped text of the homing of an axis
     constants: str  #: section that declares the numbers of a job
     variables: str  #: section that declares its triggers, and its arrays where they have no unit
     has_units: bool  #: whether set-points are units of their own, which the program uses
@@ -39,6 +40,7 @@ class Dialect(Struct, frozen=True):
 DIALECTS = {
     "simotion": Dialect(
         text="cut_part",
+        homing="homing",
         constants="VAR_GLOBAL CONSTANT",
         variables="VAR_GLOBAL",
         has_units=True,
@@ -47,6 +49,7 @@ DIALECTS = {
     ),
     "plcopen": Dialect(
         text="plcopen",
+        homing="plcopen_homing",
         constants="VAR_OUTPUT",
         variables="VAR",
         has_units=False,

@@ -314,6 +314,6 @@ def view_faults(machine: Machine) -> Iterator[Fault]:
     """Keys of what is seen of a machine, its bodies and its registers, that contradict others."""
     names = frozenset(axis.name for axis in machine.axes)
     if not names and machine.stock == "sheet":
-        names = frozenset(machine.triggers.axes if machine.triggers else "XY")
+        names = frozenset(machine.triggers.all_axes if machine.triggers else "XY")
     yield from body_faults(machine.bodies, names)
     yield from modbus_faults(machine.modbus, len(names))

@@ -31,6 +31,12 @@ class TraceAxis(Struct, frozen=True):
     unit: Literal["mm", "deg", "rev"] = "mm"
     min: float | None = None  #: None has no limit
     max: float | None = None
+    has_encoder: bool = True  #: whether the encoder of a study is one of this axis too
+
+    @property
+    def is_read(self) -> bool:
+        """Whether the encoder of a study reads it."""
+        return self.unit == "mm" and self.has_encoder
 
 
 class Trace(Struct, frozen=True):
@@ -158,14 +164,18 @@ def trace_rows(trace: Trace, every_s: float | None = None) -> Iterator[TraceRow]
             yield TraceRow(time_s, line, tuple(at), state)
 
 
-def head_axes(machine: Machine) -> tuple[TraceAxis, TraceAxis]:
-    """The two axes of a head over a table, named as the machine's file does."""
+def head_axes(machine: Machine) -> tuple[TraceAxis, ...]:
+    """The axes of a head over a table, named as the machine's file does; Z where it is lifted."""
     names: dict[str, str] = {axis.moves: axis.name for axis in machine.axes}
+    lifted: tuple[TraceAxis, ...] = ()
     if machine.triggers is not None:
+        if (z := machine.triggers.z) is not None:
+            lifted = (TraceAxis(z.axis, "mm", 0.0, z.home_height, has_encoder=False),)
         names = dict(zip("XY", machine.triggers.axes, strict=True))
     torch = machine.torch
     low_x, low_y, high_x, high_y = torch.area if torch else (0.0, 0.0, None, None)
     return (
         TraceAxis(names.get("X", "X"), "mm", low_x, high_x),
         TraceAxis(names.get("Y", "Y"), "mm", low_y, high_y),
+        *lifted,
     )

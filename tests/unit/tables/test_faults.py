@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.emitters import simotion
 from beamcam.machine.runtime import INPUTS
-from beamcam.model.triggers import Switch
+from beamcam.model.triggers import ArcTravel, Travel
 
 from .deeds import (
     alarm,
@@ -48,9 +48,11 @@ DEEDS: dict[str, tuple[Deed, tuple[int, ...]]] = {
     "fault task": (fault_task, (6,)),
     "X high switch": (close(1), (1,)),
     "Y high switch": (close(3), (1,)),
+    "alarm of the last axis": (alarm(-1), (2,)),
+    "last axis disabled": (disable(-1), (2, 5)),
     "stop button": (press_stop, (9,)),
 }
-CYCLES = 500  #: of a run with nothing wrong, about
+CYCLES = 900  #: of a run with nothing wrong, about
 
 
 @each_way
@@ -62,9 +64,9 @@ def test_a_run_without_faults_ends_at_home(style: str, kind: str, late: bool) ->
     one.run_until(DONE)
     assert one.states == [WAITS, HOMING, WORK, DONE]
     assert one.said == []
-    assert [round(a.position, 6) for a in one.axes] == [0.0, 0.0]
+    assert [round(a.position, 6) for a in one.axes[:2]] == [0.0, 0.0]
     for op in small_job(kind).operations:
-        if not isinstance(op, Switch) and (op.x, op.y) not in ((0, 0), (10, 4), (10, 9)):
+        if isinstance(op, Travel | ArcTravel) and (op.x, op.y) not in ((0, 0), (10, 4), (10, 9)):
             assert (op.x, op.y) in one.places()
     assert max(y for _, y in one.points["mark"]) == 9.0
 
@@ -79,7 +81,7 @@ def test_a_run_without_faults_ends_at_home(style: str, kind: str, late: bool) ->
 def test_whatever_fails_ends_in_a_shown_fault_and_a_new_press_begins_anew(
     way: tuple[str, str], what: str, at: int, start_held: bool
 ) -> None:
-    assume(what != "fault task" or way[1] != "blocks")  # which has no such task
+    assume(what != "fault task" or not way[1].startswith("blocks"))  # which has no such task
     deed, numbers = DEEDS[what]
     one = plant(*way)
     one.press_start()
@@ -99,7 +101,7 @@ def test_whatever_fails_ends_in_a_shown_fault_and_a_new_press_begins_anew(
         assert one.clock_s < 2 * one.triggers.max_homing_s
         return
     if before == HOMING and what.endswith("high switch"):
-        one.run_until(FAULT, 5.0)  # which is told as soon as the axis should have left it
+        one.run_until(FAULT, 15.0)  # which is told as soon as the axis should have left it
     assert one.value("workState") == FAULT
     assert one.value("faultNumber") in numbers
     assert not one.tool_on
@@ -147,7 +149,7 @@ def test_whatever_happens_the_laws_of_every_cycle_hold(
     way: tuple[str, str], script: dict[int, Deed]
 ) -> None:
     """See `Plant.observe`: no tool out of work, no work in mid cut, no start without a press."""
-    if way[1] == "blocks":
+    if way[1].startswith("blocks"):
         script = {at: deed for at, deed in script.items() if deed is not fault_task}
     one = plant(*way, script=script)
     for _ in range(1000):

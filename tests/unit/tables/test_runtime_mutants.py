@@ -66,7 +66,7 @@ MUTANTS = [
     ("ELSIF (elapsed > allowed) OR", "elapsed > allowed", NEVER),
     ("(moves AND (stands > INT#1))", "moves AND (stands > INT#1)", NEVER),
     ("stands := INT#-2;", "-2", "0"),
-    ("made := made + SQRT(", "made + ", "move.way + "),
+    ("made := made + SQRT(", "made + ", "LREAL#1000.0 + "),
     ("IF speed > fastest THEN", "speed > fastest", NEVER),
     ("speed := progress / CYCLE_S;", "progress / CYCLE_S", "fastest"),
     ("(watchX.fit AND watchX.strays)", "watchX.strays", NEVER),
@@ -109,12 +109,9 @@ MUTANTS = [
     ("workFault := workState = INT#4;", "INT#4", "INT#5"),
     ("faultNumber := INT#0;\n                    workState := INT#0;", "INT#0", "faultNumber"),
     # Of the blocks alone.
-    ("made := made + SQRT(watchX.progress", "made + ", "travel.way + "),
     ("ELSIF ABS(position - startedAt) > BACK_OFF THEN", "> BACK_OFF", "> LREAL#1000.0"),
     ("ELSIF met AND (position < firstAt", "met", NEVER),
     ("ELSIF position > startedAt", "> startedAt", "> LREAL#1000.0 + startedAt"),
-    ("ELSIF halt.Done AND atRest THEN", "halt.Done AND ", ""),
-    ("trail := speed * FOLLOWING_LAG_S;", "speed", "fastest"),
     ("stopAll(holds := workState = INT#4);", "workState = INT#4", NEVER),
     ("Execute := holds AND NOT stopX.Error", " AND NOT stopX.Error", ""),
     ("IF (workState <> INT#2) OR commandFault THEN", "(workState <> INT#2) OR commandFault", NEVER),
@@ -138,11 +135,13 @@ def place_of(where: str, kind: str) -> re.Match[str] | None:
     return re.search(r"\s+".join(map(re.escape, where.split())), TEXTS[kind])
 
 
+#: Mutants that change nothing: a drive that drops out is an error of MC_Power by itself.
+EQUIVALENT = {("blocks", "ELSIF NOT (watchX.fit AND watchY.fit) THEN")}
 #: Every sixth of them; the exhaustive tests try the others too.
 TRIED = [
     pytest.param(kind, *row, marks=[pytest.mark.exhaustive] * (k % 6 > 0))
     for k, (kind, row) in enumerate(product(KINDS, MUTANTS))
-    if place_of(row[0], kind)
+    if place_of(row[0], kind) and (kind, row[0]) not in EQUIVALENT
 ]
 
 
