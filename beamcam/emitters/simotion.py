@@ -16,14 +16,14 @@ from beamcam.machine.dialects import Dialect
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, dialect_of, lreal, runtime_of
 from beamcam.machine.tables import Triggers
-from beamcam.model.triggers import Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.triggers import Lift, Switch, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
 
-#: Bytes of one operation in a unit of set-points: x, y, speed and kind; with path objects a place
-#: in the middle of arcs as well.
-POINT_BYTES, ROUND_BYTES = 3 * 8 + 1, 5 * 8 + 1
+#: Bytes of one operation in a unit of set-points: x, y, speed and kind; the place in the middle of
+#: an arc, for path objects; the height, for a torch that is lifted.
+POINT_BYTES, MIDDLE_BYTES, HEIGHT_BYTES = 3 * 8 + 1, 2 * 8, 8
 VALUES_PER_LINE = 5
-LINE, ARC = 0, 7  #: kinds of operations; between them: on and off of each process
+LINE, ARC, LIFT = 0, 7, 8  #: kinds of operations; between them: on and off of each process
 
 
 class _Row(Struct, frozen=True):
@@ -33,6 +33,7 @@ class _Row(Struct, frozen=True):
     kind: int
     x: float
     y: float
+    height: float  #: of the torch over the sheet
     speed: float
     via: tuple[float, float]
 
@@ -66,9 +67,9 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
         raise ChainError(count, triggers.max_chain)
     if style is None:
         style = "table" if count > triggers.max_chain else triggers.style
-    rows = tuple(_rows(table.operations))
+    rows = tuple(_rows(table.operations, triggers.home_over(table.thickness)))
     name = unit_name(table.job)
-    size = ROUND_BYTES if triggers.path_objects else POINT_BYTES
+    size = POINT_BYTES + MIDDLE_BYTES * triggers.path_objects + HEIGHT_BYTES * bool(triggers.z)
     dialect = dialect_of(machine)
     per_unit = max(1, triggers.max_data // size) if dialect.has_units else max(1, count)
     starts = range(0, len(rows), per_unit) if style == "table" else ()
@@ -80,7 +81,7 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
         *(f"(* {comment_text(remark)} *)\n" for remark in table.remarks),
         runtime.head,
         *_uses((*triggers.uses, *(chunk.unit for chunk in chunks if dialect.has_units))),
-        *_declarations(table.operations, dialect),
+        *_declarations(table, triggers, dialect),
         *_variables(count, chunks, triggers, dialect),
         runtime.middle,
         *(_fetches(chunks, triggers) if style == "table" else _blocks(rows, triggers)),
@@ -90,18 +91,22 @@ def emit(table: TriggerTable, machine: Machine, style: str | None = None) -> str
     return "".join(pieces)
 
 
-def _rows(operations: Sequence[TriggerOp]) -> Iterator[_Row]:
+def _rows(operations: Sequence[TriggerOp], height: float) -> Iterator[_Row]:
+    """The operations as numbers, from the corner of the work area and the torch at a height on."""
     here = (0.0, 0.0)
     for op in operations:
         if isinstance(op, Switch):
             kind = 2 * PROCESSES.index(op.process) + (1 if op.on else 2)
-            yield _Row(f"{op.process} {'on' if op.on else 'off'}", kind, *here, 0.0, here)
+            yield _Row(f"{op.process} {'on' if op.on else 'off'}", kind, *here, height, 0.0, here)
+        elif isinstance(op, Lift):
+            said, height = "up" if op.height > height else "down", op.height
+            yield _Row(said, LIFT, *here, height, op.speed_mm_s, here)
         elif isinstance(op, Travel):
             here = op.x, op.y
-            yield _Row("line", LINE, *here, op.speed_mm_s, here)
+            yield _Row("line", LINE, *here, height, op.speed_mm_s, here)
         else:
             here = op.x, op.y
-            yield _Row("arc", ARC, *here, op.speed_mm_s, (op.middle_x, op.middle_y))
+            yield _Row("arc", ARC, *here, height, op.speed_mm_s, (op.middle_x, op.middle_y))
 
 
 def _uses(units: Sequence[str]) -> Iterator[str]:
@@ -109,11 +114,13 @@ def _uses(units: Sequence[str]) -> Iterator[str]:
         yield f"    USES {', '.join(units)};\n"
 
 
-def _declarations(operations: Sequence[TriggerOp], dialect: Dialect) -> Iterator[str]:
+def _declarations(table: TriggerTable, triggers: Triggers, dialect: Dialect) -> Iterator[str]:
     yield f"    {dialect.constants}\n"
-    yield f"        LAST_OPERATION : DINT := DINT#{len(operations)};\n"
+    yield f"        LAST_OPERATION : DINT := DINT#{len(table.operations)};\n"
+    if triggers.z is not None:
+        yield f"        SHEET_THICKNESS : LREAL := {lreal(table.thickness)};\n"
     for process in PROCESSES:
-        waits = (op.wait_s for op in operations
+        waits = (op.wait_s for op in table.operations
                  if isinstance(op, Switch) and op.on and op.process == process)  # fmt: skip
         longest = ceil(1000 * max(waits, default=0.0) - 1e-9)
         yield f"        PIERCE_{process.upper()} : TIME := T#{longest}ms;\n"
@@ -142,12 +149,13 @@ def _blocks(rows: Sequence[_Row], triggers: Triggers) -> Iterator[str]:
             via = (
                 f",\n                middleX := {lreal(row.via[0])}, middleY := {lreal(row.via[1])}"
             )
+        height = f"z := {lreal(row.height)}, " if triggers.z else ""
         yield f"""\
         (* {k}: {row.said} *)
         IF operationArrived AND triggerActive[{k - 1}] AND NOT triggerActive[{k}] THEN
             triggerActive[{k}] := TRUE;
             next(kind := USINT#{row.kind}, x := {lreal(row.x)}, y := {lreal(row.y)},
-                speed := {lreal(row.speed)}{via});
+                {height}speed := {lreal(row.speed)}{via});
         END_IF;
 """
 
@@ -156,13 +164,13 @@ def _fetches(chunks: Sequence[_Chunk], triggers: Triggers) -> Iterator[str]:
     """The table: the row of an operation, from the unit that holds it."""
     for chunk in chunks:
         k, last = chunk.number, chunk.first + len(chunk.rows) - 1
-        via = ""
+        via, height = "", f"z := pointZ_{k}[row], " if triggers.z else ""
         if triggers.path_objects:
             via = f",\n                middleX := pointViaX_{k}[row], middleY := pointViaY_{k}[row]"
         yield f"""\
         IF (row >= DINT#{chunk.first}) AND (row <= DINT#{last}) THEN
             next(kind := pointKind_{k}[row], x := pointX_{k}[row], y := pointY_{k}[row],
-                speed := pointSpeed_{k}[row]{via});
+                {height}speed := pointSpeed_{k}[row]{via});
         END_IF;
 """
 
@@ -183,6 +191,8 @@ def _arrays(chunk: _Chunk, triggers: Triggers) -> Iterator[str]:
         ("pointY", "LREAL", [lreal(row.y) for row in rows]),
         ("pointSpeed", "LREAL", [lreal(row.speed) for row in rows]),
     ]
+    if triggers.z is not None:
+        columns.insert(2, ("pointZ", "LREAL", [lreal(row.height) for row in rows]))
     if triggers.path_objects:
         columns.append(("pointViaX", "LREAL", [lreal(row.via[0]) for row in rows]))
         columns.append(("pointViaY", "LREAL", [lreal(row.via[1]) for row in rows]))

@@ -18,8 +18,8 @@ UNCONFIRMED = (
 
 #: Names of PLCopen's blocks; the library of a controller may call them otherwise.
 PLCOPEN_NAMES = (
-    "AXIS_REF", "MC_Power", "MC_Home", "MC_MoveAbsolute", "MC_Stop", "MC_Reset", "MC_ReadStatus",
-    "MC_ReadActualPosition", "MC_ReadParameter", "PLC",
+    "AXIS_REF", "MC_Power", "MC_MoveAbsolute", "MC_Halt", "MC_SetPosition", "MC_Stop", "MC_Reset",
+    "MC_ReadStatus", "MC_ReadActualPosition", "MC_ReadParameter", "PLC",
 )  # fmt: skip
 
 
@@ -27,6 +27,7 @@ class Dialect(Struct, frozen=True):
     """What the programs of a family of controllers have of their own besides their text."""
 
     text: str  #: shipped text
+    homing: str  #: shipped text of the homing of an axis
     constants: str  #: section that declares the numbers of a job
     variables: str  #: section that declares its triggers, and its arrays where they have no unit
     has_units: bool  #: whether set-points are units of their own, which the program uses
@@ -39,6 +40,7 @@ class Dialect(Struct, frozen=True):
 DIALECTS = {
     "simotion": Dialect(
         text="cut_part",
+        homing="homing",
         constants="VAR_GLOBAL CONSTANT",
         variables="VAR_GLOBAL",
         has_units=True,
@@ -47,21 +49,13 @@ DIALECTS = {
     ),
     "plcopen": Dialect(
         text="plcopen",
+        homing="plcopen_homing",
         constants="VAR_OUTPUT",
         variables="VAR",
         has_units=False,
         address=r"X?\d+(\.\d+)*",
         renamed=PLCOPEN_NAMES,
         library="plcopen_blocks",
-        without=(
-            "path_objects",
-            "path_object",
-            "package",
-            "uses",
-            "max_data",
-            "stop",
-            "homing_slow_mm_s",
-            "late_factor",
-        ),
+        without=("path_objects", "path_object", "package", "uses", "max_data"),
     ),
 }  #: by the controller of a machine

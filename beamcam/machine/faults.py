@@ -352,6 +352,6 @@ def view_faults(machine: Machine) -> Iterator[Fault]:
     if not names and machine.stock == "sheet":
         lifts = machine.torch is not None and machine.torch.z == "program"
         letters = "XYZ" if lifts else "XY"
-        names = frozenset(machine.triggers.axes if machine.triggers else letters)
+        names = frozenset(machine.triggers.all_axes if machine.triggers else letters)
     yield from body_faults(machine.bodies, names)
     yield from modbus_faults(machine.modbus, len(names))

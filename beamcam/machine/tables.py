@@ -15,6 +15,22 @@ UnitBytes = Annotated[int, Meta(ge=1024)]  #: a unit has to hold some set-points
 READ_ROUNDING = 1e-9  #: of a count; an axis that stands on a count is at it
 
 
+class HeightAxis(Keys, frozen=True):
+    """The axis that lifts the torch. Up is positive; 0 is where the sheet lies on.
+
+    Homing runs up against the high limit switch and backs off, before X and Y move.
+    """
+
+    axis: str  #: its name in the project
+    limits: tuple[str, str]  #: inputs: low, high
+    home_height: Positive  #: of the torch over what the sheet lies on, where homing ends
+    clearance: Positive  #: of the torch over the sheet as X and Y move with the tool off
+    speed_mm_s: Positive  #: up and down
+    back_off: Positive = 5.0  #: from the high limit switch down to where homing ends
+    count: Positive = 0.01  #: travel of a count of its encoder
+    arrival_window: Positive = 0.05  #: of its actual position about its set position; counts
+
+
 class Triggers(Keys, frozen=True):
     """A motion controller run by a Structured Text program, one command of an axis per operation.
 
@@ -57,11 +73,21 @@ class Triggers(Keys, frozen=True):
     path_objects: bool = False  #: whether the controller interpolates lines and circles
     path_object: str = "Path"  #: its name in the project
     names: Mapping[str, str] = field(default_factory=dict)  #: what the package calls otherwise
+    z: HeightAxis | None = None  #: the axis of the torch's height, where the table has one
+
+    @property
+    def all_axes(self) -> tuple[str, ...]:
+        """Names of the axes of X, Y and, where there is one, Z."""
+        return self.axes if self.z is None else (*self.axes, self.z.axis)
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Places of X low, X high, Y low, Y high, start, acknowledge and stop; "" if absent."""
-        return (*self.limits, self.start, self.acknowledge, self.stop)
+        """Places of X low, X high, Y low, Y high, start, acknowledge and stop; "" if absent.
+
+        Behind them those of Z low and Z high, where there is a Z.
+        """
+        of_z = () if self.z is None else self.z.limits
+        return (*self.limits, self.start, self.acknowledge, self.stop, *of_z)
 
     @property
     def homing_window(self) -> float:
@@ -70,6 +96,12 @@ class Triggers(Keys, frozen=True):
         Two cycles at the fast speed, in which a switch may be seen late, and the encoder's window.
         """
         return self.arrival_window + 2 * self.cycle_s * self.homing_mm_s
+
+    @property
+    def lift_window(self) -> float:
+        """The same of Z and its high switch; that of X and Y where there is no Z."""
+        window = self.arrival_window if self.z is None else self.z.arrival_window
+        return window + 2 * self.cycle_s * self.homing_mm_s
 
     @property
     def technology(self) -> str:
@@ -81,15 +113,23 @@ class Triggers(Keys, frozen=True):
         """Travel of an encoder's count."""
         return self.travel_per_turn / self.counts_per_turn / (4 if self.quadrature else 1)
 
-    def read(self, position: float) -> float:
-        """What the encoder reads of an axis at a position."""
-        above = 0.0 if self.counted == "floor" else 0.5
-        return floor(position / self.count + above + READ_ROUNDING) * self.count
+    def home_over(self, thickness: float) -> float:
+        """Height of the torch over a sheet where homing ends; 0 where it is not lifted."""
+        return 0.0 if self.z is None else round(self.z.home_height - thickness, 6)
 
-    @property
-    def least_window(self) -> float:
+    def counts(self) -> tuple[float, ...]:
+        """Travel of an encoder's count of each axis."""
+        return (self.count,) * 2 if self.z is None else (self.count, self.count, self.z.count)
+
+    def read(self, position: float, count: float | None = None) -> float:
+        """What the encoder reads of an axis at a position; of X or Y where no count is given."""
+        count = count or self.count
+        above = 0.0 if self.counted == "floor" else 0.5
+        return floor(position / count + above + READ_ROUNDING) * count
+
+    def least_window(self, count: float) -> float:
         """How far what the encoder reads may be from where an axis at rest is: a count, or half."""
-        return self.count if self.counted == "floor" else self.count / 2
+        return count if self.counted == "floor" else count / 2
 
 
 #: Forms of a stepper table, by their suffix.

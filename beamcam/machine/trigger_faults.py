@@ -2,14 +2,15 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import sqrt
 
 from msgspec.structs import fields
 
 from beamcam.machine.dialects import DIALECTS, Dialect
 from beamcam.machine.machine import Machine
-from beamcam.machine.tables import Triggers
+from beamcam.machine.tables import HeightAxis, Triggers
+from beamcam.machine.torch import TorchRow
 
 Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
 
@@ -20,10 +21,14 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
     """Each key of a trigger program that contradicts another, or that it cannot have."""
     if triggers.cycle_s < MIN_CYCLE_S:
         yield "triggers.cycle_s", triggers.cycle_s, f"at least {MIN_CYCLE_S:g} s"
-    if triggers.arrival_window < triggers.least_window:
-        what = "a count" if triggers.counted == "floor" else "half a count"
-        expected = f"{what} of the encoder or more, {triggers.least_window:.4f} mm"
-        yield "triggers.arrival_window", triggers.arrival_window, expected
+    windows = [("triggers", triggers.arrival_window, triggers.count)]
+    if triggers.z is not None:
+        windows.append(("triggers.z", triggers.z.arrival_window, triggers.z.count))
+    for key, window, count in windows:
+        if window < (least := triggers.least_window(count)):
+            what = "a count" if triggers.counted == "floor" else "half a count"
+            expected = f"{what} of the encoder or more, {least:.4f} mm"
+            yield f"{key}.arrival_window", window, expected
     torch = machine.torch
     # Points are cut off to the decimals of both axes, and count as reached a little before.
     least = triggers.in_position / 2 + machine.format.resolution * sqrt(2)
@@ -34,6 +39,9 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
         way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
         # Slowly off the switch by two windows from where it was seen, and against it again.
         slowly = 6 * triggers.homing_window / triggers.homing_slow_mm_s
+        if (z := triggers.z) is not None:  # which homes first
+            way += z.home_height + triggers.overrun + 2 * z.back_off
+            slowly += 6 * triggers.lift_window / triggers.homing_slow_mm_s
         least = way / triggers.homing_mm_s + slowly
         if triggers.max_homing_s < least:
             expected = f"{least:g} or more for {way:g} mm at homing_mm_s and the slow approach"
@@ -60,12 +68,30 @@ def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
     for row in torch.rows if torch else ():
         if row.process not in triggers.outputs:
             yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
+    if triggers.z is not None:
+        yield from _height_faults(triggers.z, torch.rows if torch else ())
+
+
+def _height_faults(z: HeightAxis, rows: Sequence[TorchRow]) -> Iterator[Fault]:
+    """Heights that are not below one another as they have to be: cut, pierce, clearance, home.
+
+    A row that does not know its heights is refused where it is used.
+    """
+    if z.clearance >= z.home_height:
+        expected = f"less than home_height, {z.home_height:g}"
+        yield "triggers.z.clearance", z.clearance, expected
+    for row in rows:
+        for key, height in (("pierce_height", row.pierce_height), ("cut_height", row.cut_height)):
+            if height > z.clearance:
+                expected = f"at most triggers.z.clearance, {z.clearance:g}"
+                yield f"torch.rows.{key}", height, expected
 
 
 def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
     """Inputs and outputs that are neither addresses nor names, or that stand for two things."""
     optional = filter(None, (triggers.acknowledge, triggers.stop))
-    inputs = (*triggers.limits, triggers.start, *optional)
+    of_z = triggers.z.limits if triggers.z else ()
+    inputs = (*triggers.limits, *of_z, triggers.start, *optional)
     outputs = (*triggers.outputs.values(), *filter(None, [triggers.fault_lamp]))
     for key, places, letter, kind in (
         ("limits", inputs, "I", "input such as %I0.0"),
@@ -79,14 +105,14 @@ def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
         if place not in inputs:
             yield "triggers.normally_closed", place, f"one of the inputs {', '.join(inputs)}"
     # %IX0.0 and %I0.0 are one place.
-    used = Counter(_BIT.sub(r"\1", p.upper()) for p in (*inputs, *outputs, *triggers.axes))
+    used = Counter(_BIT.sub(r"\1", p.upper()) for p in (*inputs, *outputs, *triggers.all_axes))
     for place, count in used.items():
         if count > 1:
             yield "triggers", place, "each input, output and axis once"
 
 
 def _st_name_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
-    for name in (*triggers.axes, triggers.path_object, triggers.technology, *triggers.uses):
+    for name in (*triggers.all_axes, triggers.path_object, triggers.technology, *triggers.uses):
         if not _ST_NAME.fullmatch(name):
             yield "triggers.axes", name, "letters, digits and single _, a letter first"
     for name, other in triggers.names.items():

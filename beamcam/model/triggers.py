@@ -32,6 +32,14 @@ class ArcTravel(Struct, frozen=True):
     source: Source | None = None
 
 
+class Lift(Struct, frozen=True):
+    """The torch up or down to a height over the sheet, while X and Y rest."""
+
+    height: float
+    speed_mm_s: float
+    source: Source | None = None
+
+
 class Switch(Struct, frozen=True):
     """The tool of a process on or off; the next operation waits for it."""
 
@@ -41,7 +49,7 @@ class Switch(Struct, frozen=True):
     source: Source | None = None
 
 
-TriggerOp = Travel | ArcTravel | Switch
+TriggerOp = Travel | ArcTravel | Lift | Switch
 
 
 class TriggerTable(Struct, frozen=True):
@@ -50,3 +58,4 @@ class TriggerTable(Struct, frozen=True):
     job: str
     operations: tuple[TriggerOp, ...]
     remarks: tuple[str, ...] = ()  #: for the operator
+    thickness: float = 0.0  #: of the sheet, for a table that lifts its torch

@@ -8,11 +8,13 @@ from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
 from beamcam.model.plan import SheetPlan, WorkTime
-from beamcam.model.triggers import ArcTravel, Switch, TriggerOp, TriggerTable
+from beamcam.model.triggers import ArcTravel, Lift, Switch, TriggerOp, TriggerTable
 from beamcam.motion.sheet_times import by_operation
 from beamcam.motion.step_events import MICROSECONDS
 from beamcam.motion.steps import plan_way
 from beamcam.motion.velocity_table import ways
+
+HeadPlace = tuple[float, float, float]  #: X, Y, and the height over the sheet
 
 CYCLE_SLACK = 1e-9
 
@@ -28,12 +30,11 @@ def trigger_time(plan: SheetPlan, table: TriggerTable, machine: Machine) -> Work
 
 def _passes(table: TriggerTable, triggers: Triggers) -> Iterator[float]:
     """Seconds of each pass with the traverse to it, and of the return home."""
-    here, seconds = (0.0, 0.0), 0.0
+    here, seconds = (0.0, 0.0, triggers.home_over(table.thickness)), 0.0
     for op in table.operations:
         seconds += operation_seconds(op, here, triggers)
-        if not isinstance(op, Switch):
-            here = op.x, op.y
-        elif not op.on:
+        here = place_behind(op, here)
+        if isinstance(op, Switch) and not op.on:
             yield seconds
             seconds = 0.0
     yield seconds
@@ -50,19 +51,25 @@ def length_through(start: Point, middle: Point, end: Point) -> float:
     return 2 * radius * sum(asin(min(1.0, chord / (2 * radius))) for chord in (a, b))
 
 
-def operation_seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:
+def place_behind(op: TriggerOp, here: HeadPlace) -> HeadPlace:
+    """Where an operation that starts `here` ends."""
+    if isinstance(op, Lift):
+        return *here[:2], op.height
+    return here if isinstance(op, Switch) else (op.x, op.y, here[2])
+
+
+def operation_seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
     """Seconds from an operation that starts `here` to the start of the next one."""
     cycles = ceil(_seconds(op, here, triggers) / triggers.cycle_s - CYCLE_SLACK) + 1
     return cycles * triggers.cycle_s
 
 
-def _seconds(op: TriggerOp, here: Point, triggers: Triggers) -> float:
+def _seconds(op: TriggerOp, here: HeadPlace, triggers: Triggers) -> float:
     if isinstance(op, Switch):
         return op.wait_s
-    end = op.x, op.y
-    way = dist(here, end)
+    way = dist(here, place_behind(op, here))
     if isinstance(op, ArcTravel):
-        way = length_through(here, (op.middle_x, op.middle_y), end)
+        way = length_through(here[:2], (op.middle_x, op.middle_y), (op.x, op.y))
     return move_seconds(way, op.speed_mm_s, triggers.acceleration)
 
 

@@ -2,6 +2,13 @@
 
     pass -> way to its start -> tool on -> points at the controller's cycle -> tool off -> home
 
+Where the table lifts its torch, X and Y go at clearance while the tool is off:
+
+    home        --.                                   .--
+    clearance     '--way--.                   .--way--'
+    pierce height         '-on-.              |
+    cut height                 '---points--off'
+
 Every operation runs from rest to rest, so that a corner is a corner and both axes arrive together.
 """
 
@@ -13,7 +20,7 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import ContourOp, SheetPlan
-from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.triggers import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
 
 #: Arcs that a path object runs are cut in pieces of at most this, so that no end is its start.
 MAX_ROUND_DEG = 120.0
@@ -25,28 +32,44 @@ TRUNCATION_SLACK = 1e-6  #: as in `rounding`: 0.29 is a hair less than 0.29 in b
 def trigger_table(plan: SheetPlan, machine: Machine, job: str) -> TriggerTable:
     """The operations that carry out a plan, from the corner of the work area and back to it."""
     said: list[str] = []
-    return TriggerTable(job, tuple(_operations(plan, machine, said)), tuple(said))
+    operations = tuple(_operations(plan, machine, said))
+    return TriggerTable(job, operations, tuple(said), plan.thickness)
 
 
 def _operations(plan: SheetPlan, machine: Machine, said: list[str]) -> Iterator[TriggerOp]:
     triggers = machine.needed(machine.triggers, "trigger program")
-    here = HOME
+    here, z = HOME, triggers.z
+    clearance, home = z.clearance if z else 0.0, triggers.home_over(plan.thickness)
+    height = home
+
+    def lift(to: float, source: Source | None = None) -> Iterator[Lift]:
+        """The torch to a height, where the table lifts it and it is elsewhere."""
+        nonlocal height
+        if z is not None and to != height:
+            height = to
+            yield Lift(to, z.speed_mm_s, source)
+
     for number, op in enumerate(plan.operations, 1):
         for one in op.passes:
             way = _Way(op, machine)
             curves = (*one.lead_in, *one.curves, *one.lead_out)
             start = way.grid(curves[0].start)
+            yield from lift(clearance, op.source)
             if start != here:
                 yield Travel(*start, triggers.traverse_mm_s, op.source)
+            yield from lift(op.row.pierce_height, op.source)
             yield Switch(op.row.process, True, op.row.pierce_s, op.source)
+            yield from lift(op.row.cut_height, op.source)
             moves = list(way.along(start, curves))
             yield from moves
             yield Switch(op.row.process, False, 0.0, op.source)
+            yield from lift(clearance, op.source)
             if way.slowest < way.speed_mm_s * (1 - 1e-9):
                 said.append(f"contour {number}: arcs at {way.slowest:.3f} mm/s for the cycle time")
             here = (moves[-1].x, moves[-1].y) if moves else start
     if here != HOME:
         yield Travel(*HOME, triggers.traverse_mm_s)
+    yield from lift(home)
 
 
 class _Way:

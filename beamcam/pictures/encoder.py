@@ -124,7 +124,7 @@ def _two_axes(trace: Trace, time_s: float) -> tuple[int, int]:
     knot = int(np.searchsorted(trace.time_s, time_s))
     near = trace.positions[max(knot - 1, 0) : knot + 2]
     ways = np.abs(np.diff(near, axis=0)).sum(axis=0)
-    linear = [k for k, axis in enumerate(trace.axes) if axis.unit == "mm"]
+    linear = [k for k, axis in enumerate(trace.axes) if axis.is_read]
     chosen = sorted(sorted(linear, key=lambda k: -ways[k])[:2])
     return chosen[0], chosen[-1]
 

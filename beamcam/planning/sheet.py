@@ -92,6 +92,8 @@ def _refuse_work(
     refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
     refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
     refusals += material.refusals({w.process for w in assigned.wanted})
+    if machine.triggers is not None and machine.triggers.z is not None:
+        refusals += material.unlifted({w.process for w in assigned.wanted}, machine.triggers.z)
     if refusals:
         raise PlanError(refusals)
     if not assigned.wanted:

@@ -52,7 +52,7 @@ class Encoder(Struct, frozen=True):
     def read(self, trace: Trace, positions: Floats) -> Floats:
         """What is read of positions (times, axes); axes that are not measured in mm are true."""
         counted = np.floor(self.counts(positions) + ROUNDING) * self.count
-        return np.where(np.array([axis.unit == "mm" for axis in trace.axes]), counted, positions)
+        return np.where(np.array([axis.is_read for axis in trace.axes]), counted, positions)
 
 
 class Precision(Struct, frozen=True):
@@ -73,7 +73,7 @@ def stair_times(trace: Trace, encoder: Encoder) -> Floats:
     """The knots of a trace, and each time at which an axis passes from count to count."""
     found = [trace.time_s]
     for k, axis in enumerate(trace.axes):
-        if axis.unit == "mm":
+        if axis.is_read:
             found.append(_crossings(trace, encoder.counts(trace.positions[:, k])))
     return np.unique(np.concatenate(found))
 
@@ -106,7 +106,7 @@ def _inverse(share: Floats, slopes: Floats) -> Floats:
 
 def precision(trace: Trace, encoder: Encoder) -> Precision:
     """The study of a trace, over its axes in mm."""
-    linear = [k for k, axis in enumerate(trace.axes) if axis.unit == "mm"]
+    linear = [k for k, axis in enumerate(trace.axes) if axis.is_read]
     at = trace.positions[:, linear]
     ways = np.diff(at, axis=0)
     going = np.flatnonzero(np.any(np.abs(ways) > MIN_MOVE, axis=1))

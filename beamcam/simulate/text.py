@@ -20,7 +20,7 @@ TABLE = ("process",)  #: of a cutting table
 def columns(trace: Trace, machine: Machine, encoder: Encoder | None = None) -> tuple[str, ...]:
     """The names of the columns: time, axes, what the encoder reads of them, states, block."""
     names = [axis.name for axis in trace.axes]
-    read = [f"{axis.name} read" for axis in trace.axes if axis.unit == "mm"] if encoder else []
+    read = [f"{axis.name} read" for axis in trace.axes if axis.is_read] if encoder else []
     return ("time_s", *names, *read, *_states(machine), "line")
 
 
@@ -42,7 +42,7 @@ def _read_rows(
     if encoder is None:
         yield from ((row, ()) for row in trace_rows(trace, every_s))
         return
-    linear = [k for k, axis in enumerate(trace.axes) if axis.unit == "mm"]
+    linear = [k for k, axis in enumerate(trace.axes) if axis.is_read]
     if every_s is not None:
         for row in trace_rows(trace, every_s):
             yield row, encoder.read(trace, np.array([row.positions]))[0, linear].tolist()
@@ -84,7 +84,10 @@ def json_data(
     data: dict[str, Any] = {
         "machine": machine.name,
         "duration_s": round(trace.duration_s, 6),
-        "axes": [asdict(axis) for axis in trace.axes],
+        "axes": [
+            {"name": axis.name, "unit": axis.unit, "min": axis.min, "max": axis.max}
+            for axis in trace.axes
+        ],
         "warnings": [
             {"code": said.code, "line": said.source.line, "message": said.message}
             for said in warnings

@@ -31,6 +31,12 @@ class TraceAxis(Struct, frozen=True):
     unit: Literal["mm", "deg", "rev"] = "mm"
     min: float | None = None  #: None has no limit
     max: float | None = None
+    has_encoder: bool = True  #: whether the encoder of a study is one of this axis too
+
+    @property
+    def is_read(self) -> bool:
+        """Whether the encoder of a study reads it."""
+        return self.unit == "mm" and self.has_encoder
 
 
 class Trace(Struct, frozen=True):
@@ -163,13 +169,17 @@ def head_axes(machine: Machine) -> tuple[TraceAxis, ...]:
     torch over the sheet, where its program moves it.
     """
     names: dict[str, str] = {axis.moves: axis.name for axis in machine.axes}
+    lifted: tuple[TraceAxis, ...] = ()
     if machine.triggers is not None:
+        if (z := machine.triggers.z) is not None:
+            lifted = (TraceAxis(z.axis, "mm", 0.0, z.home_height, has_encoder=False),)
         names = dict(zip("XY", machine.triggers.axes, strict=True))
     torch = machine.torch
     low_x, low_y, high_x, high_y = torch.area if torch else (0.0, 0.0, None, None)
     plane = (
         TraceAxis(names.get("X", "X"), "mm", low_x, high_x),
         TraceAxis(names.get("Y", "Y"), "mm", low_y, high_y),
+        *lifted,
     )
     lifts = torch is not None and torch.z == "program"
     return (*plane, TraceAxis(names.get("Z", "Z"))) if lifts else plane

@@ -1,7 +1,8 @@
 """A cutting table with a trigger program: axes, switches, buttons, tools and the clock.
 
 Axes count places from their low limit switches, which are actuated there; the work area begins
-where the machine's back-off ends, and the high switches lie `overrun` behind it.
+begins where the machine's back-off ends, and the high switches lie `overrun` behind it. The low
+switch of Z, where there is one, lies `overrun` below what the sheet lies on.
 """
 
 from collections.abc import Sequence
@@ -20,7 +21,7 @@ from beamcam.machine.runtime import INPUTS, PROCESSES, STOP_BRAKES, is_address
 Place = tuple[float, float]
 
 SAMPLES = 4  #: of the path in each cycle
-BEGIN: Place = (6.0, 4.5)  #: axis positions before homing
+BEGIN = (6.0, 4.5, 20.0)  #: axis positions before homing
 REFUSED = 1
 
 
@@ -34,28 +35,31 @@ class CuttingTable:
         self.clock_s = 0.0
         brake = STOP_BRAKES * triggers.acceleration
         self.axes = tuple(
-            Axis(axis, place, brake) for axis, place in zip(triggers.axes, BEGIN, strict=True)
+            Axis(axis, place, brake) for axis, place in zip(triggers.all_axes, BEGIN, strict=False)
         )
-        self.path = Path(*self.axes) if triggers.path_objects else None
+        self.path = Path(*self.axes[:2]) if triggers.path_objects else None
         self.objects: dict[str, Any] = {axis.name.upper(): axis for axis in self.axes}
         if self.path is not None:
             self.objects[triggers.path_object.upper()] = self.path
         self.ends = tuple(
             triggers.back_off + s + triggers.overrun for s in (torch.length, torch.width)
         )
+        if (z := triggers.z) is not None:
+            self.ends = (*self.ends, triggers.overrun + z.home_height + z.back_off)
         self.closed: set[int] = set()  #: limit switches that are held actuated
         self.loose: set[int] = set()  #: limit switches that are held released
         self.broken: set[int] = set()  #: inputs with a broken wire
         self.start = self.acknowledge = self.stop = False  #: buttons
         self.said: list[Diagnostic] = []
         self.points: dict[str, list[Place]] = {}  #: of each tool, while it was on
+        self.heights: dict[str, list[float]] = {}  #: of Z at these points, where there is one
         self.natives = motion_blocks(self)
         places = (*triggers.inputs, *self._outputs)
         outside = [place for place in places if place and not is_address(place)]
         self.interpreter = Interpreter(units, self, name, outside)
         self._read = [
             (self._variable(place, name), place in triggers.normally_closed)
-            for name, place in zip(INPUTS, triggers.inputs, strict=True)
+            for name, place in zip(INPUTS, triggers.inputs, strict=False)
         ]
         self._tools = {
             process: self._variable(place, f"{process}On")
@@ -174,7 +178,7 @@ class CuttingTable:
 
     def cycle(self) -> None:
         """One scan of the program, and what the axes do until the next. Raises Fault."""
-        x, y = self.axes
+        x, y, *z = self.axes
         low_and_high = [
             at for place, end in zip(self.head(), self.ends, strict=True)
             for at in (place <= 0.0, place >= end)
@@ -182,7 +186,7 @@ class CuttingTable:
         limits = [
             (at or k in self.closed) and k not in self.loose for k, at in enumerate(low_and_high)
         ]
-        actuated = (*limits, self.start, self.acknowledge, self.stop)
+        actuated = (*limits[:4], self.start, self.acknowledge, self.stop, *limits[4:])
         for k, ((name, closed), value) in enumerate(zip(self._read, actuated, strict=True)):
             self.interpreter.globals[name] = value != closed and k not in self.broken
         self.interpreter.run("CutPart")
@@ -197,6 +201,7 @@ class CuttingTable:
             for process in PROCESSES:
                 if self.tool(process):
                     self.points.setdefault(process, []).append(here)
+                    self.heights.setdefault(process, []).extend(axis.position for axis in z)
         self.clock_s += self.triggers.cycle_s
 
     def observe(self) -> None:
@@ -208,15 +213,9 @@ class CuttingTable:
             return otherwise.upper()
         return self.interpreter.addresses[place.upper()] if is_address(place) else place.upper()
 
-    def head(self) -> Place:
+    def head(self) -> tuple[float, ...]:
         """Where the switches see the axes."""
-        return self.axes[0].place, self.axes[1].place
-
-    def at_low(self, axis: Axis) -> bool:
-        """Whether the low limit switch of an axis is actuated."""
-        index = self.axes.index(axis)
-        is_there = self.head()[index] <= 0.0 or 2 * index in self.closed
-        return is_there and 2 * index not in self.loose
+        return tuple(axis.place for axis in self.axes)
 
     def tool(self, process: str) -> bool:
         """Whether the output of a process is on."""

@@ -22,6 +22,7 @@ _REAL = r"LREAL#(-?\d+\.\d+)"
 _KIND = r"USINT#(\d+)"
 _USES = re.compile(r"    USES (\w+(?:, \w+)*);")
 _LAST = re.compile(r"        LAST_OPERATION : DINT := DINT#(\d+);")
+_THICKNESS = re.compile(rf"        SHEET_THICKNESS : LREAL := {_REAL};")
 _LATCHES = re.compile(r"        triggerActive : ARRAY \[0\.\.(\d+)\] OF BOOL;")
 _COMMENT = re.compile(r"        \(\* \d+: [a-z ]+ \*\)")
 _TRIGGER = re.compile(
@@ -29,8 +30,6 @@ _TRIGGER = re.compile(
 )
 _LATCH = re.compile(r"            triggerActive\[(\d+)\] := TRUE;")
 _PLACE = re.compile(rf"            next\(kind := {_KIND}, x := {_REAL}, y := {_REAL},")
-_SPEED = re.compile(rf"                speed := {_REAL}\);")
-_SPEED_VIA = re.compile(rf"                speed := {_REAL},")
 _VIA = re.compile(rf"                middleX := {_REAL}, middleY := {_REAL}\);")
 _END = re.compile(r"        END_IF;")
 _RANGE = re.compile(r"        IF \(row >= DINT#(\d+)\) AND \(row <= DINT#(\d+)\) THEN")
@@ -46,6 +45,7 @@ class Operation(Struct, frozen=True):
     y: float
     speed: float
     via: tuple[float, float] | None = None
+    height: float = 0.0  #: of the torch over the sheet, where the table lifts it
 
 
 class JobRead(Struct, frozen=True):
@@ -53,6 +53,7 @@ class JobRead(Struct, frozen=True):
 
     operations: tuple[Operation, ...]
     pierce_s: dict[str, float]
+    thickness: float = 0.0  #: of the sheet, where the table lifts its torch
 
 
 def read_job(text: JobText, machine: Machine, name: str = "program") -> JobRead:
@@ -99,8 +100,11 @@ class _Job:
     def __init__(self, text: JobText, machine: Machine, name: str) -> None:
         self.text, self.name = text, name
         self.triggers = machine.needed(machine.triggers, "trigger program")
-        self.paths = self.triggers.path_objects
+        self.paths, self.has_z = self.triggers.path_objects, self.triggers.z is not None
         self.dialect = dialect_of(machine)
+        height = rf"z := {_REAL}, " if self.has_z else ""
+        end = "," if self.paths else r"\);"  # the middle of an arc stands behind it
+        self.speed_form = re.compile(rf"                {height}speed := {_REAL}{end}")
         self.declared: list[Operation] = []  #: a table's, where it has no units for them
 
     def read(self) -> JobRead:
@@ -111,6 +115,9 @@ class _Job:
             units = lines.match(_USES, "USES")[1].split(", ")
         lines.exact(f"    {self.dialect.constants}")
         last = int(lines.match(_LAST, "LAST_OPERATION : DINT := DINT#...;")[1])
+        thickness = 0.0
+        if self.has_z:
+            thickness = float(lines.match(_THICKNESS, "SHEET_THICKNESS : LREAL := LREAL#...;")[1])
         pierce_s = dict(self._pierces(lines))
         lines.exact("    END_VAR")
         if self.text.style == "chain":
@@ -133,7 +140,7 @@ class _Job:
             lines.wrong(rules.NAME, uses_line, found=", ".join(units) or "no USES",
                         expected=expected)  # fmt: skip
         read = self._chain if self.text.style == "chain" else self._table
-        return JobRead(read(last, units[len(own) :], uses_line), pierce_s)
+        return JobRead(read(last, units[len(own) :], uses_line), pierce_s, thickness)
 
     def _pierces(self, lines: _Lines) -> Iterator[tuple[str, float]]:
         for process in PROCESSES:
@@ -174,21 +181,22 @@ class _Job:
                 )  # fmt: skip
             place = lines.match(_PLACE, "next(kind := USINT#..., x := LREAL#..., y := LREAL#...,")
             kind, x, y = int(place[1]), float(place[2]), float(place[3])
+            expected = f"{'z := LREAL#..., ' * self.has_z}speed := LREAL#..."
+            expected += "," if self.paths else ");"
+            *height, speed = lines.match(self.speed_form, expected).groups()
+            middle = None
             if self.paths:
-                speed = lines.match(_SPEED_VIA, "speed := LREAL#...,")
                 via = lines.match(_VIA, "middleX := LREAL#..., middleY := LREAL#...);")
                 middle = float(via[1]), float(via[2])
-            else:
-                speed, middle = lines.match(_SPEED, "speed := LREAL#...);"), None
             lines.match(_END, "END_IF;")
-            yield Operation(line, kind, x, y, float(speed[1]), middle)
+            yield Operation(line, kind, x, y, float(speed), middle, *map(float, height))
 
     # -- tables -----------------------------------------------------------------------------
 
     @property
     def _columns(self) -> dict[str, str]:
         """Names of the arrays with their types, in their order."""
-        names = ["pointX", "pointY", "pointSpeed"]
+        names = ["pointX", "pointY", *["pointZ"] * self.has_z, "pointSpeed"]
         if self.paths:
             names += ["pointViaX", "pointViaY"]
         return {**dict.fromkeys(names, "LREAL"), "pointKind": "USINT"}
@@ -219,14 +227,14 @@ class _Job:
     def _fetch(self, lines: _Lines, k: int) -> tuple[int, int]:
         """The rows that the block of a unit takes."""
         bounds = lines.match(_RANGE, "IF (row >= DINT#...) AND (row <= DINT#...) THEN")
-        via = [");"]
+        via, height = [");"], f"z := pointZ_{k}[row], " * self.has_z
         if self.paths:
             via = [",", f"                middleX := pointViaX_{k}[row], "
                    f"middleY := pointViaY_{k}[row]);"]  # fmt: skip
         lines.exact(
             f"            next(kind := pointKind_{k}[row], x := pointX_{k}[row], "
             f"y := pointY_{k}[row],",
-            f"                speed := pointSpeed_{k}[row]{via[0]}",
+            f"                {height}speed := pointSpeed_{k}[row]{via[0]}",
             *via[1:],
             "        END_IF;",
         )
@@ -252,11 +260,13 @@ class _Job:
             self._array(data, f"{name}_{k}", type_, low, high)
             for name, type_ in self._columns.items()
         ]
-        x, y, speed, *via, kinds = columns
+        x, y, *more, kinds = columns
+        heights = more.pop(0) if self.has_z else [0.0] * len(x)
+        speed, *via = more
         middles: Iterable[Any] = zip(*via, strict=True) if via else [None] * len(x)
         return [
-            Operation(line, int(row[0]), row[1], row[2], row[3], middle)
-            for *row, middle in zip(kinds, x, y, speed, middles, strict=True)
+            Operation(line, int(kind), *row)
+            for kind, *row in zip(kinds, x, y, speed, middles, heights, strict=True)
         ]
 
     def _array(self, data: _Lines, name: str, type_: str, low: int, high: int) -> list[float]:

@@ -2,8 +2,7 @@
 
 What Execute starts goes on when Execute falls; another command of the axis aborts it. Done, Error
 and CommandAborted stay as long as Execute, or are told for one call. An axis whose drive
-drops out while MC_Power is called with Enable is in the state ErrorStop. MC_Home runs against the
-low limit switch and rests on it.
+drops out while MC_Power is called with Enable is in the state ErrorStop.
 """
 
 from abc import abstractmethod
@@ -28,9 +27,6 @@ class Table(Protocol):
     def command(self, name: str, values: Values, line: int) -> int:
         """Carry out a command; 0 if it was accepted."""
 
-    def at_low(self, axis: Axis) -> bool:
-        """Whether the low limit switch of an axis is closed."""
-
     def say(self, rule: Rule, line: int | None, **values: object) -> None:
         """Add a message."""
 
@@ -38,7 +34,7 @@ class Table(Protocol):
 def motion_blocks(table: Table) -> dict[str, Callable[[], Native]]:
     """The blocks of a table, by their names in capitals."""
     kinds: tuple[type[_Block], ...] = (
-        _Power, _Home, _Move, _Stop, _Reset, _Status, _Position, _Parameter,
+        _Power, _Move, _Halt, _SetPosition, _Stop, _Reset, _Status, _Position, _Parameter,
     )  # fmt: skip
     return {kind.name: partial(kind, table) for kind in kinds}
 
@@ -50,10 +46,13 @@ def start(table: Table, name: str, values: Values) -> bool:
         return axis.reset() == 0
     if axis.error or not axis.enabled or (axis.held_by is not None and name != _Stop.name):
         return False
-    if name == _Stop.name:
+    if name in (_Stop.name, _Halt.name):
         axis.stop()
-    elif name == _Home.name:
-        axis.run(-table.triggers.homing_mm_s, table.triggers.acceleration)
+    elif name == _SetPosition.name:
+        if not axis.still:
+            found = f"{name} of {axis.name} while it moves"
+            table.say(rules.COMMAND, None, found=found, expected="it at rest")
+        axis.home(values["POSITION"])
     else:
         limits = [values[key] for key in ("VELOCITY", "ACCELERATION", "DECELERATION")]
         if min(limits) <= 0.0:
@@ -149,16 +148,17 @@ class _Move(_Command):
         return axis.still and abs(axis.position - self.inputs["POSITION"]) < 1e-9
 
 
-class _Home(_Command):
-    name = "MC_HOME"
+class _Halt(_Command):
+    name = "MC_HALT"
 
     def arrived(self, axis: Axis) -> bool:
-        if not self.table.at_low(axis):
-            return False
-        if not axis.still:
-            axis.stop()
-            return False
-        axis.home(self.inputs["POSITION"])
+        return axis.still
+
+
+class _SetPosition(_Command):
+    name = "MC_SETPOSITION"
+
+    def arrived(self, axis: Axis) -> bool:
         return True
 
 
@@ -205,7 +205,7 @@ class _Status(_Block):
         elif axis.held_by is not None:
             state = "STOPPING"
         elif busy or not axis.still:
-            state = "HOMING" if isinstance(command, _Home) else "DISCRETEMOTION"
+            state = "DISCRETEMOTION"
         self.values = dict.fromkeys(self.outputs, False)
         self.values.update({"VALID": self.inputs["ENABLE"], state: True})
 

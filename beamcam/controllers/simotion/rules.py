@@ -89,7 +89,14 @@ SPEED = Rule(
     "The torch does not cut through, or the axis cannot follow.",
 )
 
+HEIGHT = Rule(
+    "st-height",
+    _E,
+    "found {found}; expected {expected}",
+    "The torch pierces and cuts at the heights of its row; with it off X and Y move at clearance.",
+)
+
 RULES = (
     SYNTAX, NAME, DECLARED, PARAMETER, TYPE, BOUNDS, COUNT, RUN, RUNTIME, COMMAND, TRIGGER, TOOL,
-    STRAIGHT, SPEED,
+    STRAIGHT, SPEED, HEIGHT,
 )  # fmt: skip

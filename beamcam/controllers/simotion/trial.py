@@ -5,6 +5,7 @@ times of the machine's file are those that it will run with, and its axes are re
 encoder that the file tells.
 """
 
+from functools import partial
 from math import hypot
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ from beamcam.machine.runtime import (
     library_runtime,
     shipped,
 )
+from beamcam.machine.tables import Triggers
 
 if TYPE_CHECKING:
     from beamcam.controllers.simotion.cutting_table import CuttingTable
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 AT = (1.0, 2.0)  #: where each line of the trial begins
 SIZE = (3.0, 1.5)  #: of it
 SPEED = 10.0
+LIFT = 8  #: kind of an operation up or down
 MOST_CYCLES = 40_000  #: of the trial, which takes some hundreds where axes and cycles are usual
 
 
@@ -54,7 +57,7 @@ def project_objects(machine: Machine) -> dict[str, str]:
     triggers = machine.needed(machine.triggers, "trigger program")
     places = (*triggers.inputs, *triggers.outputs.values(), triggers.fault_lamp)
     found = {place: "BOOL" for place in places if place and not is_address(place)}
-    found |= dict.fromkeys(triggers.axes, library.AXIS)
+    found |= dict.fromkeys(triggers.all_axes, library.AXIS)
     if triggers.path_objects:
         found[triggers.path_object] = library.PATH_OBJECT
     return found
@@ -78,17 +81,13 @@ _once = PerObject("simotion.trial", _trial)
 def _program(machine: Machine, style: str) -> str:
     """The runtime with a line for each process that the machine has."""
     assert machine.triggers is not None
-    rows: list[tuple[int, float, float]] = []
-    for k, process in enumerate(PROCESSES):
-        if process in machine.triggers.outputs:
-            end = AT[0] + SIZE[0], AT[1] + SIZE[1]
-            rows += [(0, *AT), (2 * k + 1, *AT), (0, *end), (2 * k + 2, *end)]
-    rows.append((0, 0.0, 0.0))
+    rows = _rows(machine.triggers)
     last = len(rows)
     via = ", middleX := LREAL#0.0, middleY := LREAL#0.0" if machine.triggers.path_objects else ""
     tail = f"speed := LREAL#{SPEED}{via});"
-    dialect = dialect_of(machine)
+    dialect, has_z = dialect_of(machine), machine.triggers.z is not None
     declarations = f"{dialect.constants} LAST_OPERATION : DINT := DINT#{last};\n"
+    declarations += "SHEET_THICKNESS : LREAL := LREAL#0.0;\n" * has_z
     declarations += "".join(f"PIERCE_{p.upper()} : TIME := T#100ms;\n" for p in PROCESSES)
     declarations += f"END_VAR {dialect.variables} "
     if style == "chain":
@@ -96,17 +95,43 @@ def _program(machine: Machine, style: str) -> str:
         work = "".join(
             f"IF operationArrived AND triggerActive[{k - 1}] AND NOT triggerActive[{k}] THEN "
             f"triggerActive[{k}] := TRUE; "
-            f"next(kind := USINT#{kind}, x := LREAL#{x}, y := LREAL#{y}, {tail} END_IF;\n"
-            for k, (kind, x, y) in enumerate(rows, 1)
+            f"next(kind := USINT#{kind}, x := LREAL#{x}, y := LREAL#{y}, "
+            f"{f'z := LREAL#{z}, ' * has_z}{tail} END_IF;\n"
+            for k, (kind, x, y, z) in enumerate(rows, 1)
         )
     else:
-        kinds, xs, ys = zip(*rows, strict=True)
-        for name, type_, values in (("K", "USINT", kinds), ("X", "LREAL", xs), ("Y", "LREAL", ys)):
+        for name, values in zip("KXYZ"[: 3 + has_z], zip(*rows, strict=True), strict=False):
+            type_ = "USINT" if name == "K" else "LREAL"
             typed = ", ".join(f"{type_}#{value}" for value in values)
             declarations += f"point{name} : ARRAY [1..{last}] OF {type_} := [{typed}];\n"
-        work = f"next(kind := pointK[row], x := pointX[row], y := pointY[row], {tail}\n"
+        height = "z := pointZ[row], " * has_z
+        work = f"next(kind := pointK[row], x := pointX[row], y := pointY[row], {height}{tail}\n"
     runtime = library_runtime(machine, style)
     return f"{runtime.head}{declarations}END_VAR\n{runtime.middle}{work}{runtime.end}"
+
+
+def _rows(triggers: Triggers) -> list[tuple[int, float, float, float]]:
+    """Kind, X, Y and height of each operation: a line with each tool, and home.
+
+    A torch that is lifted pierces at half its clearance, and cuts at a quarter of it.
+    """
+    end = AT[0] + SIZE[0], AT[1] + SIZE[1]
+    rows: list[tuple[int, float, float, float]] = []
+    if (z := triggers.z) is None:
+        for kind in _kinds(triggers):
+            rows += [(0, *AT, 0.0), (kind, *AT, 0.0), (0, *end, 0.0), (kind + 1, *end, 0.0)]
+        return [*rows, (0, 0.0, 0.0, 0.0)]
+    top, pierce, cut = z.clearance, z.clearance / 2, z.clearance / 4
+    rows.append((LIFT, 0.0, 0.0, top))
+    for kind in _kinds(triggers):
+        rows += [(0, *AT, top), (LIFT, *AT, pierce), (kind, *AT, pierce), (LIFT, *AT, cut),
+                 (0, *end, cut), (kind + 1, *end, cut), (LIFT, *end, top)]  # fmt: skip
+    return [*rows, (0, 0.0, 0.0, top), (LIFT, 0.0, 0.0, z.home_height)]
+
+
+def _kinds(triggers: Triggers) -> list[int]:
+    """Kinds of the operations that start a tool of the machine."""
+    return [2 * k + 1 for k, process in enumerate(PROCESSES) if process in triggers.outputs]
 
 
 def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
@@ -116,8 +141,9 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
 
     assert machine.triggers is not None
     table = CuttingTable(units, machine, name)
-    for axis in table.axes:
-        axis.reads = machine.triggers.read
+    for axis, count in zip(table.axes, machine.triggers.counts(), strict=True):
+        axis.reads = partial(machine.triggers.read, count=count)
+    ends = (0.0, 0.0, machine.triggers.home_over(0.0))
     try:
         table.cycle()
         table.start = True
@@ -138,8 +164,11 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
         wrong(f"{found}, {MOST_CYCLES} cycles", "fewer, by back_off, homing_mm_s and cycle_s")
     elif table.value("workFault"):
         wrong(f"fault {table.value('faultNumber')}", "work to its end")
-    elif any(abs(a.position) > machine.triggers.in_position for a in table.axes):
-        wrong("an end elsewhere", "both axes at 0")
+    elif any(
+        abs(axis.position - end) > machine.triggers.in_position
+        for axis, end in zip(table.axes, ends, strict=False)
+    ):
+        wrong("an end elsewhere", "all axes where homing ends")
     elif table.tool_on:
         wrong("a tool on at the end", "it off")
     elif not errors_in(said):
@@ -156,6 +185,15 @@ def _drew(table: "CuttingTable", process: str) -> bool:
     along = [((x - AT[0]) * SIZE[0] + (y - AT[1]) * SIZE[1]) / length for x, y in points]
     off = [((x - AT[0]) * SIZE[1] - (y - AT[1]) * SIZE[0]) / length for x, y in points]
     near = table.torch.tolerance
+    if (z := table.triggers.z) is not None:
+        heights = table.heights.get(process, [])
+        # Where it goes along its line it cuts; before that it comes down from where it pierced.
+        cuts = [h for a, h in zip(along, heights, strict=True) if near < a]
+        apart = max((abs(h - z.clearance / 4) for h in cuts), default=near + 1)
+        if apart > near or not z.clearance / 4 - near <= min(heights) <= max(heights) <= (
+            z.clearance / 2 + near
+        ):
+            return False
     return bool(
         points
         and max(map(abs, off)) <= near

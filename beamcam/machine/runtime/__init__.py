@@ -23,9 +23,20 @@ STOP_BRAKES = 2.0  #: a stop brakes so many times as hard as work does
 #: Variables of the inputs, in the order of `Triggers.inputs`; TRUE is actuated.
 INPUTS = (
     "limitXLow", "limitXHigh", "limitYLow", "limitYHigh", "startButton", "acknowledgeButton",
-    "stopButton",
+    "stopButton", "limitZLow", "limitZHigh",
 )  # fmt: skip
+#: Words of the text for homing: of an axis that homes down, and of one that homes up.
+HOMING = {
+    "block": ("FB_Home", "FB_HomeUp"), "low": ("low", "high"), "high": ("high", "low"),
+    "Low": ("Low", "High"), "High": ("High", "Low"), "away": ("POSITIVE", "NEGATIVE"),
+    "towards": ("NEGATIVE", "POSITIVE"), "out": ("+", "-"), "in": ("-", "+"),
+    "is out to": (">=", "<="), "is out of": (">", "<"), "is in of": ("<", ">"),
+    "own": ("", "Z_"), "z": ("", "z_"), "sign": ("", "-"), "home": ("LREAL#0.0", "Z_HOME"),
+    "back off to": ("to the corner of the work area", "to where the torch is at home"),
+}  # fmt: skip
 _INDENT = " " * 8
+_INCLUDE = re.compile(r"^<include (\w+)>\n", re.MULTILINE)
+_OF_Z = re.compile(r"\{(!?)z ?([^{}]*)\}")  #: {z what a table with a Z has}, {!z one without}
 
 
 class Runtime(Struct, frozen=True):
@@ -47,9 +58,14 @@ def runtime_of(machine: Machine, style: str) -> Runtime:
 def library_runtime(machine: Machine, style: str) -> Runtime:
     """The same, with the names of the controller's library as the manuals have them."""
     triggers = machine.needed(machine.triggers, "trigger program")
-    text = _of_style(shipped(dialect_of(machine).text), style)
+    dialect, has_z = dialect_of(machine), triggers.z is not None
+    text = _INCLUDE.sub(lambda mark: shipped(mark[1]), shipped(dialect.text))
+    text = _of_style(text, style)
+    homing = shipped(dialect.homing)
+    text = text.replace("<homing>\n", _of_homing(homing, 0) + _of_homing(homing, 1) * has_z)
     text = text.replace("<motion>\n", shipped("paths" if triggers.path_objects else "lines"))
     text = text.replace("<operations>\n", shipped(style))
+    text = _OF_Z.sub(lambda mark: mark[2] if (mark[1] == "") == has_z else "", text)
     for name, lines in _lines(triggers).items():
         form = re.compile(rf"^( *)<{name}>\n", re.MULTILINE)
         for indent in form.findall(text):
@@ -78,13 +94,25 @@ def _values(t: Triggers) -> dict[str, str]:
         "cycle_s", "max_homing_s", "max_late_s", "following_lag_s", "homing_slow_mm_s",
         "homing_window", "late_factor",
     )  # fmt: skip
+    of_z = {} if t.z is None else {
+        "axis_z": t.z.axis,
+        "z_arrival_window": lreal(t.z.arrival_window),
+        "z_homing_window": lreal(t.lift_window),
+        "z_back_off": lreal(t.z.back_off),
+        "z_home": lreal(t.z.home_height),
+        "z_home_place": lreal(t.z.home_height),
+        "z_home_position": lreal(t.z.home_height + t.z.back_off),
+    }  # fmt: skip
     return {
+        **of_z,
         "axis_x": t.axes[0],
         "axis_y": t.axes[1],
         "path_object": t.path_object,
         "package": t.technology,
         "cycle_ms": f"{1000 * t.cycle_s:g}",
+        "home_place": lreal(0.0),
         "home_position": lreal(-t.back_off),
+        "far": lreal(t.homing_mm_s * t.max_homing_s),
         "stop_deceleration": lreal(STOP_BRAKES * t.acceleration),
         **{name: lreal(getattr(t, name)) for name in numbers},
     }
@@ -92,7 +120,7 @@ def _values(t: Triggers) -> dict[str, str]:
 
 def _lines(t: Triggers) -> dict[str, list[str]]:
     """The lines that declare inputs and outputs, and those that copy what has a name."""
-    inputs = dict(zip(INPUTS, t.inputs, strict=True))
+    inputs = dict(zip(INPUTS, t.inputs, strict=False))  # the last two are those of Z
     outputs = {f"{process}On": t.outputs.get(process, "") for process in PROCESSES}
     # An input that is TRUE while nothing is the matter is read under another name, and turned.
     wires = {name: name for name in inputs}
@@ -148,6 +176,13 @@ def _of_style(text: str, style: str) -> str:
     first, *pieces = re.split(rf"^<({'|'.join(STYLES)}|)>\n", text, flags=re.MULTILINE)
     marks = zip(pieces[::2], pieces[1::2], strict=True)
     return first + "".join(piece for mark, piece in marks if mark in ("", style))
+
+
+def _of_homing(text: str, up: int) -> str:
+    """The text for homing, of an axis that homes down or up."""
+    for word, own in HOMING.items():
+        text = text.replace(f"<{word}>", own[up])
+    return text
 
 
 def shipped(name: str) -> str:

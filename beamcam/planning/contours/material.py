@@ -7,6 +7,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.machine.load import load, shipped
 from beamcam.machine.materials import is_row_for, material_of, material_said
+from beamcam.machine.tables import HeightAxis
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.part import Part
 from beamcam.planning.contours import rules
@@ -114,6 +115,23 @@ class Material:
             for process in sorted(processes & known)
             if self.row(process) is None
         ]
+
+    def unlifted(self, processes: set[TorchProcess], z: HeightAxis) -> list[Diagnostic]:
+        """Why the torch cannot be lifted over the sheet; nothing if it can."""
+        said = [
+            rules.TORCH_HEIGHT.at(
+                self._source, key=key, process=process, up_to=f"{row.up_to:g}", axis=z.axis
+            )
+            for process in sorted(processes)
+            if (row := self.row(process)) is not None
+            for key in ("pierce_height", "cut_height")
+            if not getattr(row, key)
+        ]
+        most = z.home_height - z.clearance
+        if self.thickness > most:
+            found, expected = f"{self.thickness:g}", f"{most:g}"
+            said.append(rules.HEADROOM.at(self._source, found=found, expected=expected))
+        return said
 
     def _others(self, process: TorchProcess) -> str:
         """Which of the shipped machines work such a sheet: "plate-oxyfuel cuts it (--machine)"."""

@@ -39,6 +39,20 @@ QUANTITY = Rule(
     "Without --quantity a part is laid on a sheet as often as its file is named, whatever quantity "
     "it states. --quantity 1 says that one is meant.",
 )
+TORCH_HEIGHT = Rule(
+    "plan-torch-height",
+    _E,
+    "found no {key} to {process} up to {up_to} mm; expected one in the row, as {axis} lifts the "
+    "torch",
+    "0 stands for a height that is not known. The torch would touch the sheet.",
+)
+HEADROOM = Rule(
+    "plan-torch-headroom",
+    _E,
+    "found a sheet of {found} mm; expected at most {expected} mm, which the torch passes by "
+    "triggers.z.clearance below its home",
+    "X and Y move at the clearance over the sheet, and homing ends above it.",
+)
 NOTHING = Rule(
     "plan-sheet-empty",
     _E,

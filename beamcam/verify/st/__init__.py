@@ -27,7 +27,7 @@ def verify_triggers(
 
     Nothing comes back for a program that makes exactly the part.
     """
-    from beamcam.verify.sheets.need import rows_of
+    from beamcam.verify.sheets.need import rows_of, thickness_of
 
     torch = machine.needed(machine.torch, "trigger program")
     triggers = machine.needed(machine.triggers, "trigger program")
@@ -39,6 +39,8 @@ def verify_triggers(
 
         return tuple(with_contours(said, unread(text, said), parts[0], machine, skips))
     execution = Execution(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
+    if parts and triggers.z is not None:
+        execution.lie_on(thickness_of(parts[0], torch))
     execution.follow()
     said = [*trial(machine), *execution.said]
     if not parts:

@@ -21,7 +21,7 @@ from beamcam.machine.torch import TorchProcess, TorchRow
 
 Place = tuple[float, float]
 
-LINE, ARC = 0, 7
+LINE, ARC, LIFT = 0, 7, 8
 SLACK = 1e-6  #: a unit of the last of the six decimals that numbers are written with
 LONGEST_ARC = 1.1  #: times its two chords; the runtime allows for no more time
 
@@ -34,6 +34,7 @@ class HeadStroke(Struct):
     points: list[Place] = field(default_factory=list)
     feeds_mm_min: tuple[float, ...] = ()  #: the speeds asked of the sheet that it may be of
     moves: list[Operation] = field(default_factory=list)
+    rows: list[TorchRow] = field(default_factory=list)  #: those that it may be of
 
     def repeats(self, other: "HeadStroke") -> bool:
         """Whether a stroke is made by the same operations as another."""
@@ -60,6 +61,8 @@ class Execution:
         self.said: list[Diagnostic] = []
         self.strokes: list[HeadStroke] = []
         self.here: Place = (0.0, 0.0)
+        self.home = self.triggers.home_over(job.thickness)
+        self.height = self.home  #: of the torch over the sheet
         self.on: HeadStroke | None = None
         self.run: list[Operation] = []  #: the last moves of one speed
         self.what, self.shortest = "traverse", inf
@@ -67,10 +70,16 @@ class Execution:
     def follow(self) -> None:
         """All operations, from the corner of the work area and back to it."""
         for operation in self.job.operations:
+            if operation.kind != LIFT and not self._is_at(operation.height):
+                found = f"another height, {operation.height:g} mm, for a line or a switch"
+                self.say(rules.HEIGHT, operation.line, found=found, expected=f"{self.height:g} mm")
             if operation.kind in (LINE, ARC):
                 self._move(operation)
+                continue
+            self._judge()
+            if operation.kind == LIFT:
+                self._lift(operation)
             else:
-                self._judge()
                 self._switch(operation)
         self._judge()
         last = self.job.operations[-1].line if self.job.operations else 1
@@ -79,6 +88,15 @@ class Execution:
         if self.here != (0.0, 0.0):
             found = f"the end at X {self.here[0]:.3f}, Y {self.here[1]:.3f}"
             self.say(rules.RUN, last, found=found, expected="both axes at 0")
+        if not self._is_at(self.home):
+            found, expected = f"the end at a height of {self.height:g} mm", f"{self.home:g} mm"
+            self.say(rules.HEIGHT, last, found=found, expected=expected)
+
+    def lie_on(self, thickness: float) -> None:
+        """Note a thickness of the sheet in the program that is not the part's."""
+        if abs(self.job.thickness - thickness) > SLACK:
+            found, expected = f"a sheet of {self.job.thickness:g} mm", f"{thickness:g} mm"
+            self.say(rules.HEIGHT, 1, found=found, expected=expected)
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
         """Add a message, unless there are many of the kind already."""
@@ -86,13 +104,18 @@ class Execution:
 
     # -- tools ------------------------------------------------------------------------------
 
-    def _switch(self, op: Operation) -> None:
-        if not LINE < op.kind < ARC:
-            self.say(rules.COMMAND, op.line, found=f"kind {op.kind}", expected=f"0 to {ARC}")
-            return
+    def _rests(self, op: Operation) -> None:
+        """Note where X or Y of an operation are others than where the head stands."""
         if (op.x, op.y) != self.here or (op.via or self.here) != self.here:
             found, expected = f"X {op.x:g}, Y {op.y:g}", f"X {self.here[0]:g}, Y {self.here[1]:g}"
             self.say(rules.STRAIGHT, op.line, found=found, expected=expected)
+
+    def _switch(self, op: Operation) -> None:
+        if not LINE < op.kind < ARC:
+            expected = f"0 to {ARC if self.triggers.z is None else LIFT}"
+            self.say(rules.COMMAND, op.line, found=f"kind {op.kind}", expected=expected)
+            return
+        self._rests(op)
         if op.speed != 0.0:
             self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what="switch", expected="0")
         process = cast("TorchProcess", PROCESSES[(op.kind - 1) // 2])
@@ -116,13 +139,65 @@ class Execution:
             found = f"a wait of {waits:.3f} s behind the start of the tool"
             self.say(rules.TOOL, line, found=found, expected=f"{least:g} s")
         feeds = dict.fromkeys(row.feed_mm_min for row in rows)
-        self.on = HeadStroke(process, line, [self.here], tuple(feeds))
+        self.on = HeadStroke(process, line, [self.here], tuple(feeds), rows=rows)
         self.strokes.append(self.on)
+        if self.triggers.z is not None and rows:
+            self._at_heights(line, "the tool on", "pierce_height", self.on)
+
+    # -- heights ----------------------------------------------------------------------------
+
+    def _is_at(self, height: float) -> bool:
+        return abs(self.height - height) <= SLACK
+
+    def _at_heights(self, line: int, what: str, key: str, on: HeadStroke) -> None:
+        """Note a height that none of the tool's rows has, and keep the rows that have it."""
+        known = [row for row in on.rows if self._is_at(getattr(row, key))]
+        if not known:
+            heights = dict.fromkeys(f"{getattr(row, key):g} mm" for row in on.rows)
+            found = f"{what} at a height of {self.height:g} mm"
+            expected = f"{key} {' or '.join(heights)}"
+            self.say(rules.HEIGHT, line, found=found, expected=expected)
+        on.rows = known or on.rows
+
+    def _lift(self, op: Operation) -> None:
+        """Up or down: with the tool on once, behind its start, from pierce to cut height."""
+        z = self.triggers.z
+        if z is None:
+            self.say(rules.COMMAND, op.line, found=f"kind {LIFT}", expected=f"0 to {ARC}")
+            return
+        self._rests(op)
+        if self._is_at(op.height):
+            self.say(rules.COMMAND, op.line, found="a lift without length", expected="a way")
+        if abs(op.speed - z.speed_mm_s) > SLACK:
+            expected = f"{z.speed_mm_s:g}"
+            self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what="lift", expected=expected)
+        if not 0.0 < op.height <= self.home + SLACK:
+            found, expected = f"{z.axis} to {op.height:g} mm", f"above 0 to {self.home:g}"
+            self.say(rules.HEIGHT, op.line, found=found, expected=expected)
+        self.height = op.height
+        if self.on is not None and self.on.moves:
+            found = f"a lift to {op.height:g} mm with the tool on"
+            self.say(rules.HEIGHT, op.line, found=found, expected="the tool off before it")
+        elif self.on is not None and self.on.rows:
+            self._at_heights(op.line, "the tool on", "cut_height", self.on)
+
+    def _moves_at(self, op: Operation) -> None:
+        """Note a way of X and Y elsewhere than at the clearance, or at the height to cut."""
+        z = self.triggers.z
+        if z is None:
+            return
+        if self.on is not None:
+            if not self.on.moves and self.on.rows:
+                self._at_heights(op.line, "a cut", "cut_height", self.on)
+        elif not self._is_at(z.clearance):
+            found = f"a way with the tool off at a height of {self.height:g} mm"
+            self.say(rules.HEIGHT, op.line, found=found, expected=f"{z.clearance:g} mm")
 
     # -- motion -----------------------------------------------------------------------------
 
     def _move(self, op: Operation) -> None:
         end = op.x, op.y
+        self._moves_at(op)
         slack = self.torch.tolerance
         ends = zip(self.triggers.axes, end, (self.torch.length, self.torch.width), strict=True)
         for axis, place, length in ends:

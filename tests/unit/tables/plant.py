@@ -6,9 +6,11 @@ What is wrong begins in a cycle of the script and is looked at in every cycle.
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from functools import cache
+from itertools import product
 from math import exp
 from typing import Any
 
+import pytest
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion.axes import Axis
@@ -18,42 +20,85 @@ from beamcam.controllers.simotion.syntax import Unit
 from beamcam.controllers.simotion.trial import parsed, project_objects
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
-from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerTable
+from beamcam.machine.tables import HeightAxis
+from beamcam.model.triggers import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
 
-from .shop import table_machine
+from .shop import plain_machine, table_machine
 
 WAITS, HOMING, WORK, DONE, FAULT = range(5)
 STOPPED_S = 0.5  #: a stop takes at most this
+STYLES = ("chain", "table")
+#: What moves the axes: commands of SIMOTION to each, its path objects, or blocks of PLCopen.
+KINDS = ("axes", "paths", "blocks")
+LIFTED = ("axes z", "paths z", "blocks z")  #: the same, with a third axis that lifts the torch
+MOVES, STOPS = ("_POS", "MC_MOVEABSOLUTE"), ("_STOP", "MC_STOP")  #: commands of an axis
+
+WAYS = tuple(product(STYLES, (*KINDS, *LIFTED)))
+
+each_kind = pytest.mark.parametrize("kind", ["axes", "blocks"])
+each_lifted = pytest.mark.parametrize("kind", LIFTED)
+each_way = pytest.mark.parametrize(("style", "kind"), WAYS)
+
+#: Of the small table that lifts its torch, and of its job: mm, mm/s.
+HOME_HEIGHT, CLEARANCE, PIERCE, CUT, THICKNESS, LIFT_SPEED = 20.0, 8.0, 4.0, 1.5, 2.0, 15.0
 
 Deed = Callable[["Plant"], None]
 
 
 @cache
-def small_machine(path_objects: bool = False) -> Machine:
+def small_machine(kind: str = "axes") -> Machine:
     """A small table that homes soon."""
-    machine = table_machine(
-        path_objects=path_objects, back_off=5.0, overrun=5.0, max_homing_s=15.0, max_late_s=0.5
-    )
+    changes: dict[str, Any] = {
+        "back_off": 5.0, "overrun": 5.0, "max_homing_s": 15.0, "max_late_s": 0.5,
+    }  # fmt: skip
+    if kind in LIFTED:
+        limits = ("%IX1.0", "%IX1.1") if kind == "blocks z" else ("%I1.0", "%I1.1")
+        z = HeightAxis("AxisZ", limits, HOME_HEIGHT, CLEARANCE, LIFT_SPEED, back_off=3.0)
+        closed = plain_machine() if kind == "blocks z" else table_machine()
+        assert closed.triggers is not None
+        changes |= {"z": z, "normally_closed": (*closed.triggers.normally_closed, *limits)}
+    if kind.startswith("blocks"):
+        machine = plain_machine(**changes)
+    else:
+        machine = table_machine(path_objects=kind.startswith("paths"), **changes)
     assert machine.torch is not None
     return replace(machine, torch=replace(machine.torch, length=40.0, width=40.0))
 
 
-def small_job(path_objects: bool = False) -> TriggerTable:
+def small_job(kind: str = "axes") -> TriggerTable:
     """A triangle to cut, or with path objects one with a round corner, and a line to mark."""
-    corner = ArcTravel(9, 8, 8, 3.5, 8.0) if path_objects else Travel(9, 8, 8.0)
-    return TriggerTable(
-        "small",
-        (Travel(2, 2, 20.0), Switch("cut", True, 0.2), Travel(6, 2, 8.0), corner,
-         Travel(2, 2, 8.0), Switch("cut", False), Travel(10, 4, 20.0), Switch("mark", True, 0.1),
-         Travel(10, 9, 20.0), Switch("mark", False), Travel(0, 0, 20.0)),
+    round_ = ArcTravel(9, 8, 8, 3.5, 8.0) if kind.startswith("paths") else Travel(9, 8, 8.0)
+    work: tuple[TriggerOp, ...] = (
+        Travel(2, 2, 20.0), Lift(PIERCE, LIFT_SPEED), Switch("cut", True, 0.2),
+        Lift(CUT, LIFT_SPEED), Travel(6, 2, 8.0), round_, Travel(2, 2, 8.0), Switch("cut", False),
+        Lift(CLEARANCE, LIFT_SPEED), Travel(10, 4, 20.0), Lift(CUT, LIFT_SPEED),
+        Switch("mark", True, 0.1), Travel(10, 9, 20.0), Switch("mark", False),
+        Lift(CLEARANCE, LIFT_SPEED), Travel(0, 0, 20.0),
     )  # fmt: skip
+    if kind not in LIFTED:
+        return TriggerTable("small", tuple(op for op in work if not isinstance(op, Lift)))
+    down, up = Lift(CLEARANCE, LIFT_SPEED), Lift(HOME_HEIGHT - THICKNESS, LIFT_SPEED)
+    return TriggerTable("small", (down, *work, up), thickness=THICKNESS)
 
 
 @cache
-def loaded(style: str = "chain", path_objects: bool = False) -> tuple[Unit, ...]:
+def loaded(style: str = "chain", kind: str = "axes") -> tuple[Unit, ...]:
     """The units of the small job."""
-    machine = small_machine(path_objects)
-    return units_of(simotion.emit(small_job(path_objects), machine, style), machine)
+    machine = small_machine(kind)
+    return units_of(simotion.emit(small_job(kind), machine, style), machine)
+
+
+def plant(style: str = "chain", kind: str = "axes", **more: Any) -> "Plant":
+    """A small table with the small job."""
+    return Plant(loaded(style, kind), small_machine(kind), **more)
+
+
+def cutting(one: "Plant") -> "Plant":
+    """The same plant, homed and cutting its first line."""
+    one.press_start()
+    while not one.tool_on or one.still:
+        one.cycle()
+    return one
 
 
 def units_of(text: str, machine: Machine) -> tuple[Unit, ...]:
@@ -81,13 +126,13 @@ class Plant(CuttingTable):
         self.astray: dict[str, float] = {}  #: axes whose encoder is out by so much
         self.creeps: dict[str, float] = {}  #: axes that drift from their set positions, mm/s
         self.trails_s = 0.0  #: time constant of the position controllers
-        self.trail = [0.0, 0.0]  #: mm behind the set positions
-        self.speeds = [0.0, 0.0]  #: of the set positions, since the last cycle
-        self.may_trail = [0.0, 0.0]  #: mm, by the lag and the speeds up to now
+        self.trail = [0.0] * len(self.axes)  #: mm behind the set positions
+        self.speeds = [0.0] * len(self.axes)  #: of the set positions, since the last cycle
+        self.may_trail = [0.0] * len(self.axes)  #: mm, by the lag and the speeds up to now
         self.commanded = 0  #: cycle of the last command to move
         self._places = [axis.place for axis in self.axes]
         self.homed_anew = False
-        self.met: set[int] = set()  #: axes that ran against their low switches in this homing
+        self.met: set[int] = set()  #: axes that ran against their switches in this homing
         self.late = False  #: whether an axis takes up a command a cycle later
         self.taken: list[tuple[str, dict[str, Any], int]] = []
         self.states = [WAITS]
@@ -96,11 +141,10 @@ class Plant(CuttingTable):
 
     def cycle(self) -> None:
         assert self.machine.triggers is not None
-        pitch = self.machine.triggers.count
         deed = self.script.get(self.count)
         if deed is not None:
             deed(self)
-        for k, axis in enumerate(self.axes):
+        for k, (axis, pitch) in enumerate(zip(self.axes, self.triggers.counts(), strict=True)):
             self._follow(k, axis)
             at = axis.position - self.trail[k]
             told = (round(at / pitch) + self.jitter()) * pitch
@@ -130,8 +174,8 @@ class Plant(CuttingTable):
             by = self.creeps[axis.name] * self.triggers.cycle_s
             self.astray[axis.name] = self.astray.get(axis.name, 0.0) + by
 
-    def head(self) -> tuple[float, float]:
-        return self.axes[0].place - self.trail[0], self.axes[1].place - self.trail[1]
+    def head(self) -> tuple[float, ...]:
+        return tuple(axis.place - trail for axis, trail in zip(self.axes, self.trail, strict=True))
 
     def _state(self) -> dict[str, Any]:
         """What changes from cycle to cycle, besides the script."""
@@ -140,7 +184,7 @@ class Plant(CuttingTable):
 
     def keep(self) -> Any:
         """A copy of everything at this moment; the points that were drawn are dropped."""
-        self.points = {}
+        self.points, self.heights = {}, {}
         programs = {key: one.values for key, one in self.interpreter._programs.items()}
         parts = [one.__dict__ for one in (*self.axes, *filter(None, [self.path]))]
         return deepcopy((self._state(), self.interpreter.globals, programs, parts), self._memo())
@@ -162,9 +206,9 @@ class Plant(CuttingTable):
         return {id(one): one for one in kept}
 
     def command(self, name: str, values: dict[str, Any], line: int) -> int:
-        if name in ("_POS", "MC_MOVEABSOLUTE") or name.startswith("_MOVEPATH"):
+        if name in MOVES or name.startswith("_MOVEPATH"):
             self.commanded = self.count
-        if self.late and name in ("_POS", "MC_MOVEABSOLUTE"):
+        if self.late and name in MOVES:
             self.taken.append((name, values, line))
             return 0
         return super().command(name, values, line)
@@ -180,13 +224,14 @@ class Plant(CuttingTable):
         if state != self.states[-1]:
             self.states.append(state)
             assert state != WORK or self.value("operation") == 0, "work in mid cut"
-            assert state != WORK or self.met == {0, 1}, "work without meeting the low switches"
+            everyone = set(range(len(self.axes)))
+            assert state != WORK or self.met == everyone, "work without meeting the switches"
             assert state != HOMING or self.pressed, "homing without a press of start"
             assert (self.states[-2] != FAULT) or self.acknowledged, "a fault not acknowledged"
             self.acknowledged = False
         if state == HOMING:
             self.homed_anew = True
-            self.met |= {k for k, axis in enumerate(self.axes) if axis.place <= 0.0}
+            self.met |= {k for k, axis in enumerate(self.axes) if self.at_switch(k, axis)}
         else:
             self.met = set()
         assert state == WORK or not self.tool_on, "a tool on out of work"
@@ -196,8 +241,33 @@ class Plant(CuttingTable):
         assert self.value("workFault") == (state == FAULT) == self.value("faultLamp")
         assert (self.value("faultNumber") != 0) == (state == FAULT)
         assert [self.tool(p) for p in ("cut", "mark", "engrave")].count(True) <= 1
+        if self.triggers.z is not None:
+            self._observe_heights(state)
 
-    # -- deeds ------------------------------------------------------------------------------
+    def at_switch(self, index: int, axis: Axis) -> bool:
+        """Whether an axis is at the switch that its homing looks for: Z at its high one."""
+        return axis.place >= self.ends[2] if index == 2 else axis.place <= 0.0
+
+    def _observe_heights(self, state: int) -> None:
+        """X and Y move at clearance, or with the tool on at its height; Z is homed before."""
+        z, goes = self.axes[2], max(self.speeds[:2]) > 0.0
+        over = z.position - THICKNESS
+        if state == HOMING and goes:
+            assert 2 in self.met, "X and Y move before Z is homed"
+            assert z.still
+            assert abs(z.position - HOME_HEIGHT) <= self.triggers.in_position
+        if state == WORK and self.states[-2:] == [HOMING, WORK]:
+            if self.tool_on:
+                assert CUT - 1e-6 <= over <= PIERCE + 1e-6, "the tool on at no height of its own"
+                assert not goes or abs(over - CUT) <= self.triggers.in_position, "a cut too high"
+            elif goes:
+                assert abs(over - CLEARANCE) <= self.triggers.in_position, "a way below clearance"
+
+    def places(self) -> list[tuple[float, float]]:
+        """Where the torch was on, to a hundredth."""
+        return [(round(x, 2), round(y, 2)) for x, y in self.points["cut"]]
+
+    # -- what an operator does ------------------------------------------------------------------
 
     def run_until(self, state: int, most_s: float = 60.0) -> None:
         """Go on until a state; it has to come in time."""
@@ -222,114 +292,3 @@ class Plant(CuttingTable):
         self.cycle()
         self.acknowledge = True
         self.cycle()
-
-
-def disable(index: int) -> Deed:
-    """The drive of an axis drops out: it runs out by itself."""
-
-    def deed(plant: Plant) -> None:
-        axis = plant.axes[index]
-        axis.stop()
-        axis.enabled = False
-
-    return deed
-
-
-def alarm(index: int) -> Deed:
-    """An axis reports a fault."""
-
-    def deed(plant: Plant) -> None:
-        axis = plant.axes[index]
-        axis.stop()
-        axis.error = True
-
-    return deed
-
-
-def alarm_that_stays(index: int, cycles: int) -> Deed:
-    """A fault whose cause goes away so many cycles after it was acknowledged."""
-
-    def deed(plant: Plant) -> None:
-        alarm(index)(plant)
-        axis = plant.axes[index]
-
-        def reset() -> int:
-            def late(plant: Plant) -> None:
-                axis.error = False
-
-            plant.script[plant.count + cycles] = late
-            return 0
-
-        axis.reset = reset  # type: ignore[method-assign]
-
-    return deed
-
-
-def close(index: int) -> Deed:
-    """A limit switch closes."""
-    return lambda plant: plant.closed.add(index)
-
-
-def freeze(index: int) -> Deed:
-    """An encoder tells one place for ever; the belt may be torn."""
-
-    def deed(plant: Plant) -> None:
-        axis: Axis = plant.axes[index]
-        plant.frozen[axis.name] = axis.actual
-
-    return deed
-
-
-def displace(index: int, by: float) -> Deed:
-    """An encoder tells a place so far from the true one."""
-
-    def deed(plant: Plant) -> None:
-        plant.astray[plant.axes[index].name] = by
-
-    return deed
-
-
-def creep(index: int, mm_s: float) -> Deed:
-    """An axis drifts from its set position, and its drive says nothing."""
-
-    def deed(plant: Plant) -> None:
-        plant.creeps[plant.axes[index].name] = mm_s
-
-    return deed
-
-
-def override(share: float) -> Deed:
-    """Set positions go on at a share of their speed, as by an override of the operator panel."""
-
-    def deed(plant: Plant) -> None:
-        for one in (*plant.axes, *filter(None, [plant.path])):
-            real = type(one).advance.__get__(one)
-            one.advance = lambda s, real=real: real(share * s)  # type: ignore[method-assign]
-
-    return deed
-
-
-def press_stop(plant: Plant) -> None:
-    """The stop button is pressed, and stays so."""
-    plant.stop = True
-
-
-def break_wire(index: int) -> Deed:
-    """The wire of an input breaks."""
-    return lambda plant: plant.broken.add(index)
-
-
-def fault_task(plant: Plant) -> None:
-    """The system calls the program of the fault tasks."""
-    plant.interpreter.run("CutFault")
-
-
-def mend(plant: Plant) -> None:
-    """What was broken is whole again; errors remain to be acknowledged."""
-    plant.closed.clear()
-    plant.loose.clear()
-    plant.broken.clear()
-    plant.creeps.clear()
-    plant.stop = False
-    plant.frozen.clear()
-    plant.astray.clear()

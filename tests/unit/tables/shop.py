@@ -46,6 +46,13 @@ def table_machine(**changes: object) -> Machine:
     return replace(machine, triggers=replace(machine.triggers, **changes))
 
 
+def plain_machine(**changes: object) -> Machine:
+    """The table on PLCopen blocks with some of its data changed."""
+    machine = load("table-plcopen")
+    assert machine.triggers is not None
+    return replace(machine, triggers=replace(machine.triggers, **changes))
+
+
 def triggers(name: str, machine: Machine | None = None) -> TriggerTable:
     return trigger_table(plan(name, "table-simotion"), machine or table_machine(), name)
 

@@ -4,13 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from .plant import (
-    DONE,
-    FAULT,
-    HOMING,
-    WORK,
-    Deed,
-    Plant,
+from .deeds import (
     alarm,
     break_wire,
     close,
@@ -18,22 +12,24 @@ from .plant import (
     disable,
     fault_task,
     freeze,
-    loaded,
     mend,
     press_stop,
-    small_machine,
+    release,
+    reverse,
+)
+from .plant import (
+    DONE,
+    FAULT,
+    HOMING,
+    STOPPED_S,
+    WORK,
+    Deed,
+    Plant,
+    each_kind,
+    plant,
 )
 
 EXACT = 0.06  #: mm of the zero: two cycles of the slow approach, and its stop
-
-
-def plant(style: str = "chain", path_objects: bool = False) -> Plant:
-    return Plant(loaded(style, path_objects), small_machine(path_objects))
-
-
-def release(index: int) -> Deed:
-    """A limit switch tells nothing."""
-    return lambda plant: plant.loose.add(index)
 
 
 def wrong_by(one: Plant) -> float:
@@ -67,13 +63,16 @@ def outcome(one: Plant, kept: object, deed: Deed, cycles: int) -> str:
 
 @pytest.mark.parametrize("index", [0, pytest.param(1, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize(
-    ("style", "cycles"), [("chain", 1), ("table", 1), ("chain", 2), ("chain", 5), ("chain", 30)]
-)
+    ("style", "kind", "cycles"),
+    [("chain", "axes", 1), ("table", "axes", 1), ("chain", "axes", 2), ("chain", "axes", 5),
+     ("chain", "axes", 30), ("chain", "blocks", 1), ("table", "blocks", 2), ("chain", "blocks", 5),
+     ("table", "blocks", 30)],
+)  # fmt: skip
 @pytest.mark.parametrize("what", [close, release])
 def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
-    style: str, index: int, cycles: int, what: object
+    style: str, kind: str, index: int, cycles: int, what: object
 ) -> None:
-    one = plant(style)
+    one = plant(style, kind)
     found = set()
     for kept in moments(one):
         found.add(outcome(one, kept, what(2 * index), cycles))  # type: ignore[operator]
@@ -86,7 +85,9 @@ def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
     assert found <= {"zero", "fault 8", "fault 3"}
 
 
-@pytest.mark.parametrize("path_objects", [False, pytest.param(True, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize(
+    "kind", ["axes", "blocks", pytest.param("paths", marks=pytest.mark.exhaustive)]
+)
 @pytest.mark.parametrize(
     ("deed", "numbers"),
     [
@@ -96,11 +97,11 @@ def test_a_low_switch_that_lies_for_some_cycles_makes_no_wrong_zero(
         (freeze(1), {7}),
     ],
 )  # fmt: skip
-def test_what_fails_for_good_ends_in_its_fault(
-    deed: Deed, numbers: set[int], path_objects: bool
-) -> None:
+def test_what_fails_for_good_ends_in_its_fault(deed: Deed, numbers: set[int], kind: str) -> None:
     """A switch may also fail behind the zero, where it is not asked any more."""
-    one = plant("chain", path_objects)
+    if deed is fault_task and kind == "blocks":
+        return  # which have no such task
+    one = plant("chain", kind)
     for kept in moments(one):
         found = outcome(one, kept, deed, 3000)
         if found == "zero":
@@ -110,8 +111,9 @@ def test_what_fails_for_good_ends_in_its_fault(
         one.go_back(kept)
 
 
-def test_a_low_switch_that_sticks_is_a_fault_of_homing() -> None:
-    one = plant()
+@each_kind
+def test_a_low_switch_that_sticks_is_a_fault_of_homing(kind: str) -> None:
+    one = plant(kind=kind)
     close(0)(one)
     one.press_start()
     one.run_until(FAULT)
@@ -123,18 +125,20 @@ def test_a_low_switch_that_sticks_is_a_fault_of_homing() -> None:
     one.run_until(DONE)
 
 
-def test_an_axis_that_stands_at_its_low_switch_leaves_it_first() -> None:
+@each_kind
+def test_an_axis_that_stands_at_its_low_switch_leaves_it_first(kind: str) -> None:
     for place in (-0.4, -2.0):
-        one = plant()
+        one = plant(kind=kind)
         one.axes[0].place = place
         one.press_start()
         one.run_until(DONE)
         assert wrong_by(one) <= EXACT
 
 
+@each_kind
 @pytest.mark.parametrize("index", [0, 1])
-def test_both_switches_of_an_axis_at_once_are_a_fault(index: int) -> None:
-    one = plant()
+def test_both_switches_of_an_axis_at_once_are_a_fault(kind: str, index: int) -> None:
+    one = plant(kind=kind)
     close(2 * index)(one)
     close(2 * index + 1)(one)
     one.press_start()
@@ -142,8 +146,9 @@ def test_both_switches_of_an_axis_at_once_are_a_fault(index: int) -> None:
     assert one.value("faultNumber") == 1
 
 
-def test_a_slow_approach_that_does_not_find_the_switch_again_is_a_fault() -> None:
-    one = plant()
+@each_kind
+def test_a_slow_approach_that_does_not_find_the_switch_again_is_a_fault(kind: str) -> None:
+    one = plant(kind=kind)
     one.press_start()
     while one.value("workState") == HOMING and one.axes[0].velocity > -5:
         one.cycle()
@@ -155,8 +160,9 @@ def test_a_slow_approach_that_does_not_find_the_switch_again_is_a_fault() -> Non
     assert one.axes[0].place > -2 * one.triggers.homing_window
 
 
-def test_a_high_switch_that_was_free_is_a_fault_in_the_same_cycle() -> None:
-    one = plant()
+@each_kind
+def test_a_high_switch_that_was_free_is_a_fault_in_the_same_cycle(kind: str) -> None:
+    one = plant(kind=kind)
     one.press_start()
     one.wait(0.3)
     close(1)(one)
@@ -165,8 +171,9 @@ def test_a_high_switch_that_was_free_is_a_fault_in_the_same_cycle() -> None:
     assert one.value("faultNumber") == 1
 
 
-def test_a_low_switch_that_is_actuated_again_while_backing_off_is_a_fault() -> None:
-    one = plant()
+@each_kind
+def test_a_low_switch_that_is_actuated_again_while_backing_off_is_a_fault(kind: str) -> None:
+    one = plant(kind=kind)
     one.press_start()
     origin = one.axes[0].origin
     while one.axes[0].origin == origin:
@@ -179,9 +186,10 @@ def test_a_low_switch_that_is_actuated_again_while_backing_off_is_a_fault() -> N
     assert WORK not in one.states
 
 
-def test_a_zero_does_not_blind_the_watch() -> None:
+@each_kind
+def test_a_zero_does_not_blind_the_watch(kind: str) -> None:
     """The set position of Y jumps by 5 mm while it rests there, which is no speed of 200 mm/s."""
-    one = plant()
+    one = plant(kind=kind)
     one.press_start()
     while one.axes[1].origin < 4.0:
         one.cycle()
@@ -189,3 +197,58 @@ def test_a_zero_does_not_blind_the_watch() -> None:
     one.run_until(FAULT, 3.0)
     assert one.value("faultNumber") == 7
     assert abs(one.axes[1].lag) <= 1.0
+
+
+@each_kind
+@pytest.mark.parametrize("index", [0, 1])
+def test_homing_that_takes_too_long_is_a_fault(kind: str, index: int) -> None:
+    one = plant(kind=kind)
+    one.axes[index].place = 1000.0  # the switch is far, or does not work
+    one.ends = (2000.0, 2000.0)
+    one.press_start()
+    one.run_until(FAULT)
+    assert one.value("faultNumber") == 3
+    assert one.clock_s <= one.triggers.max_homing_s + 0.2
+    one.wait(STOPPED_S)
+    assert one.still
+
+
+@each_kind
+def test_homing_leaves_a_high_switch_but_does_not_meet_it_again(kind: str) -> None:
+    one = plant(kind=kind)
+    one.axes[0].place = one.ends[0] + 0.5
+    one.press_start()
+    one.run_until(DONE)
+    stuck = plant(kind=kind)
+    close(1)(stuck)
+    stuck.press_start()
+    stuck.run_until(FAULT)
+    assert stuck.value("faultNumber") == 1
+    assert WORK not in stuck.states
+
+
+@each_kind
+def test_an_axis_that_runs_from_its_switch_is_a_fault(kind: str) -> None:
+    one = plant(kind=kind)
+    reverse(1)(one)
+    one.press_start()
+    one.run_until(FAULT, 2.0)
+    assert one.value("faultNumber") == 3
+    one.wait(STOPPED_S)
+    assert one.still
+
+
+@each_kind
+def test_a_homing_that_was_stopped_begins_anew(kind: str) -> None:
+    """Execute was on when it was stopped; an edge has to start it again."""
+    one = plant(kind=kind)
+    one.press_start()
+    one.wait(0.3)
+    assert one.value("workState") == HOMING
+    close(1)(one)
+    one.run_until(FAULT, 2.0)
+    mend(one)
+    one.press_acknowledge()
+    one.wait(0.1)
+    one.press_start()
+    one.run_until(DONE)

@@ -10,8 +10,9 @@ from beamcam.controllers.simotion.plain import parse_plain
 from beamcam.machine.runtime import shipped
 
 from . import test_grammar as stranger
+from .plant import STYLES
 from .shop import NAMES
-from .test_plcopen import STYLES, program
+from .test_plcopen import program
 
 BLOCKS = shipped("plcopen_blocks")
 

@@ -13,9 +13,9 @@ from beamcam.machine.runtime import runtime_of
 from beamcam.verify.st import verify_triggers
 
 from . import test_simotion as forms
-from .plant import DONE, Plant, units_of
-from .shop import steel_part, table_machine, triggers
-from .test_plcopen import STYLES, plain_machine, program
+from .plant import DONE, STYLES, Plant, units_of
+from .shop import plain_machine, steel_part, table_machine, triggers
+from .test_plcopen import program
 
 # -- read back ------------------------------------------------------------------------------
 
@@ -122,7 +122,8 @@ def test_a_library_may_call_its_blocks_otherwise() -> None:
 
 def test_named_inputs_and_outputs_are_declared() -> None:
     machine = plain_machine(
-        limits=("xLow", "xHigh", "yLow", "yHigh"), start="go", acknowledge="quit",
+        limits=("xLow", "xHigh", "yLow", "yHigh"), start="go", acknowledge="quit", stop="halt",
+        normally_closed=("xLow", "halt"),
         outputs={"cut": "torchValve", "mark": "scriber"},
     )  # fmt: skip
     text = simotion.emit(triggers("shield-small"), machine, "chain")
