@@ -181,7 +181,7 @@ class Pass(Struct, frozen=True, gc=False):
 
     lead_in: tuple[Curve, ...]  #: from the pierced hole to the contour
     curves: tuple[Curve, ...]  #: along it
-    lead_out: tuple[Curve, ...]
+    lead_out: tuple[Curve, ...]  #: the overcut beyond its start, and the way off it
 
 
 class ContourOp(Struct, frozen=True, gc=False):

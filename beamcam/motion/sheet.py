@@ -43,7 +43,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
     pen = Pen(machine)
     passes = [one for op in plan.operations for one in op.passes]
-    paths = pen.along([(*p.lead_in, *p.curves, *p.lead_out) for p in passes])
+    paths = pen.along([(p.lead_in, p.curves, p.lead_out) for p in passes])
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
     for op in plan.operations:
@@ -94,19 +94,19 @@ class Pen:
             torch.max_radius if self._arcs else 0.0,
         )
 
-    def along(self, chains: Sequence[Sequence[Curve]]) -> Iterator[ChainMoves]:
-        """The moves along each chain."""
+    def along(self, chains: Sequence[Sequence[Sequence[Curve]]]) -> Iterator[ChainMoves]:
+        """The moves along each chain of several parts; where one begins, a move begins."""
         return paths_along(self._prepared(chains), self.numbers, self._by_word)
 
-    def _prepared(self, chains: Sequence[Sequence[Curve]]) -> list[Sequence[Curve]]:
+    def _prepared(self, chains: Sequence[Sequence[Sequence[Curve]]]) -> list[Sequence[Curve]]:
         """The chains with arcs for the free curves that the controller has no word for.
 
         All of them are fitted together, since a drawing has thousands.
         """
-        each = [self._stretches(chain) for chain in chains]
+        each = [[s for part in chain for s in self._stretches(part)] for chain in chains]
         free = [curves for chain in each for has_word, curves in chain if not has_word]
         if not free:
-            return list(chains)
+            return [[c for _, curves in chain for c in curves] for chain in each]
         from beamcam.geometry.arc_fitting import fit_chains
 
         fits = iter(fit_chains(free, self._fit))
@@ -116,7 +116,9 @@ class Pen:
         ]
 
     def _stretches(self, chain: Sequence[Curve]) -> list[tuple[bool, Sequence[Curve]]]:
-        """The stretches of a chain, each with whether the controller may have words for it."""
+        """The stretches of a part, each with whether the controller may have words for it."""
+        if not chain:
+            return []
         if _ALWAYS_WRITTEN.issuperset(map(type, chain)):
             return [(True, chain)]
         return [(has_word, tuple(group)) for has_word, group in groupby(chain, self._has_word)]

@@ -139,11 +139,10 @@ def _operation(
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     last = len(stretches) - 1
-    if side == "on":
-        stretches[last] = (*stretches[last], *overcut(shape, kerf, torch))
+    beyond = (*overcut(shape, kerf, torch), *lead[1]) if side == "on" else lead[1]
     passes = tuple(
         [
-            Pass(lead[0] if k == 0 else (), curves, lead[1] if k == last else ())
+            Pass(lead[0] if k == 0 else (), curves, beyond if k == last else ())
             for k, curves in enumerate(stretches)
             for _ in range(row.passes)
         ]
