@@ -134,7 +134,7 @@ def _routes(
 
 
 def _is_cut(work: Work, route: Sequence[Stretch], half_kerf: float) -> bool:
-    """Whether nothing holds on a way along the contour: strokes run along it, or it has no length."""
+    """Whether nothing holds on a way along the contour: it is cut, or has no length."""
     if sum(abs(to - at) for _, at, to in route) <= 4 * work.tolerance:
         return True
     parts = [(way, at, to) for way, at, to in route if abs(to - at) > work.tolerance / 8]

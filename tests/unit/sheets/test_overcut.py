@@ -199,10 +199,13 @@ def test_no_overcut_is_asked_of_a_contour_with_a_gap(name: str, gap: float, tabs
     """A gap wider than the machine closes, and narrower than what its paths may be off."""
     points = [(0.0, 0.0), (20.0, 0.0), (20.0, 40.0 - gap)]
     curves = (
-        *lines(*points, closed=False), *lines((20.0, 40.0), (0.0, 40.0), (0.0, 0.0), closed=False)
+        *lines(*points, closed=False),
+        *lines((20.0, 40.0), (0.0, 40.0), (0.0, 0.0), closed=False),
     )
     part = drawing(*(contour((one,), line=k + 1) for k, one in enumerate(curves)), thickness=3.0)
-    machine = with_torch(load(name), thickness=3.0, overcut=1.0, tabs=tabs, allow_open=True, gap=0.01)
+    machine = with_torch(
+        load(name), thickness=3.0, overcut=1.0, tabs=tabs, allow_open=True, gap=0.01
+    )
     posted = post((part,), machine)
     assert not any(op.closed for op in posted.plan.operations)
 

@@ -193,9 +193,7 @@ def open_line(*curves: Curve, line: int) -> Contour:
 )
 def test_what_is_cut_is_no_bridge(lines_cut: tuple[Curve, ...], overcut: float) -> None:
     """Open cuts whose ends are as far apart as a bridge is wide, by themselves or on a contour."""
-    part = drawing(
-        contour(box(0, 0, 80, 60)), open_line(*lines_cut, line=2), thickness=3.0
-    )
+    part = drawing(contour(box(0, 0, 80, 60)), open_line(*lines_cut, line=2), thickness=3.0)
     machine = asked(tabs=2, tab_width=1.0, overcut=overcut, allow_open=True)
     text = post((part,), machine).text
     assert not verify_sheet(text, (part,), machine)
