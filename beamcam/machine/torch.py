@@ -51,6 +51,7 @@ class LookSettings(Keys, frozen=True):
         return tuple(k for k in self.__struct_fields__ if getattr(self, k) != getattr(default, k))
 
 
+OTHERS = "*"  #: key of `colours` for all lines that no key before it names
 CORNER_DEG = 20.0  #: what a corner turns more than, for bridges: `min_tab_to_corner`
 #: Origin of the work as a share of its length and width, from its lower left corner.
 ORIGINS = {
@@ -68,7 +69,8 @@ class Torch(Keys, frozen=True):
     length: Positive  #: of the work area, along X
     width: Positive  #: along Y
     rows: tuple[TorchRow, ...]
-    colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
+    #: of lines, or their layers; "*" is all that no key before it names
+    colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]
     more_rows: tuple[TorchRow, ...] = ()  #: added to the rows of a base, by their thickness
     settings: Mapping[str, LookSettings] = field(default_factory=dict)  #: by keys of `colours`
     thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to
