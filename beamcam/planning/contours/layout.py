@@ -1,7 +1,6 @@
 """A sheet's part as it is laid on the table: mirrored, turned, and copied in rows and columns."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import cast
+from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
 
@@ -18,7 +17,7 @@ from beamcam.geometry.plane import (
     unit_vector,
 )
 from beamcam.machine.torch import Torch
-from beamcam.model.colour import process_of
+from beamcam.model.colour import key_of
 from beamcam.model.drawing import extent
 from beamcam.model.hatch import hatched, not_filled
 from beamcam.model.part import (
@@ -28,7 +27,6 @@ from beamcam.model.part import (
     Hole,
     Notch,
     Part,
-    Process,
     Slot,
     TextMark,
 )
@@ -87,11 +85,10 @@ def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
     if torch.place == "drawn" and torch.origin == "table":
         return False
     (part,) = parts
-    table = cast("Mapping[str, Process]", torch.colours)
     curves = [
         curve
         for feature in _with_outline(part).features
-        if not (isinstance(feature, Contour) and process_of(feature, table) == "ignore")
+        if not (isinstance(feature, Contour) and _is_ignored(feature, torch))
         for curve in _curves(feature)
     ]
     box = extent(curves)
@@ -100,6 +97,11 @@ def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
     length, width = box[2] - box[0], box[3] - box[1]
     long, wide = torch.length + torch.gap, torch.width + torch.gap
     return (length > long or width > wide) and width <= long and length <= wide
+
+
+def _is_ignored(contour: Contour, torch: Torch) -> bool:
+    key = key_of(contour, torch.colours)
+    return key is not None and torch.colours[key] == "ignore"
 
 
 def turned_to_fit(parts: Sequence[Part], torch: Torch | None) -> list[Diagnostic]:

@@ -11,16 +11,15 @@ lies so: M is a quarter turn, unless it was asked to lie in some way.
 
 from collections.abc import Iterator, Sequence
 from math import atan2, cos, degrees, hypot, radians, sin
-from typing import cast
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve, Line
 from beamcam.machine.torch import Torch
-from beamcam.model.colour import process_of
+from beamcam.model.colour import key_of
 from beamcam.model.hatch import hatched
-from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Process, Slot, TextMark
+from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.verify.sheets import rules
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -56,10 +55,10 @@ def _lies_turned(part: Part, torch: Torch) -> bool:
     whole = _outlined(part)
     if asked or where_drawn or next(_faults(whole, torch), None) is not None:
         return False
-    table = cast("dict[str, Process]", torch.colours)
     worked = [
         feature for feature in whole.features
-        if not isinstance(feature, Contour) or process_of(feature, table) != "ignore"
+        if not isinstance(feature, Contour)
+        or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
     ]  # fmt: skip
     boxes = [box for feature in worked for box in _boxes(feature)]
     if not boxes:
