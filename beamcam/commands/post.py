@@ -148,7 +148,7 @@ def _way_out(
     request: Request, tried: Sequence[Machine], config: Config, asked: Mapping[str, Any]
 ) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
-    from beamcam.commands.parts import drawing_choice
+    from beamcam.commands.sheets import drawing_choice
     from beamcam.machine import shipped
     from beamcam.pipeline import read_file
     from beamcam.ways_out import ways_out

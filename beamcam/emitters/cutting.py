@@ -135,6 +135,7 @@ class _Writer:
                 )  # fmt: skip
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)
+                return _filled(words.pace, feed=self._feed)
             case ToolOff():
                 return _filled(getattr(words, f"{command.process}_off"), **self._of_part)
             case ParabolaFeed() | EllipseFeed():

@@ -8,6 +8,7 @@ from msgspec import Meta, field
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
 Degrees = Annotated[float, Meta(ge=-360, le=360)]
+Share = Annotated[float, Meta(gt=0, le=1)]
 TorchProcess = Literal["cut", "mark", "engrave"]
 
 
@@ -25,6 +26,20 @@ class TorchRow(Keys, frozen=True):
     pierce_height: NotNegative = 0.0  #: of the torch over the sheet as it pierces; 0: not known
     cut_height: NotNegative = 0.0  #: of the torch over the sheet as it cuts; 0: not known
     passes: PositiveCount = 1  #: how often a contour is followed
+    #: inner contours whose way round is shorter than that of a circle so wide are small holes
+    hole_diameter: NotNegative = 0.0
+    hole_feed_share: Share = 1.0  #: of the feed, in small holes
+    corner_angle: Annotated[float, Meta(ge=0, le=180)] = 45.0  #: what a corner turns more than
+    corner_distance: NotNegative = 0.0  #: along the path, before and behind a corner
+    corner_share: Share = 1.0  #: of the feed, within that distance
+
+    @property
+    def slows_corners(self) -> bool:
+        return self.corner_share < 1.0 and self.corner_distance > 0.0
+
+    @property
+    def slows_holes(self) -> bool:
+        return self.hole_feed_share < 1.0 and self.hole_diameter > 0.0
 
     @property
     def pierce_radius(self) -> float:

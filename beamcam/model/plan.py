@@ -195,6 +195,7 @@ class ContourOp(Struct, frozen=True, gc=False):
     kerf: float  #: what is compensated, by whomever
     features: tuple[FeatureRef, ...]
     source: Source
+    feed_share: float = 1.0  #: of the row's feed, all along it
 
     @property
     def start(self) -> Point:

@@ -360,7 +360,7 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-other", "verify-sheet-overcut", "verify-sheet-tab-width",
         "verify-sheet-tab-place", "verify-sheet-hatch-way", "verify-sheet-radius",
         "verify-sheet-corner", "verify-sheet-direction", "verify-sheet-restart",
-        "verify-sheet-laid", "verify-sheet-pierce",
+        "verify-sheet-laid", "verify-sheet-pierce", "verify-sheet-hole-feed",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
