@@ -18,6 +18,19 @@ HOLE_FEED = Rule(
     "Small holes are cut slower, by `hole_diameter` and `hole_feed_share` of the row; nothing else "
     "is.",
 )
+NO_CONTOUR = Rule(
+    "verify-sheet-contour",
+    _E,
+    "found contour {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",
+    "The rest of a program begins with one of its contours, and the first begins the whole.",
+)
+REST = Rule(
+    "verify-sheet-rest",
+    _E,
+    "found {found}; expected {expected}",
+    "The rest of a program makes the last strokes of the whole as they are, and says so; what "
+    "is cut is not looked at again.",
+)
 RAMP = Rule(
     "verify-sheet-ramp",
     _E,
@@ -224,5 +237,6 @@ RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING,
     EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN, RESTART, TABS, TAB_WIDTH, TAB_PLACE,
     OVERCUT,
-    HOLE_FEED, LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
+    HOLE_FEED, NO_CONTOUR, REST,
+    LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

@@ -1,6 +1,7 @@
 """Small holes and corners: cut slower in the program, in its times and for the read-back."""
 
 import re
+from itertools import pairwise
 from math import acos, atan2, cos, degrees, dist, hypot, pi, sin
 
 import pytest
@@ -75,7 +76,7 @@ def feeds_of(text: str) -> list[tuple[float, float, float]]:
 
 
 def length(points: list[tuple[float, float]]) -> float:
-    return sum(dist(a, b) for a, b in zip(points, points[1:], strict=False))
+    return sum(dist(a, b) for a, b in pairwise(points))
 
 
 def heading(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
@@ -186,7 +187,8 @@ def test_every_wrong_feed_is_refused(values: dict[str, float]) -> None:
     ({"hole_feed_share": 0.7}, "verify-sheet-feed"),
     ({"hole_feed_share": 1.0}, "verify-sheet-hole-feed"),
     ({"corner_share": 0.6}, "verify-sheet-feed"), ({"corner_share": 1.0}, "verify-sheet-feed"),
-    ({"corner_distance": 4.5}, "verify-sheet-feed"), ({"corner_distance": 5.5}, "verify-sheet-feed"),
+    ({"corner_distance": 4.5}, "verify-sheet-feed"),
+    ({"corner_distance": 5.5}, "verify-sheet-feed"),
     ({"corner_angle": 100.0}, "verify-sheet-feed"),
 ])  # fmt: skip
 @pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys"])
