@@ -1,7 +1,7 @@
 """`beamcam post`: parts in, a program out."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -14,7 +14,13 @@ from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.quantities import program_names, quantity
-from beamcam.commands.remainders import ONE_BAR, from_operation
+from beamcam.commands.remainders import (
+    ONE_BAR,
+    ONE_SHEET,
+    from_contour,
+    from_operation,
+    is_coded_sheet,
+)
 from beamcam.commands.settings import (
     files_read,
     machine_asked,
@@ -59,6 +65,7 @@ from beamcam.planning.left_out import by_hand_sources, left_out_sources
 @options.style
 @options.turn
 @from_operation("Write only the remainder of the program, from operation N of `plan`.")
+@from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
 @part_options
 @options.no_verify
 @options.strict
@@ -71,6 +78,7 @@ def command(
     style: str | None,
     turn: bool,
     first: int | None,
+    contour: int | None,
     no_verify: bool,
     exit_left_out: int | None,
     as_json: bool,
@@ -89,7 +97,8 @@ def command(
     written unless everything can be made.
 
     After a stop in mid bar --from-operation writes the rest of the program: its head says in which
-    state the machine has to be, and it is read back as the continuation of what was done.
+    state the machine has to be, and it is read back as the continuation of what was done. So does
+    --from-contour for a sheet: what is cut stays cut, marks are left out.
 
     \b
     beamcam post gasket.dxf -o gasket.ngc --map blue=cut --thickness 3
@@ -99,6 +108,7 @@ def command(
     beamcam post M74.nc1 M58.nc1 --quantity file --bar 12000 -o job.gcode
     beamcam post model.ifc --mark B12 -o b12.gcode
     beamcam post M58.nc1 --from-operation 7 -o rest.gcode
+    beamcam post gasket.dxf --thickness 3 --from-contour 4 -o rest.ngc
     """
     said: tuple[Diagnostic, ...] = ()
     request: Request | None = None
@@ -108,6 +118,8 @@ def command(
         strict = config.strict
         parts, said = read_parts(inputs, config, asked, voice)
         machines = machines_for(config, parts, output)
+        if contour is not None and not any(map(is_coded_sheet, machines)):
+            raise click.UsageError(ONE_SHEET)
         said += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, order, turn)
         request = replace(request, verified=not no_verify, date=asked["date"] or "")
@@ -122,15 +134,15 @@ def command(
         begun, choice = first_that_makes(request, machines, planned)
         said += choice
         made = [(name, finished(each, stage)) for name, each in begun]
-        if first is not None:
-            made = [(output, _rest(made, first))]
+        if first is not None or contour is not None:
+            made = [(output, _rest(made, first, contour))]
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))
     except StrictError as error:
         voice.stop((*said, *error.diagnostics))
     except PlanError as error:
-        way = () if request is None else (_way_out(request, machines, config),)
+        way = () if request is None else (_way_out(request, machines, config, asked),)
         voice.stop((*said, *error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.pipeline import read_file
@@ -147,22 +159,39 @@ def command(
         raise SystemExit(exit_left_out)
 
 
-def _way_out(request: Request, tried: Sequence[Machine], config: Config) -> Diagnostic:
+def _way_out(
+    request: Request, tried: Sequence[Machine], config: Config, asked: Mapping[str, Any]
+) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
+    from beamcam.commands.sheets import drawing_choice
     from beamcam.machine import shipped
+    from beamcam.pipeline import read_file
     from beamcam.ways_out import ways_out
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
     stocks = (tried[0].stock, stock_of(request.parts))
     alike = [one for one in others if one is not None and one.stock in stocks]
-    return ways_out(request, tried, alike)
+    how = drawing_choice(asked, config.map)
+    read = None if how.get("units") else lambda path, **other: read_file(path, **{**how, **other})
+    return ways_out(request, tried, alike, read)
 
 
-def _rest(made: Sequence[tuple[str, Posted]], first: int) -> Posted:
-    """The rest of the only program, from an operation on. Raises PlanError and RefusedProgram."""
+def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | None) -> Posted:
+    """The rest of the only program, from an operation of a bar or a contour of a sheet on.
+
+    Raises PlanError and RefusedProgram.
+    """
     from beamcam.remainder import rest_of
+    from beamcam.sheet_remainder import rest_of_sheet
 
+    if first is None:
+        assert contour is not None
+        if len(made) != 1:
+            raise click.UsageError(ONE_SHEET)
+        return rest_of_sheet(made[0][1], contour)
+    if contour is not None:
+        raise click.UsageError("--from-operation and --from-contour exclude each other.")
     if made[0][1].job.machine.stock != "beam" or len(made) != 1:
         raise click.UsageError(ONE_BAR)
     return rest_of(made[0][1], first)

@@ -8,11 +8,14 @@ from msgspec.structs import replace
 from beamcam.commands import options
 from beamcam.commands.programs import input_bytes
 from beamcam.errors import Diagnostic
+from beamcam.machine.faults import TABLE_CONTROLLERS
+from beamcam.machine.machine import Machine
 from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, whole_job
 from beamcam.readers.content import shown_name
 
 ONE_BAR = "--from-operation is for the program of one bar."
+ONE_SHEET = "--from-contour is for the program of one sheet, in G-code."
 
 
 def from_operation(help_text: str) -> options.Decorator:
@@ -20,6 +23,18 @@ def from_operation(help_text: str) -> options.Decorator:
     return click.option(
         "--from-operation", "first", type=click.IntRange(min=2), metavar="N", help=help_text
     )
+
+
+def from_contour(help_text: str) -> options.Decorator:
+    """The option --from-contour."""
+    return click.option(
+        "--from-contour", "contour", type=click.IntRange(min=2), metavar="N", help=help_text
+    )
+
+
+def is_coded_sheet(machine: Machine) -> bool:
+    """Whether a machine cuts sheets by a program of contours."""
+    return machine.stock == "sheet" and machine.controller not in TABLE_CONTROLLERS
 
 
 after = click.option(
@@ -35,23 +50,24 @@ def faults_of_rest(
 ) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with the remainder from operation `first` on of a program.
 
-    `whole` is the file of the program that was stopped; without it, it is posted anew. `bar` is the
-    bar's length where it is known.
+    Of a sheet that is a contour. `whole` is the file of the program that was stopped; without it,
+    it is posted anew. `bar` is the bar's length where it is known.
     """
     from beamcam.remainder import faults_of
+    from beamcam.sheet_remainder import faults_of_sheet_rest
 
-    if request.machine.stock != "beam":
-        raise click.UsageError(ONE_BAR)
+    of_sheet = is_coded_sheet(request.machine)
+    said = ONE_SHEET if of_sheet else ONE_BAR
     job = whole_job(request, bar)
     if whole is None:
         name = f"program posted of {PurePath(shown_name(request.parts[0].source.file)).name}"
         begun = begin(replace(request, verified=False, strict=False, name="JOB"))
         if len(begun) != 1:
-            raise click.UsageError(ONE_BAR)
+            raise click.UsageError(said)
         text = finished(begun[0]).text
     else:
         name, text = shown_name(whole), _text(input_bytes(whole))
-    return faults_of(_text(rest), text, first, job, name)
+    return (faults_of_sheet_rest if of_sheet else faults_of)(_text(rest), text, first, job, name)
 
 
 def _text(program: bytes | str) -> str:

@@ -12,7 +12,15 @@ from beamcam.commands.comparison import refuse_part
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.programs import input_bytes
-from beamcam.commands.remainders import after, faults_of_rest, from_operation
+from beamcam.commands.remainders import (
+    ONE_BAR,
+    ONE_SHEET,
+    after,
+    faults_of_rest,
+    from_contour,
+    from_operation,
+    is_coded_sheet,
+)
 from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
@@ -39,6 +47,7 @@ NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 @options.order
 @options.turn
 @from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")
+@from_contour("PROGRAM is the rest of one of a sheet, from contour N of `plan`.")
 @after
 @click.option("--solid", is_flag=True, help="Machine PROGRAM as a solid as well, and compare.")
 @looking_options
@@ -50,6 +59,7 @@ def command(
     order: Order,
     turn: bool,
     first: int | None,
+    contour: int | None,
     after: str | None,
     solid: bool,
     exit_left_out: int | None,
@@ -68,7 +78,7 @@ def command(
 
     The remainder that `post --from-operation` made is read back by itself and behind the
     operations before it, of the program that was stopped (--after) or of the one that `post`
-    makes of the PARTs.
+    makes of the PARTs; so is the rest of a sheet's program (--from-contour).
 
     --solid asks for a third opinion: bar or plate are machined as a solid from PROGRAM alone, and
     each piece is compared with the solid of its part.
@@ -86,11 +96,15 @@ def command(
         raise click.UsageError("--against needs at least one PART.")
     if parts and not against:
         raise click.UsageError("PARTs come after --against.")
-    if first is not None and not parts:
-        raise click.UsageError("--from-operation needs the PARTs, behind --against.")
-    if after is not None and first is None:
+    if first is not None and contour is not None:
+        raise click.UsageError("--from-operation and --from-contour exclude each other.")
+    where = "--from-contour" if first is None else "--from-operation"
+    begin = contour if first is None else first
+    if begin is not None and not parts:
+        raise click.UsageError(f"{where} needs the PARTs, behind --against.")
+    if after is not None and begin is None:
         raise click.UsageError("--after needs --from-operation, where PROGRAM goes on.")
-    if solid and (not parts or first is not None):
+    if solid and (not parts or begin is not None):
         raise click.UsageError("--solid needs the PARTs of a whole program, behind --against.")
     if (program, after, *parts).count(STANDARD) > 1:
         raise click.UsageError("found - twice; expected it once, standard input is read once.")
@@ -104,6 +118,10 @@ def command(
         name, style = shown_name(program), PurePath(program).suffix.lower()
         head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
         bar = asked["bar"]
+        if first is not None and machine.stock != "beam":
+            raise click.UsageError(ONE_BAR)
+        if contour is not None and not is_coded_sheet(machine):
+            raise click.UsageError(ONE_SHEET)
         request = replace(
             request_of(wanted, config, machine, asked["quantity"], order, turn),
             name=name, style=style, skips=named_skips(_allowed(config, head)),
@@ -112,8 +130,8 @@ def command(
             *head_remarks(head, machine, name),
             *(
                 read_back(data, request, bar)
-                if first is None
-                else faults_of_rest(data, request, first, bar, after)
+                if begin is None
+                else faults_of_rest(data, request, begin, bar, after)
             ),
             *(_solid_faults(data, request, bar) if solid else ()),
         )

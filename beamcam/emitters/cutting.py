@@ -147,6 +147,7 @@ class _Writer:
                 )
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)
+                return _filled(words.pace, feed=self._feed)
             case ToolOff():
                 off = getattr(words, f"{command.process}_off")
                 return _filled(off, **self._of_torch, **self._of_part)

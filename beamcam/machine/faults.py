@@ -176,6 +176,10 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         if 0.0 < row.kerf < KERF_STEPS * step:
             expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
             yield f"torch.rows.{index}.kerf", row.kerf, expected
+        slow = "hole_feed_share" if row.slows_holes else "corner_share" if row.slows_corners else ""
+        if slow and not (worded and (words.pace or _names(words.modal, "feed"))):
+            expected = "1, as there are no words for another feed in a contour (`words.pace`)"
+            yield f"torch.rows.{index}.{slow}", getattr(row, slow), expected
     if not torch.rows:
         yield "torch.rows", [], "a row for each process"
     for process in {row.process for row in torch.rows}:

@@ -49,6 +49,7 @@ class Words(Keys, frozen=True):
     right: tuple[str, ...] = ()  #: tool right of the contour
     straight: tuple[str, ...] = ()  #: kerf compensation off
     modal: tuple[str, ...] = ()  #: words of a move, each written when its value changes
+    pace: tuple[str, ...] = ()  #: another feed from the next move on, where moves do not say it
 
 
 #: What is known of the part that work is on, and of the job.
@@ -133,5 +134,6 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "right": _SIDE_NAMES,
     "straight": frozenset(),
     "modal": frozenset({"feed", "acceleration"}),
+    "pace": frozenset({"feed"}),
     "comment": frozenset({"text"}),
 }

@@ -11,6 +11,26 @@ FEED = Rule(
     "found a feed of {found} mm/min to {process}; expected {expected}",
     "The feed is not that of the machine's file for this sheet.",
 )
+HOLE_FEED = Rule(
+    "verify-sheet-hole-feed",
+    _E,
+    "found the contour of {contour} cut at {found} of its feed; expected {expected}",
+    "Small holes are cut slower, by `hole_diameter` and `hole_feed_share` of the row; nothing else "
+    "is.",
+)
+NO_CONTOUR = Rule(
+    "verify-sheet-contour",
+    _E,
+    "found contour {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",
+    "The rest of a program begins with one of its contours, and the first begins the whole.",
+)
+REST = Rule(
+    "verify-sheet-rest",
+    _E,
+    "found {found}; expected {expected}",
+    "The rest of a program makes the last strokes of the whole as they are, and says so; what "
+    "is cut is not looked at again.",
+)
 RAMP = Rule(
     "verify-sheet-ramp",
     _E,
@@ -239,8 +259,8 @@ LAID = Rule(
     "Where such a feature would come to lie is not known.",
 )
 RULES = (
-    *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, HEIGHT, THC, OUTPUT, MATERIAL, CORNER, TOOL,
-    RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN,
-    RESTART, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, ORDER, SETTINGS,
-    TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
+    *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, RAMP, HEIGHT, THC, OUTPUT, MATERIAL, CORNER,
+    TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION,
+    OPEN, RESTART, NO_CONTOUR, REST, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, ORDER,
+    SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip
