@@ -174,14 +174,8 @@ def _station(station: int, before: int, changed: bool) -> str:
 
 def _stretches(made: BarMade) -> Iterator[BarStretch]:
     """Trims, parts and remnant, each from its first to its last corner."""
-    corners = [(f, y) for f in ("o", "u") for y in (0.0, made.profile.width)]
     for piece in made.pieces():
-        start, end = 0.0, made.end
-        if piece.start is not None:
-            firsts = [made.x_on(piece.start, f, y) for f, y in corners]
-            start = min(firsts) + piece.start.half_kerf
-        if piece.end is not None:
-            end = max(made.x_on(piece.end, f, y) for f, y in corners) - piece.end.half_kerf
+        start, end = made.extent(piece)
         if piece.kind == "remnant" and made.bar is None:
             continue  # nobody knows where it ends
         if end - start > made.machine.format.resolution:

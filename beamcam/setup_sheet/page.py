@@ -258,7 +258,8 @@ def _operations(content: Content) -> str:
 def _operation(op: Operation, is_bar: bool) -> list[str]:
     """The cells of an operation."""
     button = f"<button data-line={op.line}>{op.number}</button>"
+    deep = "through" if op.is_through else length(op.depth)
     return [button, shown(op.what), *([", ".join(op.faces)] if is_bar else []), length(op.x),
-             length(op.y), length(op.depth) if is_bar else length(op.length),
+             length(op.y), deep if is_bar else length(op.length),
              length(op.feed_mm_min),
              *([number(op.speed_rpm)] if is_bar else []), number(op.seconds, "s")]  # fmt: skip

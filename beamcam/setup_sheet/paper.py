@@ -112,9 +112,10 @@ def _operation(op: Operation, unit: Unit) -> list[str]:
     def figure(value: float | None) -> str:
         return "" if value is None else shown(value, unit)
 
+    deep = "through" if op.is_through else figure(op.depth)
     speed = "" if op.speed_rpm is None else f"{op.speed_rpm:g}"
     return [str(op.number), op.what, ", ".join(op.faces), figure(op.x), figure(op.y),
-            figure(op.depth), figure(op.feed_mm_min), speed, f"{op.seconds:.1f}"]  # fmt: skip
+            deep, figure(op.feed_mm_min), speed, f"{op.seconds:.1f}"]  # fmt: skip
 
 
 def _letters(text: str) -> str:

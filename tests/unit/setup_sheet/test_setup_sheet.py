@@ -66,8 +66,11 @@ def test_the_page_holds_each_operation_with_its_figures(annex: Content) -> None:
     profile = annex.program.parts[0].profile
     made = run(annex.program.text, annex.program.machine, profile).made
     for bore in made.bores:
-        wanted = [f"{v:.6g}" for v in (bore.x, bore.y, bore.tip_depth)]
-        assert any(row[:3] == wanted for row in cells.rows), wanted
+        wanted = [f"{v:.6g}" for v in (bore.x, bore.y)]
+        assert any(row[:2] == wanted for row in cells.rows), wanted
+    holes = [hole for part in annex.program.parts for hole in part.holes]
+    assert page.count("<td>through<") == len({b.line for b in made.bores})
+    assert all(hole.depth is None for hole in holes)
     assert len(annex.operations) == len({op.line for op in made.order})
     assert sum(op.seconds for op in annex.operations) == pytest.approx(annex.seconds)
     assert all(op.seconds > 0.0 for op in annex.operations)
