@@ -14,6 +14,7 @@ from beamcam.model.work_time import clock
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
+from beamcam.pictures.table import TableMade
 from beamcam.report.hand_list import HandRow, hand_rows
 from beamcam.report.ledger import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
@@ -44,6 +45,7 @@ class Content(Struct, frozen=True):
     """All that the sheet says."""
 
     program: ReadProgram
+    made: BarMade | TableMade  #: what it makes
     unit: Unit
     trace: Trace
     header: tuple[tuple[str, str], ...]
@@ -76,8 +78,10 @@ class SheetSources(Struct, frozen=True):
 
 def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
+    from beamcam.pictures.bar import bar_scene
     from beamcam.pictures.part import part_scene
-    from beamcam.pictures.program import bar_made, program_scene
+    from beamcam.pictures.program import bar_made, table_made
+    from beamcam.pictures.table import table_scene
 
     program = source.program
     machine = program.machine
@@ -86,15 +90,18 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     parts = tuple(dict.fromkeys(program.parts))
     table = machine.torch.colours if machine.torch is not None else None
     drawn = [part_scene(part, unit, table) for part in parts]
-    pictures = (program_scene(program, unit, done), *drawn)
     bar: tuple[BarStretch, ...] = ()
+    made: BarMade | TableMade
     if machine.stock == "beam":
         made = bar_made(program)
+        scene = bar_scene(made, unit)
         operations = operations_of(made, trace)
         tools = _bar_tools(source, operations)
         bar = tuple(_stretches(made))
     else:
-        operations = table_operations(program, trace)
+        made = table_made(program, done)
+        scene = table_scene(made, unit)
+        operations = table_operations(made)
         tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
     run = run_warnings(trace, machine, done.section, program.name)
     messages = tuple(map(_without_folder, (*source.said, *source.found, *run)))
@@ -102,7 +109,8 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     if errors_in(source.found) or not source.compared:
         verdict = "wrong"
     return Content(
-        program, unit, trace, (*_header(program, trace), *source.settings), pictures, operations,
+        program, made, unit, trace, (*_header(program, trace), *source.settings), (scene, *drawn),
+        operations,
         tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
         tuple(hand_rows(source.plan)) if source.plan is not None else (),

@@ -9,7 +9,6 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Flags
 from beamcam.pictures.bar import BarMade, order_numbers
 from beamcam.pictures.depths import SteelDepths
-from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulate.trace import Trace
 from beamcam.verify.bars.machined_features import Bore, Cut, Thing, ToldText
@@ -121,9 +120,9 @@ def _rising(ends: list[float]) -> list[float]:
     return ends
 
 
-def table_operations(program: ReadProgram, trace: Trace) -> tuple[Operation, ...]:
+def table_operations(table: TableMade) -> tuple[Operation, ...]:
     """The paths of a table's program, each with the way to it."""
-    table = TableMade(trace, program.machine, program.name, program.sha256)
+    trace = table.trace
     speeds = table.speeds_mm_s
     ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
     found, begin = [], 0.0

@@ -7,11 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from beamcam.model.work_time import clock
+from beamcam.pictures.bar import BarMade
 from beamcam.pictures.svg import inline_svg
 from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.html import length, messages, number, row, shown, table, used_columns
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.playback import as_script, bar_data, table_data
+from beamcam.setup_sheet.solid_data import CHORDS, Solids, solids_of
 from beamcam.setup_sheet.static_files import page_script, page_style
 from beamcam.simulate.trace import TraceAxis
 from beamcam.version import __version__
@@ -43,6 +45,7 @@ def setup_page(content: Content) -> str:
     """The page; the same program gives the same bytes."""
     program = content.program
     title = f"{program.name}: setup sheet"
+    solids = solids_of(program, content.made)
     return "".join(
         [
             '<!doctype html>\n<html lang="en" ',
@@ -51,6 +54,7 @@ def setup_page(content: Content) -> str:
             "<body>\n<main>\n",
             *_top(content),
             _playback(content),
+            *_space(solids),
             *_pictures(content),
             *_tables(content),
             "</main>\n",
@@ -58,6 +62,9 @@ def setup_page(content: Content) -> str:
             f"<code>{program.sha256}</code></footer>\n",
             data_script("playback", playback_data(content)),
             data_script("program", program_data(content.program.data)),
+            data_script("solid", {"faces": solids.faces, "pieces": solids.pieces})
+            if solids.pieces
+            else "",
             f"<script>{page_script()}</script>\n</body>\n</html>\n",
         ]
     )
@@ -82,13 +89,8 @@ def data_script(name: str, data: object) -> str:
 
 def playback_data(content: Content) -> dict[str, Any]:
     """The trace with what it moves."""
-    from beamcam.pictures.program import bar_made
-    from beamcam.pictures.table import TableMade
-
-    program = content.program
-    if program.machine.stock == "beam":
-        return bar_data(bar_made(program), content.trace)
-    return table_data(TableMade(content.trace, program.machine, program.name, program.sha256))
+    made = content.made
+    return bar_data(made, content.trace) if isinstance(made, BarMade) else table_data(made)
 
 
 def program_data(data: bytes) -> dict[str, Any]:
@@ -201,6 +203,42 @@ def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: boo
         '<span id="clock"></span></div></div>'
         f'<div><div id="state"></div>{axis_table(axes)}{text}</div>'
         "</div></section>\n"
+    )
+
+
+def _space(solids: Solids) -> Iterator[str]:
+    """The solid, or why there is none."""
+    yield '<section class="in-space"><h2>In space</h2>\n'
+    if not solids.pieces:
+        yield f"<p>No solid: {shown(solids.without)}.</p></section>\n"
+        return
+    names = [(-1, "all"), *((k, p["mark"] or p["kind"]) for k, p in enumerate(solids.pieces))]
+    buttons = "".join(
+        f'<button data-piece="{k}" aria-pressed="{"true" if k < 0 else "false"}">{shown(name)}'
+        "</button>"
+        for k, name in names
+        if len(names) > 2
+    )
+    letters = "".join(
+        f'<span class="face-letter" data-face="{f}" hidden>{f}</span>' for f in solids.faces
+    )
+    coarse = ""
+    if solids.chord > CHORDS[0]:
+        coarse = (
+            f" Circles have fewer sides, up to {solids.chord:g} mm within them, to keep the page "
+            "small; every hole is there."
+        )
+    yield (
+        f'<div class="controls">{buttons}'
+        '<button data-solid="in" aria-label="Nearer">+</button>'
+        '<button data-solid="out" aria-label="Further off">&minus;</button>'
+        '<button data-solid="fit">Fit</button></div>'
+        '<div id="solid-view" tabindex="0" role="group" aria-label="What the program leaves, in '
+        'space: drag or arrow keys turn it, shift moves it, plus and minus zoom">'
+        f'<canvas role="img" aria-label="The pieces"></canvas>{letters}</div>'
+        '<p class="hint">As the program makes it. Drag or arrow keys turn it, with shift they move '
+        "it; plus and minus, or the wheel after a click, zoom. A click on a hole goes to its "
+        f"operation, a click on an operation to its hole.{coarse}</p></section>\n"
     )
 
 

@@ -18,7 +18,25 @@ const Sheet = {
     Colours.read();
     this.units();
     if (this.data) this.playback();
+    const solid = read("solid");
+    if (solid) this.space(solid);
     Numbers.show(document);
+  },
+
+  // The solid, and the faces that its operations are on.
+  space(data) {
+    const box = this.one("solid-view");
+    this.solid = new Solid(box, data, (line) => this.pick(line));
+    this.faces = new Map((this.data?.bores ?? []).concat(this.data?.trails ?? [])
+      .map(({ line, face }) => [line, face]).reverse()); // of two spindles the first
+    window.addEventListener("resize", () => this.solid.draw());
+    // On paper it is as light as the paper.
+    for (const media of ["(prefers-color-scheme: dark)", "print"]) {
+      window.matchMedia(media).addEventListener("change", () => {
+        Colours.read();
+        this.solid.draw();
+      });
+    }
   },
 
   one(id) {
@@ -100,7 +118,13 @@ const Sheet = {
     document.addEventListener("keydown", (event) => this.key(event));
     for (const { name, view } of this.views) if (name === "space") this.turnable(view.canvas);
     for (const button of document.querySelectorAll("button[data-line]")) {
-      button.addEventListener("click", () => this.pick(Number(button.dataset.line)));
+      button.addEventListener("click", () => {
+        const line = Number(button.dataset.line);
+        this.pick(line);
+        if (!this.solid) return;
+        this.solid.show(line, true, this.faces.get(line));
+        this.solid.box.scrollIntoView({ block: "nearest" });
+      });
     }
   },
 
@@ -235,6 +259,7 @@ const Sheet = {
   // The shapes and the row of the operation whose block it is.
   mark(line) {
     if (line === this.markedLine || !this.shapes) return;
+    if (this.solid) this.solid.show(line);
     this.markedLine = line;
     for (const e of this.marked) e.classList.remove("now");
     this.marked = [...(this.shapes.get(line) ?? []),
