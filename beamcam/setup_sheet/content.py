@@ -18,6 +18,7 @@ from beamcam.pictures.table import TableMade
 from beamcam.report.hand_list import HandRow, hand_rows
 from beamcam.report.ledger import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
+from beamcam.setup_sheet.totals import Total, bar_totals, table_totals
 from beamcam.simulate.limits import run_warnings
 from beamcam.simulate.program import simulate_program
 from beamcam.simulate.trace import Trace
@@ -51,6 +52,7 @@ class Content(Struct, frozen=True):
     header: tuple[tuple[str, str], ...]
     pictures: tuple[Scene, ...]  #: the program's first, then the parts
     operations: tuple[Operation, ...]
+    totals: tuple[Total, ...]  #: of work and travel, by tool
     tools: tuple[ToolRow, ...]
     bar: tuple[BarStretch, ...]
     left_out: tuple[str, ...]
@@ -96,12 +98,14 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
         made = bar_made(program)
         scene = bar_scene(made, unit)
         operations = operations_of(made, trace)
+        totals = bar_totals(operations, trace)
         tools = _bar_tools(source, operations)
         bar = tuple(_stretches(made))
     else:
         made = table_made(program, done)
         scene = table_scene(made, unit)
         operations = table_operations(made)
+        totals = table_totals(made)
         tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
     run = run_warnings(trace, machine, done.section, program.name)
     messages = tuple(map(_without_folder, (*source.said, *source.found, *run)))
@@ -111,6 +115,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     return Content(
         program, made, unit, trace, (*_header(program, trace), *source.settings), (scene, *drawn),
         operations,
+        totals,
         tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
         tuple(hand_rows(source.plan)) if source.plan is not None else (),

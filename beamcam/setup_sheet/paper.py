@@ -93,6 +93,17 @@ def _tables(content: Content) -> Iterator[Any]:
         rows = [[t.where, t.station, t.tool] for t in content.tools]
         heads, rows = used_columns([("Where", 180.0), ("Station", 180.0), ("Tool", 170.0)], rows)
         yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads], (), True)
+    yield _title("Time by tool")
+    rows = [
+        [t.what, "" if t.count is None else str(t.count), f"{t.work_s:.1f}" if t.work_s else "",
+         f"{t.seconds:.1f}", "" if t.length is None else shown(t.length, unit)]
+        for t in content.totals
+    ]  # fmt: skip
+    columns = [("What", 170.0), ("Operations", 80.0), ("At work, s", 80.0), ("In all, s", 80.0),
+               (f"Length, {unit}", 100.0)]  # fmt: skip
+    heads, rows = used_columns(columns, rows)
+    yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads],
+                 range(1, len(heads)), True)  # fmt: skip
     count = len(content.operations)
     yield _title(f"Operations ({count}, {clock(content.seconds)})")
     if not count:  # a program that does nothing

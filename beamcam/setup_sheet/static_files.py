@@ -6,7 +6,7 @@ from beamcam.pictures.styles import SPEED_COLOURS, css
 
 SCRIPTS = (
     "sha256", "numbers", "trace", "canvas", "gestures", "cell", "table", "guide", "listing",
-    "solid", "sheet",
+    "mesh", "solid", "sheet",
 )  # fmt: skip
 
 

@@ -17,11 +17,11 @@ class Browser:
     def __init__(self, driver: Any) -> None:
         self.driver = driver
 
-    def open(self, page: Path | str, width: int = 1200) -> None:
+    def open(self, page: Path | str, width: int = 1200, height: int = 900) -> None:
         """A page from the disk or at an address, with nothing logged before."""
         self.driver.execute_cdp_cmd(
             "Emulation.setDeviceMetricsOverride",
-            {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False},
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
         )
         self.driver.get("about:blank")
         self.driver.get_log("browser"), self.driver.get_log("performance")

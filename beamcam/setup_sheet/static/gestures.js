@@ -7,7 +7,7 @@ const Gestures = {
     let moved = 0;
     const local = (event) => {
       const frame = box.getBoundingClientRect();
-      return [event.clientX - frame.left, event.clientY - frame.top];
+      return [event.clientX - frame.left - box.clientLeft, event.clientY - frame.top - box.clientTop];
     };
     box.addEventListener("pointerdown", (event) => {
       held.set(event.pointerId, local(event));
