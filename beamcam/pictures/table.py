@@ -122,7 +122,9 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
     drawn += _pierces(trace, strokes, frame)
     y = paper.bottom
     drawn += _scale(frame, framed, y, unit)
-    drawn += _legend(fastest, sorted({int(k) for k in colours[on & (speeds > 0.0)]}), y + 24.0)
+    used = sorted({int(k) for k in colours[on & (speeds > 0.0)]})
+    has_leads = any(shape.classes == "lead" for shape in drawn)
+    drawn += _legend(fastest, used, has_leads, y + 24.0)
     x0, y0, x1, y1 = (shown(v, unit) for v in box)
     notes = [f"path X {x0} to {x1}, Y {y0} to {y1} {unit}",
              f"{table.name}   sha-256 {table.sha256}"]  # fmt: skip
@@ -365,7 +367,7 @@ def _pierces(
             yield Text("number order", free, str(number), 9.0, line=line)
 
 
-def _legend(fastest: float, used: Sequence[int], y: float) -> Iterator[Shape]:
+def _legend(fastest: float, used: Sequence[int], has_leads: bool, y: float) -> Iterator[Shape]:
     """The colours of the speeds that occur, and what else is drawn."""
     x = SIDE
     yield Text("label", (x, y + 4.0), "mm/min up to")
@@ -375,9 +377,10 @@ def _legend(fastest: float, used: Sequence[int], y: float) -> Iterator[Shape]:
         value = fastest * SECONDS_PER_MINUTE * (k + 1) / len(SPEED_COLOURS)
         yield Text("figure", (x + 19.0, y + 4.0), f"{value:.0f}")
         x += 58.0
-    for style, text in (("rapid", "no tool on"), ("lead", "lead, overcut")):
+    rows = [("rapid", "no tool on"), *([("lead", "lead, overcut")] if has_leads else [])]
+    for style, text in rows:
         yield Polyline(f"{style} legend", ((x, y), (x + 16.0, y)))
         yield Text("label", (x + 20.0, y + 4.0), text)
-        x += 90.0
+        x += 34.0 + 7.0 * len(text)
     yield Circle("pierce legend", (x + 3.0, y), 2.2)
     yield Text("label", (x + 10.0, y + 4.0), "start of a tool")

@@ -1,4 +1,7 @@
-"""The setup sheet on paper, by reportlab (an extra): A4, the same bytes for the same program."""
+"""The setup sheet on A4 on its side, by reportlab (an extra).
+
+The same program gives the same bytes.
+"""
 
 import io
 from collections.abc import Iterator, Sequence
@@ -6,7 +9,14 @@ from html import escape
 from typing import Any
 
 from beamcam.model.work_time import clock
-from beamcam.pictures.pdf import MARGIN, POINTS_PER_PIXEL, draw_scene, needed_canvas, plain_letters
+from beamcam.pictures.pdf import (
+    A4,
+    MARGIN,
+    POINTS_PER_PIXEL,
+    draw_scene,
+    needed_canvas,
+    plain_letters,
+)
 from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text
 from beamcam.report.run import as_message, message_line
@@ -17,8 +27,7 @@ from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
 from beamcam.version import __version__
 
 BODY = 9.0
-ROOM = 539.0  #: points between the margins of an A4 page
-HIGH = 760.0
+ROOM, HIGH = 786.0, 513.0  #: points between the margins of an A4 page on its side
 
 
 def setup_pdf(content: Content) -> bytes:
@@ -28,9 +37,10 @@ def setup_pdf(content: Content) -> bytes:
 
     stream = io.BytesIO()
     title = f"{content.program.name}: setup sheet"
+    size = (A4[1], A4[0])
     document = SimpleDocTemplate(
-        stream, leftMargin=MARGIN, rightMargin=MARGIN, topMargin=MARGIN, bottomMargin=MARGIN + 8,
-        title=title, author="beamcam", invariant=1,
+        stream, pagesize=size, leftMargin=MARGIN, rightMargin=MARGIN, topMargin=MARGIN,
+        bottomMargin=MARGIN + 8, title=title, author="beamcam", invariant=1,
     )  # fmt: skip
     foot = plain_letters(f"{content.program.name}   sha-256 {content.program.sha256}")
 
@@ -38,9 +48,13 @@ def setup_pdf(content: Content) -> bytes:
         canvas.setFont("Helvetica", 6.5)
         canvas.drawString(MARGIN, 20, foot)
         page = f"beamcam {__version__}, page {canvas.getPageNumber()}"
-        canvas.drawRightString(595 - MARGIN, 20, page)
+        canvas.drawRightString(size[0] - MARGIN, 20, page)
 
-    document.build(list(_story(content)), onFirstPage=footer, onLaterPages=footer)
+    document.build(
+        list(_story(content)),
+        onFirstPage=footer,
+        onLaterPages=footer,
+    )
     return stream.getvalue()
 
 

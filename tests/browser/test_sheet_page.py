@@ -255,21 +255,28 @@ def test_the_dark_page_is_dark(browser: Browser, folder: Path) -> None:
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [light]})
 
 
-def test_on_paper_it_is_a4_without_the_playback(browser: Browser, folder: Path) -> None:
+@pytest.mark.parametrize(("paper", "wanted"), [((8.268, 11.693), (842, 596)),
+                                               ((11.693, 16.535), (1191, 842))])  # fmt: skip
+def test_on_paper_it_lies_on_its_side_without_the_playback(
+    browser: Browser, folder: Path, paper: tuple[float, float], wanted: tuple[int, int]
+) -> None:
+    """On A4 and on A3; a picture fills the page and is not cut."""
     browser.open(folder / "bar.html")
     try:
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
         style = "return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]"
         assert browser.run(style, ".playback", "display") == "none"
         assert browser.run(style, "#program-check", "display") == "none"
+        assert browser.run(style, ".in-space .controls", "display") == "none"
         assert browser.run(style, "#operations td:last-child", "textAlign") == "right"
-        paper = browser.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})
+        size = {"paperWidth": paper[0], "paperHeight": paper[1], "preferCSSPageSize": True}
+        printed = browser.driver.execute_cdp_cmd("Page.printToPDF", size)
     finally:
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
-    data = base64.b64decode(paper["data"])
+    data = base64.b64decode(printed["data"])
     boxes = {tuple(round(float(v)) for v in found.split())
              for found in re.findall(rb"/MediaBox \[([\d. ]+)\]", data)}  # fmt: skip
-    assert boxes == {(0, 0, 595, 842)}
+    assert {box[2:] for box in boxes} <= {wanted, (wanted[0], wanted[1] - 1)}
 
 
 @pytest.mark.parametrize("name", JOBS)

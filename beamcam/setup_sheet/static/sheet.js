@@ -34,7 +34,8 @@ const Sheet = {
     for (const media of ["(prefers-color-scheme: dark)", "print"]) {
       window.matchMedia(media).addEventListener("change", () => {
         Colours.read();
-        this.solid.draw();
+        if (media === "print") this.solid.fit(); // its size is another
+        else this.solid.draw();
       });
     }
   },
