@@ -41,6 +41,7 @@ from beamcam.pictures.views import (
     Paper,
     View,
     datum,
+    edges_of,
     figures,
     footing,
     guides,
@@ -184,8 +185,10 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
             face, _title(bar, face), (0.0, 0.0, bar.drawn_end, bar.face_width(face)),
             tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
                   | {round(t.points[0][0] - drill_x, 3) for t in made.paths if t.face == face}),
-            tuple({round(b.y, 3) for b in made.bores if b.face == face}), runs_down(face),
+            tuple({round(b.y, 3) for b in made.bores if b.face == face}
+                  | {bar.profile.face_width(face)} - {0.0}), runs_down(face),
             tuple((b.x - drill_x, b.y) for b in made.bores if b.face == face),
+            edges=edges_of(face, bar.profile.code),
         )
         for face in faces
     )  # fmt: skip

@@ -55,6 +55,7 @@ from beamcam.pictures.views import (
     Paper,
     View,
     datum,
+    edges_of,
     figures,
     footing,
     guides,
@@ -68,9 +69,6 @@ from beamcam.pictures.views import (
 )
 
 FACES_OF = {"I": "ovu", "U": "ovu", "C": "ovu", "T": "ov", "L": "vu", "M": "hovu", "B": "v"}
-FLANGED = "IUCTLM"  #: sections whose faces meet at edges
-#: The faces that the edges y = 0 and greatest y of a view lead to.
-BESIDE = {"v": ("u", "o"), "h": ("u", "o"), "o": ("h", "v"), "u": ("h", "v")}
 MAX_BLOCKED = 400  #: points of a line that callouts keep clear of; of a longer one some
 SMALL = (150.0, 60.0)  #: pixels of a small picture
 MAX_SMALL_SHAPES = 120
@@ -255,7 +253,7 @@ def view_of(part: Part, face: Face) -> View:
         title = f"{face}   front, seen from the front; x and y as in the drawing"
     return View(
         face, title, box, tuple(places), tuple(heights), runs_down(face), tuple(points),
-        edges=BESIDE.get(face, ("", "")) if part.profile.code in FLANGED else ("", ""),
+        edges=edges_of(face, part.profile.code),
     )  # fmt: skip
 
 

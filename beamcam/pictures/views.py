@@ -37,6 +37,16 @@ LISTED = 24  #: figures in a line of the footing
 Box = tuple[float, float, float, float]
 
 
+FLANGED = "IUCTLM"  #: sections whose faces meet at edges
+#: The faces that the edges y = 0 and greatest y of a view lead to.
+BESIDE = {"v": ("u", "o"), "h": ("u", "o"), "o": ("h", "v"), "u": ("h", "v")}
+
+
+def edges_of(face: str, code: str) -> tuple[str, str]:
+    """The faces beside the lower and the upper edge of a face's y; blank of other sections."""
+    return BESIDE.get(face, ("", "")) if code in FLANGED else ("", "")
+
+
 class View(Struct, frozen=True):
     """Content of one view: a box in millimetres and the dimensioned positions along x."""
 

@@ -1,13 +1,17 @@
 """What a program leaves of its bar or sheet, as a solid for the page: quantised triangles.
 
 box      least corner and size of a piece: its points are shares of it, in 1/65535
-points   x y z of each corner, as 16 bit numbers in base64
-corners  three numbers of points for each triangle, 16 bits, or 32 where there are more points
+points   how many corners the piece has, `triangles` how many triangles
+wide     bytes of a number of a corner: 2, or 4 where there are more corners
+data     x of all points, then y, then z, 16 bits each; then three numbers of points for each
+         triangle. Each as the difference to the one before, all low bytes before all high ones,
+         so that deflate makes them short; in base64
 lines    runs of triangles that one line of the program made: line, how many; 0 is the stock
 """
 
 import base64
 import json
+import zlib
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
@@ -18,12 +22,14 @@ from msgspec import Struct
 from beamcam.controllers import table_events
 from beamcam.controllers.events import HeadMove, Switch
 from beamcam.errors import BeamcamError, Source
+from beamcam.geometry.array_types import Counts
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.materials import material_said
 from beamcam.model.part import Part, Profile
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.table import TableMade
+from beamcam.solid.kernel import facets
 from beamcam.solid.mesh import Mesh, bar_meshes, sheet_meshes
 from beamcam.solid.plate_pieces import thickness_of
 from beamcam.solid.sheet_solid import Stroke, rows_for, strokes_of
@@ -32,6 +38,7 @@ LIMIT = 280_000  #: characters of a page that a solid may take
 #: How far a polygon lies within its circle, mm: from the finest on, until the page is small enough.
 CHORDS = (0.05, 0.2, 0.6, 5.0)
 GRID = 65535
+CHARACTERS = 16  #: that a side of a hole takes, about
 MAX_WORK = 20_000  #: moves and cuts that are machined as a solid, which takes its time
 
 
@@ -52,11 +59,16 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
         return Solids((), faces, without=without)
     pieces: tuple[dict[str, Any], ...] = ()
     try:
-        for chord in CHORDS:
+        for chord in CHORDS[_first(made) :]:
             found = (
                 _bar(program, made, chord)
                 if isinstance(made, BarMade)
-                else ([("part", "", mesh) for mesh in _sheet(program, made, chord)])
+                else (
+                    [
+                        ("part", f"piece {k}", mesh)
+                        for k, mesh in enumerate(_sheet(program, made, chord), 1)
+                    ]
+                )
             )
             pieces = tuple(_packed(*one) for one in found)
             if len(json.dumps(pieces)) <= LIMIT:
@@ -66,6 +78,17 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
         return Solids((), faces, without="; ".join(d.message for d in error.diagnostics))
     size = len(json.dumps(pieces)) / 1000
     return Solids((), faces, without=f"it would take {size:.0f} kB; a page holds {LIMIT // 1000}")
+
+
+def _first(made: BarMade | TableMade) -> int:
+    """Which chord is tried first: machining a solid again and again takes its time."""
+    if not isinstance(made, BarMade):
+        return 0
+    for k, chord in enumerate(CHORDS):
+        sides = sum(facets(bore.diameter / 2, chord) for bore in made.made.bores)
+        if sides * CHARACTERS <= LIMIT:
+            return k
+    return len(CHORDS) - 1
 
 
 def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
@@ -133,15 +156,20 @@ def _packed(kind: str, mark: str, mesh: Mesh) -> dict[str, Any]:
     """A piece as JSON holds it."""
     low = mesh.points.min(axis=0)
     size = np.maximum(mesh.points.max(axis=0) - low, 1e-6)
-    points = np.rint((mesh.points - low) / size * GRID).astype("<u2")
-    corners = mesh.triangles.astype("<u2" if len(points) <= GRID else "<u4")
+    points = np.rint((mesh.points - low) / size * GRID).astype(np.int64)
+    wide = 2 if len(points) <= GRID else 4
+    data = b"".join(_differences(column, 2) for column in points.T)
+    data += _differences(mesh.triangles.ravel(), wide)
     edges = [0, *(np.flatnonzero(np.diff(mesh.lines)) + 1).tolist(), len(mesh.lines)]
     return {
         "kind": kind, "mark": mark, "box": [round(float(v), 3) for v in (*low, *size)],
-        "points": _base64(points), "corners": _base64(corners), "count": len(points),
+        "points": len(points), "triangles": len(mesh.triangles), "wide": wide,
+        "data": base64.b64encode(zlib.compress(data, 9)).decode("ascii"),
         "lines": [[int(mesh.lines[a]), b - a] for a, b in pairwise(edges) if b > a],
     }  # fmt: skip
 
 
-def _base64(numbers: Any) -> str:
-    return base64.b64encode(numbers.tobytes()).decode("ascii")
+def _differences(numbers: Counts, wide: int) -> bytes:
+    """Differences of whole numbers in bytes of `wide` planes, the lowest first."""
+    steps = np.diff(numbers, prepend=0) % 256**wide
+    return b"".join((steps >> 8 * k & 255).astype(np.uint8).tobytes() for k in range(wide))

@@ -26,6 +26,11 @@ class Browser:
         self.driver.get("about:blank")
         self.driver.get_log("browser"), self.driver.get_log("performance")
         self.driver.get(page if isinstance(page, str) else page.as_uri())
+        # A solid is unpacked in its own time.
+        self.driver.execute_async_script(
+            "const done = arguments[0]; (async () => {"
+            "if (typeof Sheet !== 'undefined') await Sheet.ready; done(); })()"
+        )
 
     def run(self, script: str, *arguments: object) -> Any:
         """What a script in the page returns."""

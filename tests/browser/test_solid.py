@@ -228,15 +228,28 @@ def test_the_still_picture_is_that_of_webgl(
 ) -> None:
     browser.open(folder / "plate.html")
     still = (seen(browser) == 255).all(axis=2)
-    browser.run(
+    browser.driver.execute_async_script(
         "HTMLCanvasElement.prototype.getContext = own;"
         "const old = document.querySelector('#solid-view canvas'), made = old.cloneNode();"
         "old.replaceWith(made);"
-        "Sheet.space(JSON.parse(document.getElementById('solid').textContent))"
+        "Sheet.space(JSON.parse(document.getElementById('solid').textContent)).then(arguments[0])"
     )
     assert browser.run("return document.getElementById('solid-view').dataset.drawn") == "webgl"
     drawn = (seen(browser) == 255).all(axis=2)
     assert (still != drawn).mean() < 0.01
+
+
+def test_a_browser_that_cannot_unpack_it_says_so(
+    browser: Browser, folder: Path, tmp_path: Path
+) -> None:
+    text = (folder / "plate.html").read_text(encoding="utf-8")
+    page = tmp_path / "old.html"
+    page.write_text(text.replace("DecompressionStream", "NoSuchStream"), encoding="utf-8")
+    browser.open(page)
+    assert "too old to unpack the solid" in browser.text("solid-view")
+    browser.keys(" ")
+    assert browser.run("return Sheet.playing") is True
+    browser.run("Sheet.play(false)")
 
 
 def test_in_the_dark_and_on_paper_it_has_their_ground(browser: Browser, folder: Path) -> None:

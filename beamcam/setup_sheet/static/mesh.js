@@ -1,18 +1,35 @@
 // Triangles of a piece as the page holds them (beamcam/setup_sheet/solid_data.py), unpacked.
 const Mesh = {
-  numbers(text, Kind) {
+  // The bytes that deflate has made short. Throws where the browser cannot read it.
+  async inflated(text) {
     const bytes = Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
-    return new Kind(bytes.buffer);
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
+  },
+
+  // Whole numbers from a place on, by their differences, all low bytes before the higher ones.
+  numbers(bytes, from, count, wide) {
+    const found = new Uint32Array(count), most = wide === 2 ? 0xffff : 0xffffffff;
+    let last = 0;
+    for (let k = 0; k < count; k++) {
+      let step = 0;
+      for (let plane = 0; plane < wide; plane++) {
+        step += bytes[from + plane * count + k] * 256 ** plane;
+      }
+      found[k] = last = (last + step) % (most + 1);
+    }
+    return found;
   },
 
   // Corners of triangles one after the other, the normal and the line of each, the sharp edges.
-  unpacked({ kind, mark, box, points, corners, count, lines }) {
-    const places = Mesh.numbers(points, Uint16Array);
-    const index = Mesh.numbers(corners, count > 65535 ? Uint32Array : Uint16Array);
-    const n = index.length / 3, at = new Float32Array(9 * n), normal = new Float32Array(3 * n);
+  async unpacked({ kind, mark, box, points, triangles, wide, data, lines }) {
+    const bytes = await Mesh.inflated(data), n = triangles;
+    const places = [0, 1, 2].map((axis) => Mesh.numbers(bytes, 2 * points * axis, points, 2));
+    const index = Mesh.numbers(bytes, 6 * points, 3 * n, wide);
+    const at = new Float32Array(9 * n), normal = new Float32Array(3 * n);
     for (let k = 0; k < index.length; k++) {
       for (let axis = 0; axis < 3; axis++) {
-        at[3 * k + axis] = box[axis] + (places[3 * index[k] + axis] / 65535) * box[3 + axis];
+        at[3 * k + axis] = box[axis] + (places[axis][index[k]] / 65535) * box[3 + axis];
       }
     }
     const sides = new Map(), edges = [];

@@ -19,14 +19,21 @@ const Sheet = {
     this.units();
     if (this.data) this.playback();
     const solid = read("solid");
-    if (solid) this.space(solid);
+    this.ready = solid ? this.space(solid) : null;
     Numbers.show(document);
   },
 
   // The solid, and the faces that its operations are on.
-  space(data) {
+  async space(data) {
     const box = this.one("solid-view");
-    this.solid = new Solid(box, data, (line) => this.pick(line));
+    let pieces;
+    try {
+      pieces = await Promise.all(data.pieces.map((piece) => Mesh.unpacked(piece)));
+    } catch {
+      box.textContent = "This browser is too old to unpack the solid.";
+      return;
+    }
+    this.solid = new Solid(box, data, pieces, (line) => this.pick(line));
     this.faces = new Map((this.data?.bores ?? []).concat(this.data?.trails ?? [])
       .map(({ line, face }) => [line, face]).reverse()); // of two spindles the first
     window.addEventListener("resize", () => this.solid.draw());

@@ -3,7 +3,8 @@
 //
 // WebGL draws it. Without it the same triangles are drawn once into an image, which stands still.
 class Solid {
-  constructor(box, data, onPick) {
+  // `pieces` are unpacked (mesh.js).
+  constructor(box, data, pieces, onPick) {
     this.box = box;
     this.canvas = box.querySelector("canvas");
     this.onPick = onPick;
@@ -12,7 +13,7 @@ class Solid {
     this.yaw = -0.45;
     this.pitch = 0.45;
     this.faces = data.faces;
-    this.pieces = data.pieces.map((piece) => Mesh.unpacked(piece));
+    this.pieces = pieces;
     this.lines = new Set(data.pieces.flatMap((piece) => piece.lines.map(([line]) => line)));
     this.letters = [...box.querySelectorAll(".face-letter")];
     const wanted = { antialias: true, preserveDrawingBuffer: true };
@@ -143,7 +144,7 @@ class Solid {
       varying float light; varying float lit;
       void main() {
         vec3 facing = turn * normal;
-        light = 0.42 + 0.58 * max(0.0, dot(facing, normalize(vec3(-0.4, 0.55, 0.75))));
+        light = 0.5 + 0.5 * max(0.0, dot(facing, normalize(vec3(-0.4, 0.55, 0.75))));
         lit = abs(line - now) < 0.5 && now > 0.5 ? 1.0 : 0.0;
         gl_Position = vec4(turn * (place - target) * scale, 1.0);
       }`);
@@ -248,7 +249,7 @@ class Solid {
       for (let t = 0; t < piece.n; t++) {
         const n = rows.map((row) => row.reduce((s, v, a) => s + v * piece.normal[3 * t + a], 0));
         if (n[2] <= 0) continue;
-        const light = 0.42 + 0.58 * Math.max(0, n[0] * sun[0] + n[1] * sun[1] + n[2] * sun[2]);
+        const light = 0.5 + 0.5 * Math.max(0, n[0] * sun[0] + n[1] * sun[1] + n[2] * sun[2]);
         const own = piece.line[t] === this.line && this.line ? Colours.work : this.colour(piece);
         const colour = Solid.channels(own).map((v) => 255 * v * light);
         const [a, b, c] = [0, 3, 6].map((k) => [places[9 * t + k] * ratio,
