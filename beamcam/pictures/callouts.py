@@ -279,6 +279,7 @@ def _beside(
         share = radius / way
         edge = (at[0] + (tail[0] - at[0]) * share, at[1] + (tail[1] - at[1]) * share)
         shapes.append(Polyline("dim leader", (edge, tail)))
+        labels.block_line(edge, tail)
     return shapes
 
 

@@ -16,6 +16,7 @@ from beamcam.geometry.curves import join_boxes
 from beamcam.model.colour import process_of
 from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import (
+    Bend,
     Camber,
     Contour,
     EndPlane,
@@ -232,6 +233,9 @@ def view_of(part: Part, face: Face) -> View:
                     boxes.append(around)
                     edges |= set(_edges(feature, around, 0))
                     rises |= set(_edges(feature, around, 1))
+            case Bend(start=(x0, y0), end=(x1, y1)):
+                places |= {round(x0, 3), round(x1, 3)}
+                heights |= {round(y0, 3), round(y1, 3)}
             case Hole() | Slot() | TextMark() | Camber():
                 boxes.append((feature.x, feature.y, feature.x, feature.y))
                 if not isinstance(feature, Camber):

@@ -31,7 +31,6 @@ ONE_ROW = int((WIDTH - 2 * SIDE + 30.0) / FIGURE_SIZE)
 MOST = int((WIDTH - 2 * SIDE + 30.0) / TWO_ROWS_SIZE)
 LEGEND_ROW = 16.0
 NEAR_ZERO = 0.1  #: mm of a view that its zero may lie outside of it
-SAME = 0.05  #: mm; places nearer than this may have one figure
 LISTED = 24  #: figures in a line of the footing
 
 Box = tuple[float, float, float, float]
@@ -130,7 +129,7 @@ def figures(view: View, paper: Paper, unit: Unit, offset: float = 0.0) -> Iterat
     """
     frame = paper.frames[view.name]
     base = frame.at(0.0, view.bottom)[1]
-    places = distinct(view.places)
+    places = distinct(view.places, unit)
     rows = 1 if len(places) <= ONE_ROW else 2
     if len(places) > MOST:  # the footing has them all (`unshown`)
         places = [places[round(k * (len(places) - 1) / (MOST - 1))] for k in range(MOST)]
@@ -144,7 +143,7 @@ def figures(view: View, paper: Paper, unit: Unit, offset: float = 0.0) -> Iterat
         place = (label + 3.5, deep + 17.0)
         yield Text("figure", place, shown(value, unit), FIGURE_SIZE, "end", 90.0, value)
     left = frame.at(view.box[0], 0.0)[0]
-    ys = distinct(view.heights)[:: -1 if view.down else 1]
+    ys = distinct(view.heights, unit)[:: -1 if view.down else 1]
     ideal = [-frame.at(0.0, y)[1] for y in ys]
     for y, at, label in zip(ys, ideal, spread(ideal, FIGURE_SIZE), strict=True):
         yield Polyline("dim", ((left - 2.0, -at), (left - 5.0, -at), (left - 9.0, -label)))
@@ -152,11 +151,11 @@ def figures(view: View, paper: Paper, unit: Unit, offset: float = 0.0) -> Iterat
         yield Text("figure", place, shown(y, unit), FIGURE_SIZE, "end", 0.0, y)
 
 
-def distinct(places: Sequence[float]) -> list[float]:
+def distinct(places: Sequence[float], unit: Unit = "mm") -> list[float]:
     """Places in order, of those that would show the same figure the first alone."""
     found: list[float] = []
     for place in sorted(places):
-        if not found or place - found[-1] > SAME or shown(place) != shown(found[-1]):
+        if not found or shown(place, unit) != shown(found[-1], unit):
             found.append(place)
     return found
 
@@ -199,7 +198,7 @@ def datum(view: View, frame: Frame) -> Iterator[Shape]:
 
 def unshown(view: View, unit: Unit, offset: float = 0.0) -> Iterator[str]:
     """All places along x of a view that has more of them than there is room for, as a list."""
-    places = distinct(view.places)
+    places = distinct(view.places, unit)
     if len(places) > MOST:
         for k in range(0, len(places), LISTED):
             figures_ = ", ".join(shown(x - offset, unit) for x in places[k : k + LISTED])

@@ -200,3 +200,13 @@ def test_the_legend_names_what_is_drawn_and_no_more() -> None:
     assert "hole" not in plain
     with_slot = Drawing(to_svg(part_scene(beam(Slot("v", 100, 50, 18, 16, 0, 0, HERE))))).texts
     assert "slot" in with_slot
+
+
+def test_bends_are_dimensioned_and_equal_figures_stand_once() -> None:
+    bend = Bend((412.5, 0.0), (412.5, 300.0), 90.0, 6.0, HERE)
+    holes = (Hole("v", 300.01, 60.0, 18, HERE), Hole("v", 300.04, 200.0, 18, HERE))
+    found = Drawing(to_svg(part_scene(beam(bend, *holes))))
+    assert found.texts.count("412.5") == 1
+    assert found.texts.count("300") == 2  # along x, and the height of the web
+    inch = Drawing(to_svg(part_scene(beam(bend, *holes), "inch")))
+    assert {"11.811", "11.813"} <= {*inch.texts}
