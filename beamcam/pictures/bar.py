@@ -16,23 +16,42 @@ from beamcam.machine.absent import text_x
 from beamcam.machine.machine import Machine
 from beamcam.model.faces import face_title, runs_down
 from beamcam.model.part import Face, Profile
+from beamcam.pictures.depths import SteelDepths
 from beamcam.pictures.features import lettering
 from beamcam.pictures.labels import Labels
-from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, Unit, shown
+from beamcam.pictures.scene import (
+    Circle,
+    Frame,
+    Pieces,
+    Point,
+    Polyline,
+    Scene,
+    Shape,
+    Text,
+    Unit,
+    said,
+    shown,
+)  # fmt: skip
 from beamcam.pictures.styles import TOOL_COLOURS
 from beamcam.pictures.views import (
     FIGURE_SIZE,
+    LEGEND_ROW,
     SIDE,
     WIDTH,
     Paper,
     View,
+    datum,
+    edges_of,
     figures,
     footing,
+    guides,
     head_height,
     heading,
     laid_out,
+    legend,
     spread,
     titles,
+    unshown,
 )
 from beamcam.verify.bars.machined_features import (
     Bore,
@@ -46,6 +65,7 @@ from beamcam.verify.bars.pieces import CutPlane, planes
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
 LONG_REMNANT = 1.0  #: share of the worked length, above which a remnant is broken off
 BROKEN_REMNANT = 0.25  #: share of the worked length that is drawn of such a remnant
+MITRE_SIZE = 9.0
 NUMBER_SIZES = (9.0, 6.0)  #: of an operation's number, and where there is no room for it
 
 
@@ -74,6 +94,11 @@ class BarMade(Struct, frozen=True):
         """The cuts in their order along the bar."""
         saw = self.machine.saw
         return planes(self.made.cuts, saw, self.profile) if saw is not None else []
+
+    @property
+    def depths(self) -> SteelDepths:
+        """How deep its strokes are in the steel."""
+        return SteelDepths(self.machine, self.profile, self.made.bores)
 
     @property
     def end(self) -> float:
@@ -128,6 +153,16 @@ class BarMade(Struct, frozen=True):
         ]  # fmt: skip
         return min(ways) <= start.half_kerf + end.half_kerf + 2 * self.machine.format.resolution
 
+    def extent(self, piece: Piece) -> tuple[float, float]:
+        """Bar x of the first and of the last corner of a piece."""
+        corners = [(f, y) for f in ("o", "u") for y in (0.0, self.profile.width)]
+        start, end = 0.0, self.end
+        if piece.start is not None:
+            start = min(self.x_on(piece.start, f, y) for f, y in corners) + piece.start.half_kerf
+        if piece.end is not None:
+            end = max(self.x_on(piece.end, f, y) for f, y in corners) - piece.end.half_kerf
+        return start, end
+
     def _rise(self, y: float) -> float:
         saw = self.machine.saw
         return y - self.profile.height if saw is not None and saw.pivot == "o" else y
@@ -150,7 +185,10 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
             face, _title(bar, face), (0.0, 0.0, bar.drawn_end, bar.face_width(face)),
             tuple({round(b.x - drill_x, 3) for b in made.bores if b.face == face}
                   | {round(t.points[0][0] - drill_x, 3) for t in made.paths if t.face == face}),
-            tuple({round(b.y, 3) for b in made.bores if b.face == face}), runs_down(face),
+            tuple({round(b.y, 3) for b in made.bores if b.face == face}
+                  | {bar.profile.face_width(face)} - {0.0}), runs_down(face),
+            tuple((b.x - drill_x, b.y) for b in made.bores if b.face == face),
+            edges=edges_of(face, bar.profile.code),
         )
         for face in faces
     )  # fmt: skip
@@ -158,21 +196,26 @@ def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:
     tools = tool_numbers(made)
     drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
     for view in views:
-        drawn += _stock(bar, view, paper)
+        drawn += _stock(bar, view, paper, unit)
+        drawn += guides(view, paper.frames[view.name])
+        drawn += datum(view, paper.frames[view.name])
         drawn += _ways(bar, view, paper, drill_x)
         drawn += _strokes(bar, view, paper, drill_x, tools)
         drawn += figures(view, paper, unit)
     y = paper.bottom
     drawn += _stops(bar, paper.frames[views[-1].name], y, unit)
-    drawn += _legend(tools, y + 62.0)
+    rows = list(_legend(bar, tools, y + 62.0, unit))
+    drawn += rows
+    y = max(y, *(s.at[1] - 66.0 for s in rows if isinstance(s, Text)))
     notes = [f"{bar.name}   sha-256 {bar.sha256}",
-             f"lengths in {unit} from the front end; stop positions in machine x"]  # fmt: skip
+             f"lengths in {unit} from the front end; stop positions in machine x",
+             *(row for view in views for row in unshown(view, unit))]  # fmt: skip
     drawn += footing(notes, y + 76.0)
     about = (
         f"program {bar.name} as interpreted: {len(made.cuts)} cuts, {len(made.bores)} holes, "
         f"{len(made.paths)} paths; sha-256 {bar.sha256}"
     )
-    return Scene(bar.name, about, WIDTH, y + 122.0, tuple(drawn))
+    return Scene(bar.name, about, WIDTH, y + 96.0 + 13.0 * len(notes), tuple(drawn))
 
 
 def _faces(bar: BarMade) -> tuple[Face, ...]:
@@ -212,7 +255,7 @@ def _edge(
     return bar.x_on(plane, face, 0.0) + off, bar.x_on(plane, face, width) + off
 
 
-def _stock(bar: BarMade, view: View, paper: Paper) -> Iterator[Shape]:
+def _stock(bar: BarMade, view: View, paper: Paper, unit: Unit) -> Iterator[Shape]:
     """The pieces of the bar and its cuts on a face."""
     face, frame, width = view.name, paper.frames[view.name], view.box[3]
     on_web = face == "v"
@@ -225,9 +268,14 @@ def _stock(bar: BarMade, view: View, paper: Paper) -> Iterator[Shape]:
         if on_web and piece.kind == "part":
             middle = frame.at((b + d) / 2, width)
             long = (min(c, d) - max(a, b)) * frame.scale
+            first, last = bar.extent(piece)
+            words: Pieces = (piece.mark, "   ", round(last - first, 3))
+            if long < 6.5 * len(said(words, unit)):
+                words = (piece.mark[: max(1, int(long / 6.5))],)
             if long > 12.0:
-                text = piece.mark[: max(1, int(long / 6.5))]
-                yield Text("label piece-mark", (middle[0], middle[1] - 4), text, 11.0, "middle")
+                at = (middle[0], middle[1] - 4)
+                yield Text("label piece-mark", at, said(words, unit), 11.0, "middle",
+                           pieces=words, unit=unit)  # fmt: skip
     if bar.drawn_end < bar.end:
         yield _break(frame.at(bar.drawn_end, width), frame.at(bar.drawn_end, 0.0))
     for plane in bar.saw_planes:
@@ -271,13 +319,18 @@ def _strokes(
     numbers = order_numbers(bar.made)
     places: list[tuple[int, int, Point, float]] = []  #: number, line, where, and how far off it
     labels = _labels(bar, view, frame)
+    angles: list[tuple[float, Point]] = []
+    planes_of = {id(plane.cut): plane for plane in bar.saw_planes}
     for op in bar.made.order:
         number = numbers[op.line]
         if isinstance(op, Cut):
+            plane = planes_of[id(op)]
+            at = frame.at(bar.x_on(plane, view.name, view.top), view.top)
+            angle = plane.web_deg if view.name in ("v", "h") else plane.flange_deg
+            if round(angle, 2):
+                angles.append((angle, at))
             if view.name == "v":
-                plane = next(p for p in bar.saw_planes if p.cut is op)
-                x, y = frame.at(bar.x_on(plane, "v", view.box[3]), view.box[3])
-                places.append((number, op.line, (x, y), 2.0))
+                places.append((number, op.line, at, 2.0))
         elif op.face == view.name:
             shape, at, gap = _stroke(op, number, bar, frame, drill_x, tools)
             yield shape
@@ -289,6 +342,10 @@ def _strokes(
         placed = ((size, labels.place(at, gap, str(number), size, 2)) for size in NUMBER_SIZES)
         size, found = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
         yield Text("number order", found or at, str(number), size, line=line)
+    for angle, at in angles:
+        text = f"{round(abs(angle), 2):g}\N{DEGREE SIGN}"
+        place = labels.place(at, 2.0, text, MITRE_SIZE, 4) or at
+        yield Text("figure mitre", place, text, MITRE_SIZE)
 
 
 def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:
@@ -371,14 +428,28 @@ def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
         yield Text("figure", place, shown(x, unit), FIGURE_SIZE, "end", 90.0, x)
 
 
-def _legend(tools: dict[tuple[str, float], int], y: float) -> Iterator[Shape]:
-    x = SIDE
+def _legend(
+    bar: BarMade, tools: dict[tuple[str, float], int], y: float, unit: Unit
+) -> Iterator[Shape]:
+    """The tools with how many holes each makes and how deep, and what the lines are."""
+    x, depths = SIDE, bar.depths
     for (kind, diameter), number in tools.items():
+        counts: dict[float | None, int] = {}
+        for op in bar.made.order:
+            if isinstance(op, Bore | MachinedPath) and (op.kind, op.diameter) == (kind, diameter):
+                depth = depths.of(op)
+                depth = None if depth is None else round(depth, 1)
+                counts[depth] = counts.get(depth, 0) + 1
+        words: list[str | float] = [kind + " Ø", diameter, ": "]
+        for k, (depth, count) in enumerate(counts.items()):
+            words += [", " if k else "", f"{count} × "]
+            words += ["through"] if depth is None else [depth, " deep"]
+        text = said(tuple(words), unit)
+        if x + 26.0 + 6.2 * len(text) > WIDTH - 8.0:
+            x, y = SIDE, y + LEGEND_ROW
         yield Circle(f"tool-{number % len(TOOL_COLOURS)} legend", (x + 4.0, y), 4.0)
-        text = f"{kind} {diameter:g}"
-        yield Text("label", (x + 12.0, y + 4.0), text)
+        yield Text("label", (x + 12.0, y + 4.0), text, pieces=tuple(words), unit=unit)
         x += 26.0 + 6.2 * len(text)
-    for style, text in (("cut", "saw cut"), ("rapid", "rapid move"), ("stop", "stop position")):
-        yield Polyline(f"{style} legend", ((x, y), (x + 16.0, y)))
-        yield Text("label", (x + 21.0, y + 4.0), text)
-        x += 34.0 + 6.2 * len(text)
+    lines = [("cut", "saw cut"), ("rapid", "rapid move"), ("stop", "stop position"),
+             ("guide", "to its dimension"), ("datum", "y = 0")]  # fmt: skip
+    yield from legend(lines, y, x)

@@ -22,8 +22,9 @@ from beamcam.geometry.curves import join_boxes
 from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import Face, Part
 from beamcam.pictures.bar import BarMade
+from beamcam.pictures.ends import end_lines
 from beamcam.pictures.features import feature_shapes, lettering
-from beamcam.pictures.part import end_lines, face_of, faces_of, view_of
+from beamcam.pictures.part import face_of, faces_of, view_of
 from beamcam.pictures.program import ReadProgram, bar_made
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text
 from beamcam.pictures.views import (

@@ -10,6 +10,7 @@ Box = tuple[float, float, float, float]
 
 #: Ways to go from a place: up to the right first, where a reader looks for a number.
 SIDES = ((1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1))
+CENTRE = ((0, 0),)
 LEVEL = ((1, 0), (-1, 0))
 CELL = 16.0  #: pixels of the squares by which neighbours are found
 LINE_STEP = 3.0  #: pixels between the boxes that stand for a line
@@ -35,20 +36,25 @@ class Labels:
             x, y = (p + (k + 0.5) / count * (q - p) for p, q in zip(a, b, strict=True))
             self.block((x - 1.0, y - 1.0, x + 1.0, y + 1.0))
 
-    def place(self, at: Point, gap: float, text: str, size: float, rings: int = 3) -> Point | None:
+    def place(
+        self, at: Point, gap: float, text: str, size: float, rings: int = 3,
+        within: Box | None = None, is_open: bool = False,
+    ) -> Point | None:  # fmt: skip
         """The base line's beginning of a text near a place, which is taken from then on.
 
         The first free one of the sides, `gap` away, then further off; None where none is free.
+        `within` is where the text has to lie. The place itself is tried first if it is open.
         """
         wide, high = LETTER * size * len(text), CAPITAL * size
         # Level with a place run the ways from hole to hole, so that it is tried last.
-        for sides, ring in product((SIDES, LEVEL), range(rings)):
+        for sides, ring in product((CENTRE if is_open else (), SIDES, LEVEL), range(rings)):
             for right, down in sides:
                 off = gap + ring * (high + 1.0)
                 x = at[0] + right * off - wide * (1 - right) / 2
                 y = at[1] + down * off + high * (1 + down) / 2
                 box = (x, y - high, x + wide, y)
-                if self._is_free(box):
+                is_in = within is None or _is_in(box, within)
+                if is_in and self._is_free(box):
                     self.block(box)
                     return x, y
         return None
@@ -61,6 +67,10 @@ class Labels:
 def _cells(box: Box) -> Iterator[tuple[int, int]]:
     x0, y0, x1, y1 = (int(v // CELL) for v in box)
     return product(range(x0, x1 + 1), range(y0, y1 + 1))
+
+
+def _is_in(a: Box, b: Box) -> bool:
+    return b[0] <= a[0] and b[1] <= a[1] and a[2] <= b[2] and a[3] <= b[3]
 
 
 def _overlap(a: Box, b: Box) -> bool:

@@ -7,7 +7,7 @@ u  bottom flange
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import radians, tan
+from itertools import pairwise
 from pathlib import PurePath
 
 from msgspec.structs import replace
@@ -16,6 +16,7 @@ from beamcam.geometry.curves import join_boxes
 from beamcam.model.colour import process_of
 from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import (
+    Bend,
     Camber,
     Contour,
     EndPlane,
@@ -28,27 +29,52 @@ from beamcam.model.part import (
     TextMark,
 )  # fmt: skip
 from beamcam.pictures import features as shapes
-from beamcam.pictures.scene import Frame, Point, Polyline, Scene, Shape, Text, Unit, shown
+from beamcam.pictures.callouts import (
+    Callouts,
+    callouts,
+    circle_of,
+    size_letters,
+    sizes_on,
+)  # fmt: skip
+from beamcam.pictures.ends import cutting_planes, end_cuts, end_lines, mitres
+from beamcam.pictures.labels import LETTER, Labels
+from beamcam.pictures.scene import (
+    Circle,
+    Frame,
+    Point,
+    Polyline,
+    Scene,
+    Shape,
+    Text,
+    Unit,
+    shown,
+)  # fmt: skip
 from beamcam.pictures.views import (
     SIDE,
     WIDTH,
     Box,
     Paper,
     View,
+    datum,
+    edges_of,
     figures,
     footing,
+    guides,
     head_height,
     heading,
     laid_out,
+    legend,
     measured,
     titles,
+    unshown,
 )
 
 FACES_OF = {"I": "ovu", "U": "ovu", "C": "ovu", "T": "ov", "L": "vu", "M": "hovu", "B": "v"}
+MAX_BLOCKED = 400  #: points of a line that callouts keep clear of; of a longer one some
 SMALL = (150.0, 60.0)  #: pixels of a small picture
 MAX_SMALL_SHAPES = 120
 SECTION_SIDE = 70.0  #: of the picture of the section
-SECTION_HEAD = 76.0  #: least height of a heading that the section stands in
+SECTION_HEAD = 112.0  #: least height of a heading that the section stands in
 MAX_EDGES = 40  #: of contours that have a dimension
 MAX_CORNERS = 16  #: of an outer contour whose corners have one
 
@@ -61,22 +87,73 @@ def part_scene(part: Part, unit: Unit = "mm", processes: Processes | None = None
     lines = [line for line in _head(part, unit) if line]
     views = tuple(view_of(part, face) for face in faces_of(part))
     section = _section(part.profile)
-    paper = laid_out(views, max(head_height(lines), SECTION_HEAD if section else 0.0))
+    top = max(head_height(lines), SECTION_HEAD if section else 0.0)
+    called = _called(part, views, laid_out(views, top), unit)
+    views = tuple(replace(view, above=called[view.name].above) for view in views)
+    paper = laid_out(views, top)
+    # Once more, as each face stands lower by the callouts above it.
+    called = _called(part, views, paper, unit)
     drawn: list[Shape] = [*heading(lines), *section, *titles(views, paper)]
     for view in views:
-        drawn += _face(part, view, paper, processes)
+        drawn += _face(part, view, paper, processes, True)
+        drawn += called[view.name].shapes
         drawn += figures(view, paper, unit)
     last = max(views, key=lambda view: view.box[2] - view.box[0])
     frame = paper.frames[last.name]
     y = paper.bottom + 8.0
     left, right = frame.at(last.box[0], 0.0)[0], frame.at(last.box[2], 0.0)[0]
     drawn += measured((left, y), (right, y), last.box[2] - last.box[0], unit)
-    notes = [f"lengths in {unit}", *_notes(part)]
+    left_out = sum(one.left for one in called.values())
+    notes = [f"lengths in {unit}", *_notes(part, left_out)]
+    notes += [row for view in views for row in unshown(view, unit)]
+    y += 24.0
+    shapes_ = list(legend(_legend(drawn, part), y))
+    y = max([y, *(s.points[0][1] for s in shapes_ if isinstance(s, Polyline))])
+    drawn += shapes_
     drawn += footing(notes, y + 8.0)
-    drawn += _legend(drawn, y + 24.0 + 13.0 * len(notes)) if part.measures is not None else ()
     title = f"{part.mark or 'part'} {part.profile.name}".strip()
     about = f"faces of {title}, {len(part.features)} features, lengths in {unit}"
-    return Scene(title, about, WIDTH, y + 44.0 + 13.0 * len(notes), tuple(drawn))
+    return Scene(title, about, WIDTH, y + 20.0 + 13.0 * len(notes), tuple(drawn))
+
+
+def _called(part: Part, views: Sequence[View], paper: Paper, unit: Unit) -> dict[str, Callouts]:
+    """The callouts of each view, where nothing else lies."""
+    own = {view.name: [f for f in part.features if face_of(f) == view.name] for view in views}
+    sizes = {face: [*sizes_on(found), *mitres(part, face)] for face, found in own.items()}
+    letters = size_letters(sizes.values())
+    found = {}
+    for view in views:
+        frame = paper.frames[view.name]
+        (left, top), (right, bottom) = (
+            frame.at(x, y) for x, y in ((view.box[0], view.top), (view.box[2], view.bottom))
+        )
+        labels = _labels(own[view.name], part, view, frame)
+        found[view.name] = callouts(
+            sizes[view.name], letters, frame, (left, top, right, bottom), WIDTH - 8.0, labels, unit
+        )
+    return found
+
+
+def _labels(own: Sequence[Feature], part: Part, view: View, frame: Frame) -> Labels:
+    """What lies on a face already: its features, its edges and its lines."""
+    labels = Labels()
+    shapes_ = [s for f in own for s in shapes.feature_shapes(f, frame)]
+    if view.name == "v" and part.measures is None:
+        shapes_ += [*end_cuts(part, frame), *cutting_planes(part, frame)]
+    for shape in shapes_:
+        match shape:
+            case Polyline(points=points):
+                ring = (*points, points[0]) if shape.closed else points
+                few = (*ring[:: len(ring) // MAX_BLOCKED + 1], ring[-1])
+                for a, b in pairwise(few):
+                    labels.block_line(a, b)
+            case Circle(at=(x, y), radius=r):
+                labels.block((x - r, y - r, x + r, y + r))
+            case Text(at=(x, y), text=text, size=size):
+                wide = LETTER * size * len(text)
+                labels.block((x, y - size, x + wide, y) if not shape.turn_deg
+                             else (x - size, y - wide, x + wide, y + wide))  # fmt: skip
+    return labels
 
 
 def small_scene(part: Part) -> Scene:
@@ -102,7 +179,9 @@ def _head(part: Part, unit: Unit) -> Iterator[str]:
     yield ", ".join(names)
 
 
-def _notes(part: Part) -> Iterator[str]:
+def _notes(part: Part, left_out: int) -> Iterator[str]:
+    if left_out:
+        yield f"{left_out} more sizes are not said here; `beamcam inspect` lists them"
     planes = sum(isinstance(f, EndPlane) and not f.normal[0] for f in part.features)
     if planes:
         yield f"{planes} cutting planes along the part are not drawn"
@@ -137,44 +216,74 @@ def view_of(part: Part, face: Face) -> View:
     places: set[float] = set()
     edges: set[float] = set()
     heights: set[float] = set()
+    rises: set[float] = set()  #: of the edges of contours
+    points: list[Point] = []
+    if is_stock and part.profile.code != "B":
+        places |= {round(x, 3) for line in end_lines(part, face) for x, _ in line}
     for feature in own:
         match feature:
+            case Contour() if circle_of(feature.curves) is not None:
+                centre, radius = circle_of(feature.curves) or ((0.0, 0.0), 0.0)
+                boxes.append((centre[0] - radius, centre[1] - radius, centre[0] + radius,
+                              centre[1] + radius))  # fmt: skip
+                points.append(centre)
             case Contour():
                 around = join_boxes([curve.bbox for curve in feature.curves])
                 if around is not None:
                     boxes.append(around)
-                    edges |= set(_edges(feature, around))
+                    edges |= set(_edges(feature, around, 0))
+                    rises |= set(_edges(feature, around, 1))
+            case Bend(start=(x0, y0), end=(x1, y1)):
+                places |= {round(x0, 3), round(x1, 3)}
+                heights |= {round(y0, 3), round(y1, 3)}
             case Hole() | Slot() | TextMark() | Camber():
                 boxes.append((feature.x, feature.y, feature.x, feature.y))
-                if isinstance(feature, Hole | Slot):
-                    places.add(round(feature.x, 3))
-                    heights.add(round(feature.y, 3))
+                if not isinstance(feature, Camber):
+                    points.append((feature.x, feature.y))
             case _:
                 pass
-    if len(edges) <= MAX_EDGES:
-        places |= edges
     box = join_boxes(boxes) or (0.0, 0.0, part.length or 100.0, 100.0)
     if box[3] - box[1] < 1.0:
         box = (box[0], box[1] - 5.0, box[2], box[3] + 5.0)
+    places |= {round(x, 3) for x, _ in points}
+    heights |= {round(y, 3) for _, y in points}
+    if len(edges) <= MAX_EDGES:
+        places |= edges
+    if len(rises) <= MAX_EDGES:
+        heights |= rises
+    heights.add(round(box[3], 3))
     title = face_title(face, part.profile.code)
-    return View(face, title, box, tuple(places), tuple(heights), runs_down(face))
+    if part.measures is not None:
+        title = f"{face}   front, seen from the front; x and y as in the drawing"
+    return View(
+        face, title, box, tuple(places), tuple(heights), runs_down(face), tuple(points),
+        edges=edges_of(face, part.profile.code),
+    )  # fmt: skip
 
 
-def _edges(contour: Contour, around: Box) -> Iterator[float]:
-    """The places along x at which a contour is dimensioned: both ends, corners of an outer one."""
-    yield from (round(around[0], 3), round(around[2], 3))
+def _edges(contour: Contour, around: Box, axis: int) -> Iterator[float]:
+    """The places along an axis at which a contour is dimensioned: ends, corners of an outer one."""
+    yield from (round(around[axis], 3), round(around[axis + 2], 3))
     if contour.kind == "outer" and len(contour.curves) <= MAX_CORNERS:
-        yield from (round(curve.start[0], 3) for curve in contour.curves)
+        yield from (round(curve.start[axis], 3) for curve in contour.curves)
 
 
-def _legend(drawn: Sequence[Shape], y: float) -> Iterator[Shape]:
-    """The processes of a drawing."""
-    x = SIDE
-    styles = {s.classes.split("by-")[1]: s.classes.split()[0] for s in drawn if " by-" in s.classes}
-    for process, style in styles.items():
-        yield Polyline(f"{style} legend", ((x, y), (x + 18.0, y)))
-        yield Text("label", (x + 23.0, y + 4.0), process)
-        x += 46.0 + 6.2 * len(process)
+#: What styles of a part stand for, in the order of its legend.
+LEGEND = (
+    ("datum", "y = 0; arrow: x = 0"), ("hole", "hole"), ("slot", "slot"),
+    ("thread", "thread, sink"), ("mark", "mark"), ("inner", "cut-out"), ("cut", "end cut"),
+    ("bend", "bend, camber"), ("text", "text"), ("open", "open line"), ("punch", "punched line"),
+    ("powder", "powder line"), ("engrave", "engraved line"), ("guide", "to its dimension"),
+)  # fmt: skip
+
+
+def _legend(drawn: Sequence[Shape], part: Part) -> list[tuple[str, str]]:
+    """Styles that occur and what they stand for; of a drawing its processes."""
+    if part.measures is not None:
+        return [(s.classes.split()[0], s.classes.split("by-")[1])
+                for s in {s.classes: s for s in drawn if " by-" in s.classes}.values()]  # fmt: skip
+    used = {shape.classes.split(" ", 1)[0] for shape in drawn}
+    return [(style, words) for style, words in LEGEND if style in used]
 
 
 def _drawn_line(contour: Contour, frame: Frame, processes: Processes | None) -> Shape:
@@ -188,23 +297,33 @@ def _drawn_line(contour: Contour, frame: Frame, processes: Processes | None) -> 
 
 
 def _face(
-    part: Part, view: View, paper: Paper, processes: Processes | None = None
-) -> Iterator[Shape]:
+    part: Part, view: View, paper: Paper, processes: Processes | None = None,
+    is_measured: bool = False,
+) -> Iterator[Shape]:  # fmt: skip
     """A face with its features, what is largest first so that nothing is hidden."""
     face, frame = view.name, paper.frames[view.name]
     own = [f for f in part.features if face_of(f) == face]
     outlined = any(isinstance(f, Contour) and f.kind == "outer" for f in own)
     if not outlined and face in FACE_NAMES and part.measures is None:
         yield Polyline("face", _outline(part, face, frame), True, f"face {face}")
-    for feature in sorted(own, key=_depth):
+    # Lines to dimensions lie on the steel and under what is made in it.
+    layers = sorted(own, key=_depth)
+    steel = [f for f in layers if _depth(f) == 0]
+    if is_measured and not steel:
+        yield from guides(view, frame)
+    for feature in layers:
         if part.measures is not None and isinstance(feature, Contour):
             yield _drawn_line(feature, frame, processes)
         else:
             yield from shapes.feature_shapes(feature, frame)
+        if is_measured and steel and feature is steel[-1]:
+            yield from guides(view, frame)
+    if is_measured:
+        yield from datum(view, frame)
     if face == "v" and part.profile.code != "B":
-        yield from _end_cuts(part, frame)
+        yield from end_cuts(part, frame)
     if face == "v":
-        yield from _planes(part, frame)
+        yield from cutting_planes(part, frame)
 
 
 def _depth(feature: Feature) -> int:
@@ -213,63 +332,9 @@ def _depth(feature: Feature) -> int:
     return 4 if isinstance(feature, TextMark) else 3
 
 
-def _rise_and_depth(profile: Profile, face: Face, y: float) -> Point:
-    """Place in the section of a point of a face: up from the lower edge, and across."""
-    if face in ("v", "h"):
-        return y, profile.width / 2
-    return (profile.height if face == "o" else 0.0), y
-
-
-def end_lines(part: Part, face: Face) -> tuple[tuple[Point, Point], tuple[Point, Point]]:
-    """The lines in which the end cuts meet a face, each from y 0 upwards.
-
-    x = c - rise tan(web) - across tan(flange) at both ends; the start touches x 0, the end the
-    length (DSTV, header).
-    """
-    p, cuts = part.profile, part.cuts
-    corners = [(r, z) for r in (0.0, p.height) for z in (0.0, p.width)]
-
-    def line(web_deg: float, flange_deg: float, start: bool) -> tuple[Point, Point]:
-        a, b = tan(radians(web_deg)), tan(radians(flange_deg))
-        ways = [-r * a - z * b for r, z in corners]
-        c = -min(ways) if start else part.length - max(ways)
-
-        def at(y: float) -> Point:
-            r, z = _rise_and_depth(p, face, y)
-            return c - r * a - z * b, y
-
-        return at(0.0), at(p.face_width(face))
-
-    return (
-        line(cuts.web_start, cuts.flange_start, True),
-        line(cuts.web_end, cuts.flange_end, False),
-    )
-
-
 def _outline(part: Part, face: Face, frame: Frame) -> tuple[Point, ...]:
     (a, b), (c, d) = end_lines(part, face)
     return frame.all((a, c, d, b))
-
-
-def _end_cuts(part: Part, frame: Frame) -> Iterator[Polyline]:
-    """The cuts of both ends, on the web."""
-    c = part.cuts
-    for k, (line, web, flange) in enumerate(
-        zip(end_lines(part, "v"), (c.web_start, c.web_end), (c.flange_start, c.flange_end),
-            strict=True)
-    ):  # fmt: skip
-        angles = f"web {web:g}, flange {flange:g} degrees"
-        yield Polyline("cut", frame.all(line), False, f"{'end' if k else 'start'} cut, {angles}")
-
-
-def _planes(part: Part, frame: Frame) -> Iterator[Polyline]:
-    """The cutting planes, where they cross the web at the depth of their point."""
-    for plane in part.features:
-        if isinstance(plane, EndPlane) and plane.normal[0]:
-            (px, py, _), (nx, ny, nz) = plane.point, plane.normal
-            line = [(px - (y - py) * ny / nx, y) for y in (0.0, part.profile.height)]
-            tip = f"cutting plane, normal {nx:g}, {ny:g}, {nz:g}"
-            yield Polyline("cut", frame.all(line), False, tip)
 
 
 def _section(profile: Profile) -> Sequence[Shape]:
@@ -278,7 +343,8 @@ def _section(profile: Profile) -> Sequence[Shape]:
     if not outlines:
         return ()
     scale = SECTION_SIDE / max(profile.height, profile.width)
-    frame = Frame(scale, WIDTH - SIDE - profile.width * scale, 14.0 + profile.height * scale)
+    left, wide = WIDTH - SIDE - profile.width * scale, profile.width * scale
+    frame = Frame(scale, left, 26.0 + profile.height * scale)
     styles = ("section", "paper")
     found: list[Shape] = [
         Polyline(style, frame.all(points), True)
@@ -286,6 +352,15 @@ def _section(profile: Profile) -> Sequence[Shape]:
     ]
     if len(outlines) > 1:
         found.append(Polyline("axis", frame.all(outlines[1]), True))
-    at = (WIDTH - SIDE - profile.width * scale - 8.0, 24.0)
+    middle, high = 26.0 + profile.height * scale / 2 + 4.0, 26.0 + profile.height * scale
+    found += [
+        Text("heading", (left + wide / 2, 21.0), "o", 11.0, "middle"),
+        Text("heading", (left + wide / 2, high + 13.0), "u", 11.0, "middle"),
+        Text("heading", (left - 5.0, middle), "h", 11.0, "end"),
+        Text("heading", (left + wide + 5.0, middle), "v", 11.0),
+    ]
+    at = (left - 22.0, 26.0)
     found.append(Text("label", at, f"{profile.height:g} x {profile.width:g}", 10.0, "end"))
+    at = (left - 22.0, 39.0)
+    found.append(Text("figure", at, "seen from the start", 9.0, "end"))
     return found

@@ -2,8 +2,10 @@
 
 import io
 from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
 from itertools import pairwise
 from math import dist
+from pathlib import PurePath
 from typing import Any
 
 from beamcam.errors import PictureError, Source
@@ -12,6 +14,7 @@ from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Text
 from beamcam.pictures.styles import Style, style_of
 
 FINER = 3  #: pixels drawn for one of the picture, each way
+NARROW = 0.88  #: of the letters, which are wider than those of the other formats
 MAX_SIDE = 5000  #: of the picture, in pixels
 
 
@@ -23,8 +26,9 @@ def to_png(scene: Scene) -> bytes:
         said = rules.NEEDS.at(Source("picture"), found="no Pillow", what="PNG")
         raise PictureError(said) from error
     width, height = (min(round(v), MAX_SIDE) for v in (scene.width, scene.height))
+    fonts = _fonts()
     image = Image.new("RGB", (width * FINER, height * FINER), style_of("paper").fill)
-    pen = _Pen(image, ImageDraw.Draw(image))
+    pen = _Pen(image, ImageDraw.Draw(image), fonts)
     for shape in scene.shapes:
         pen.draw(shape)
     stream = io.BytesIO()
@@ -32,11 +36,24 @@ def to_png(scene: Scene) -> bytes:
     return stream.getvalue()
 
 
+def _fonts() -> tuple[str, str]:
+    """The font of the letters and the bold one: those that reportlab brings.
+
+    Pillow's own has no diameter sign, nor any letter beyond English.
+    """
+    found = find_spec("reportlab")
+    if found is None or found.origin is None:
+        said = rules.NEEDS.at(Source("picture"), found="no reportlab", what="PNG")
+        raise PictureError(said)
+    folder = PurePath(found.origin).parent / "fonts"
+    return str(folder / "Vera.ttf"), str(folder / "VeraBd.ttf")
+
+
 class _Pen:
     """Draws shapes on an image of Pillow."""
 
-    def __init__(self, image: Any, draw: Any) -> None:
-        self.image, self.pen = image, draw
+    def __init__(self, image: Any, draw: Any, fonts: tuple[str, str]) -> None:
+        self.image, self.pen, self.fonts = image, draw, fonts
 
     def draw(self, shape: Circle | Polyline | Text) -> None:
         style = style_of(shape.classes)
@@ -67,12 +84,11 @@ class _Pen:
     def _text(self, shape: Text, style: Style) -> None:
         from PIL import Image, ImageDraw, ImageFont
 
-        font = ImageFont.load_default(shape.size * FINER)
+        font = ImageFont.truetype(self.fonts[style.bold], shape.size * FINER * NARROW)
         anchor = {"start": "ls", "middle": "ms", "end": "rs"}[shape.anchor]
         x, y = (FINER * v for v in shape.at)
         if not shape.turn_deg:
-            bold = 1 if style.bold else 0  # the font has no bold letters: a rim around each
-            self.pen.text((x, y), shape.text, style.fill, font, anchor, stroke_width=bold)
+            self.pen.text((x, y), shape.text, style.fill, font, anchor)
             return
         half = int(font.getlength(shape.text)) + 4 * FINER
         mask = Image.new("L", (2 * half, 2 * half), 0)

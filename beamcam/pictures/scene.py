@@ -10,6 +10,8 @@ from typing import Literal
 from msgspec import Struct
 
 Point = tuple[float, float]
+Unit = Literal["mm", "inch"]
+Pieces = tuple[str | float, ...]  #: of a text: words, and lengths in mm among them
 
 
 class Polyline(Struct, frozen=True):
@@ -44,6 +46,8 @@ class Text(Struct, frozen=True):
     mm: float | None = None  #: the length that the text shows; a page may show it in other units
     tip: str = ""
     line: int = 0
+    pieces: Pieces = ()  #: of a text with lengths among its words, for the same reason
+    unit: Unit = "mm"  #: that these lengths are shown in
 
 
 Shape = Polyline | Circle | Text
@@ -77,7 +81,6 @@ class Frame(Struct, frozen=True):
         return tuple([self.at(p[0], p[1]) for p in points])
 
 
-Unit = Literal["mm", "inch"]
 MM_PER_INCH = 25.4
 _FORMS: dict[Unit, tuple[float, int]] = {"mm": (1.0, 1), "inch": (MM_PER_INCH, 3)}
 
@@ -88,3 +91,8 @@ def shown(mm: float, unit: Unit = "mm") -> str:
     text = f"{mm / by:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text == "-0" else text
+
+
+def said(pieces: Pieces, unit: Unit = "mm") -> str:
+    """A text with the lengths among its words in a unit."""
+    return "".join([one if isinstance(one, str) else shown(one, unit) for one in pieces])

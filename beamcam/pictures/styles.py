@@ -61,6 +61,8 @@ STYLES: dict[str, Style] = {
     "cut": _line("#b3261e", "#ff8a80", 1.8),
     "cut-edge": _line("#b3261e", "#ff8a80", 1.0),
     "section": Style(INK, "#c9d3df", 1.0, (), DARK_INK, "#3a4756"),
+    "guide": _line("#8d99a6", "#75828f", 0.5, (2.0, 3.0)),
+    "datum": _line(INK, DARK_INK, 2.4),
     "dim": _line("#59636e", "#9aa5b1", 0.6),
     "figure": _text("#3f4a56", "#c3ccd6"),
     "text": _text("#7a3b12", "#c98a5c"),

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from html import escape
 
-from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Shape, Text
+from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Shape, Text, Unit, shown
 from beamcam.pictures.styles import css, style_of
 from beamcam.plain_text import terminal_text
 
@@ -80,7 +80,19 @@ def _text(shape: Text, start: str, tip: str) -> str:
     if style_of(shape.classes).bold:
         size += ' font-weight="bold"'
     place = f'x="{_n(x)}" y="{_n(y)}"{size}{anchor}{turn}{mm}'
-    return f"<text {start} {place}>{tip}{_t(shape.text)}</text>"
+    words = (
+        "".join([_piece(one, shape.unit) for one in shape.pieces])
+        if shape.pieces
+        else _t(shape.text)
+    )
+    return f"<text {start} {place}>{tip}{words}</text>"
+
+
+def _piece(one: str | float, unit: Unit) -> str:
+    """Words of a text, or a length among them that a page may show in another unit."""
+    if isinstance(one, str):
+        return _t(one)
+    return f'<tspan data-mm="{one:.6g}">{shown(one, unit)}</tspan>'
 
 
 def _c(hundredths: int) -> str:

@@ -14,18 +14,31 @@ from msgspec import Struct
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
+from beamcam.machine.torch import ORIGINS
 from beamcam.pictures.labels import Labels
-from beamcam.pictures.scene import Circle, Frame, Polyline, Scene, Shape, Text, Unit, shown
+from beamcam.pictures.scene import (
+    MM_PER_INCH,
+    Circle,
+    Frame,
+    Polyline,
+    Scene,
+    Shape,
+    Text,
+    Unit,
+    shown,
+)  # fmt: skip
 from beamcam.pictures.styles import SPEED_COLOURS
 from beamcam.pictures.views import (
     SIDE,
     TITLE,
     WIDTH,
     View,
+    figures,
     footing,
     head_height,
     heading,
     laid_out,
+    measured,
 )
 from beamcam.recovery.rings import ring_of
 from beamcam.simulate.trace import Trace
@@ -35,6 +48,8 @@ MIN_MOVE = 1e-6
 MAX_RINGS = 4000  #: moves of a stroke in which leads are looked for
 MAX_NUMBERS = 400  #: strokes that are numbered
 PIERCE = 2.2  #: radius of the circle where a tool starts
+SHARE = 0.3  #: of the length or width of a sheet that a path takes, for the sheet to be shown
+MARGIN = 0.08  #: of the path's size round it, where it is shown alone
 TABLE_SIDE = 62.0  #: of the picture of the whole table
 TABLE_HEAD = 84.0  #: least height of a heading that it stands in
 Box = tuple[float, float, float, float]  #: least X and Y, greatest X and Y
@@ -84,26 +99,35 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
            max(float(high[1]), float(low[1]) + 1.0))  # fmt: skip
     lines = _head(table, len(strokes))
     limits = _limits(trace)
+    sheet = sheet_of(table.machine)
+    framed = _frame_of(box, sheet)
     least = TABLE_HEAD if limits else 0.0
-    paper = laid_out((View("table", "", box),), max(head_height(lines) - 8.0, least - TITLE))
+    view = View("table", "", framed, tuple(_steps(framed, 0)), tuple(_steps(framed, 1)))
+    paper = laid_out((view,), max(head_height(lines) - 8.0, least - TITLE))
     frame = paper.frames["table"]
     speeds = table.speeds_mm_s
     on = np.zeros(len(trace.line), dtype=bool)
     for a, b, _ in strokes:
         on[a:b] = True
     fastest = float(speeds[on].max(initial=0.0)) or 1.0
+    colours = speed_classes(speeds, fastest)
     drawn: list[Shape] = [*heading(lines)]
     if limits:
         drawn += _overview(table.machine, limits, box, unit)
-    drawn.append(Polyline("face table", frame.all(_corners(box)), True))
+    drawn += _ground(framed, sheet, box, frame)
+    drawn += figures(view, paper, unit)
     drawn += _rapids(trace, on, frame)
     drawn += _leads(trace, strokes, frame)
-    drawn += _paths(trace, strokes, speed_classes(speeds, fastest), frame)
+    drawn += _paths(trace, strokes, colours, frame)
     drawn += _pierces(trace, strokes, frame)
     y = paper.bottom
-    drawn += _size(box, frame, unit)
-    drawn += _legend(fastest, y + 24.0)
-    notes = [f"{table.name}   sha-256 {table.sha256}"]
+    drawn += _scale(frame, framed, y, unit)
+    used = sorted({int(k) for k in colours[on & (speeds > 0.0)]})
+    has_leads = any(shape.classes == "lead" for shape in drawn)
+    drawn += _legend(fastest, used, has_leads, y + 24.0)
+    x0, y0, x1, y1 = (shown(v, unit) for v in box)
+    notes = [f"path X {x0} to {x1}, Y {y0} to {y1} {unit}",
+             f"{table.name}   sha-256 {table.sha256}"]  # fmt: skip
     if table.kerf_offset:
         offset = shown(table.kerf_offset, unit)
         notes.append(f"path as programmed; the controller keeps {offset} {unit} off it (G41, G42)")
@@ -112,7 +136,91 @@ def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
         f"program {table.name} as interpreted: {len(strokes)} paths, "
         f"{trace.duration_s:.1f} s; sha-256 {table.sha256}"
     )
-    return Scene(table.name, about, WIDTH, y + 71.0, tuple(drawn))
+    return Scene(table.name, about, WIDTH, y + 84.0, tuple(drawn))
+
+
+def sheet_of(machine: Machine) -> Box | None:
+    """The sheet as it lies about X 0, Y 0: the whole table where none was named; None without.
+
+    Of an origin in the work the sheet lies with its own such point there.
+    """
+    torch = machine.torch
+    if torch is None:
+        return None
+    u, v = ORIGINS.get(torch.origin, (0.0, 0.0))
+    x, y = -u * torch.length, -v * torch.width
+    return x, y, x + torch.length, y + torch.width
+
+
+def _frame_of(box: Box, sheet: Box | None) -> Box:
+    """What the picture shows: the sheet with all of the path, or of a large one what is worked.
+
+    A path that takes but a corner of its sheet would be a speck; the small picture of the whole
+    table shows where it lies.
+    """
+    grown = [v + k * MARGIN * max(box[2] - box[0], box[3] - box[1])
+             for v, k in zip(box, (-1, -1, 1, 1), strict=True)]  # fmt: skip
+    if sheet is None:
+        return grown[0], grown[1], grown[2], grown[3]
+    share = max(
+        (box[2] - box[0]) / (sheet[2] - sheet[0]), (box[3] - box[1]) / (sheet[3] - sheet[1])
+    )
+    if share >= SHARE:
+        return (min(sheet[0], box[0]), min(sheet[1], box[1]), max(sheet[2], box[2]),
+                max(sheet[3], box[3]))  # fmt: skip
+    # As far as the sheet goes, unless the path leaves it.
+    x0, y0 = (min(max(grown[k], sheet[k]), box[k]) for k in (0, 1))
+    x1, y1 = (max(min(grown[k], sheet[k]), box[k]) for k in (2, 3))
+    return x0, y0, x1, y1
+
+
+def _step(length: float) -> float:
+    """A round step of a grid, of which a length has about ten."""
+    power: float = 10.0 ** np.floor(np.log10(length / 10.0))
+    return next(power * k for k in (1, 2, 5, 10) if power * k >= length / 12.0)
+
+
+def _steps(box: Box, axis: int) -> list[float]:
+    """The lines of the grid across an axis."""
+    step = _step(max(box[2] - box[0], box[3] - box[1]))
+    first, last = np.ceil(box[axis] / step - 1e-9), np.floor(box[axis + 2] / step + 1e-9)
+    return [round(k * step, 6) for k in range(int(first), int(last) + 1)]
+
+
+def _ground(framed: Box, sheet: Box | None, box: Box, frame: Frame) -> Iterator[Shape]:
+    """The sheet, the grid, the axes through X 0 and Y 0."""
+    yield Polyline("face table", frame.all(_corners(framed)), True)
+    for x in _steps(framed, 0):
+        yield Polyline("grid", frame.all(((x, framed[1]), (x, framed[3]))))
+    for y in _steps(framed, 1):
+        yield Polyline("grid", frame.all(((framed[0], y), (framed[2], y))))
+    if sheet is not None:
+        seen = [max(framed[0], sheet[0]), max(framed[1], sheet[1]), min(framed[2], sheet[2]),
+                min(framed[3], sheet[3])]  # fmt: skip
+        for a, b, at in ((0, 1, 0), (0, 1, 1), (2, 3, 0), (2, 3, 1)):
+            if at == 0 and seen[a] == sheet[a]:
+                ends = ((seen[a], seen[1]), (seen[a], seen[3]))
+            elif at == 1 and seen[b] == sheet[b]:
+                ends = ((seen[0], seen[b]), (seen[2], seen[b]))
+            else:
+                continue
+            yield Polyline("datum sheet-edge", frame.all(ends), False, "edge of the sheet")
+    if framed[0] <= 0.0 <= framed[2] and framed[1] <= 0.0 <= framed[3]:
+        (x, y), long = frame.at(0.0, 0.0), 40.0
+        for (dx, dy), name in (((1, 0), "X"), ((0, -1), "Y")):
+            tip = (x + dx * long, y + dy * long)
+            wings = [(tip[0] - 7 * dx + k * 4 * dy, tip[1] - 7 * dy + k * 4 * dx) for k in (1, -1)]
+            yield Polyline("axis", ((x, y), tip, wings[0], tip, wings[1]))
+            yield Text("heading", (tip[0] + 4 * dx + 3, tip[1] + 4 * dy - 3), name, 11.0)
+
+
+def _scale(frame: Frame, framed: Box, y: float, unit: Unit) -> Iterator[Shape]:
+    """A bar of a round length at the right."""
+    length = _step(framed[2] - framed[0]) if unit == "mm" else 0.0
+    if unit == "inch":
+        length = _step((framed[2] - framed[0]) / MM_PER_INCH) * MM_PER_INCH
+    right = WIDTH - SIDE
+    yield from measured((right - length * frame.scale, y), (right, y), length, unit)
 
 
 def _head(table: TableMade, strokes: int) -> list[str]:
@@ -259,28 +367,20 @@ def _pierces(
             yield Text("number order", free, str(number), 9.0, line=line)
 
 
-def _size(box: Box, frame: Frame, unit: Unit) -> Iterator[Text]:
-    """Corners of the path on the table."""
-    for k in (0, 2):
-        x, y = frame.at(box[k], box[k + 1])
-        text = f"X {shown(box[k], unit)}  Y {shown(box[k + 1], unit)} {unit}"
-        anchor, off = ("start", 12.0) if k == 0 else ("end", -4.0)
-        yield Text("figure", (x, y + off), text, 9.0, anchor)  # type: ignore[arg-type]
-
-
-def _legend(fastest: float, y: float) -> Iterator[Shape]:
+def _legend(fastest: float, used: Sequence[int], has_leads: bool, y: float) -> Iterator[Shape]:
+    """The colours of the speeds that occur, and what else is drawn."""
     x = SIDE
     yield Text("label", (x, y + 4.0), "mm/min up to")
     x += 80.0
-    count = len(SPEED_COLOURS)
-    for k in range(count):
+    for k in used:
         yield Polyline(f"speed-{k} legend", ((x, y), (x + 16.0, y)))
-        value = fastest * SECONDS_PER_MINUTE * (k + 1) / count
+        value = fastest * SECONDS_PER_MINUTE * (k + 1) / len(SPEED_COLOURS)
         yield Text("figure", (x + 19.0, y + 4.0), f"{value:.0f}")
         x += 58.0
-    for style, text in (("rapid", "no tool on"), ("lead", "lead, overcut")):
+    rows = [("rapid", "no tool on"), *([("lead", "lead, overcut")] if has_leads else [])]
+    for style, text in rows:
         yield Polyline(f"{style} legend", ((x, y), (x + 16.0, y)))
         yield Text("label", (x + 20.0, y + 4.0), text)
-        x += 90.0
+        x += 34.0 + 7.0 * len(text)
     yield Circle("pierce legend", (x + 3.0, y), 2.2)
     yield Text("label", (x + 10.0, y + 4.0), "start of a tool")

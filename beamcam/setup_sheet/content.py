@@ -13,9 +13,11 @@ from beamcam.model.plan import Plan, SheetPlan, clock
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
+from beamcam.pictures.table import TableMade
 from beamcam.report.hand_list import HandRow, hand_rows
 from beamcam.report.ledger import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
+from beamcam.setup_sheet.totals import Total, bar_totals, table_totals
 from beamcam.simulate.limits import run_warnings
 from beamcam.simulate.program import simulate_program
 from beamcam.simulate.trace import Trace
@@ -43,11 +45,13 @@ class Content(Struct, frozen=True):
     """All that the sheet says."""
 
     program: ReadProgram
+    made: BarMade | TableMade  #: what it makes
     unit: Unit
     trace: Trace
     header: tuple[tuple[str, str], ...]
     pictures: tuple[Scene, ...]  #: the program's first, then the parts
     operations: tuple[Operation, ...]
+    totals: tuple[Total, ...]  #: of work and travel, by tool
     tools: tuple[ToolRow, ...]
     bar: tuple[BarStretch, ...]
     left_out: tuple[str, ...]
@@ -75,8 +79,10 @@ class SheetSources(Struct, frozen=True):
 
 def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
+    from beamcam.pictures.bar import bar_scene
     from beamcam.pictures.part import part_scene
-    from beamcam.pictures.program import bar_made, program_scene
+    from beamcam.pictures.program import bar_made, table_made
+    from beamcam.pictures.table import table_scene
 
     program = source.program
     machine = program.machine
@@ -85,15 +91,20 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     parts = tuple(dict.fromkeys(program.parts))
     table = machine.torch.colours if machine.torch is not None else None
     drawn = [part_scene(part, unit, table) for part in parts]
-    pictures = (program_scene(program, unit, done), *drawn)
     bar: tuple[BarStretch, ...] = ()
+    made: BarMade | TableMade
     if machine.stock == "beam":
         made = bar_made(program)
+        scene = bar_scene(made, unit)
         operations = operations_of(made, trace)
+        totals = bar_totals(operations, trace)
         tools = _bar_tools(source, operations)
         bar = tuple(_stretches(made))
     else:
-        operations = table_operations(program, trace)
+        made = table_made(program, done)
+        scene = table_scene(made, unit)
+        operations = table_operations(made)
+        totals = table_totals(made)
         tools = tuple(ToolRow("head", "", p) for p in dict.fromkeys(o.what for o in operations))
     run = run_warnings(trace, machine, done.section, program.name)
     messages = tuple(map(_without_folder, (*source.said, *source.found, *run)))
@@ -101,7 +112,9 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     if errors_in(source.found) or not source.compared:
         verdict = "wrong"
     return Content(
-        program, unit, trace, (*_header(program, trace), *source.settings), pictures, operations,
+        program, made, unit, trace, (*_header(program, trace), *source.settings), (scene, *drawn),
+        operations,
+        totals,
         tools, bar,
         tuple(f"{d.source}: {d.message}" for d in messages if d.code in LEFT_OUT),
         tuple(hand_rows(source.plan)) if source.plan is not None else (),
@@ -173,14 +186,8 @@ def _station(station: int, before: int, changed: bool) -> str:
 
 def _stretches(made: BarMade) -> Iterator[BarStretch]:
     """Trims, parts and remnant, each from its first to its last corner."""
-    corners = [(f, y) for f in ("o", "u") for y in (0.0, made.profile.width)]
     for piece in made.pieces():
-        start, end = 0.0, made.end
-        if piece.start is not None:
-            firsts = [made.x_on(piece.start, f, y) for f, y in corners]
-            start = min(firsts) + piece.start.half_kerf
-        if piece.end is not None:
-            end = max(made.x_on(piece.end, f, y) for f, y in corners) - piece.end.half_kerf
+        start, end = made.extent(piece)
         if piece.kind == "remnant" and made.bar is None:
             continue  # nobody knows where it ends
         if end - start > made.machine.format.resolution:

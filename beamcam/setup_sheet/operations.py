@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from beamcam.geometry.array_types import Counts, Flags
 from beamcam.pictures.bar import BarMade, order_numbers
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.depths import SteelDepths
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulate.trace import Trace
 from beamcam.verify.bars.machined_features import Bore, Cut, StampedText, Thing
@@ -26,11 +26,12 @@ class Operation(Struct, frozen=True):
     faces: tuple[str, ...]
     x: float  #: machine X
     y: float | None  #: on the face, or machine Y of a table
-    depth: float | None  #: of the tool's tip, from the face
+    depth: float | None  #: in the steel; None where it goes through, or for a cut
     feed_mm_min: float | None
     speed_rpm: float | None
     seconds: float  #: from the end of the operation before
     length: float | None = None  #: of a way along a contour
+    is_through: bool = False  #: whether it goes through the wall
 
 
 def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
@@ -39,15 +40,15 @@ def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
     rows: dict[int, list[Thing]] = {}
     for op in bar.made.order:
         rows.setdefault(op.line, []).append(op)
-    ends = _ends(trace, list(rows))
+    ends, depths = _ends(trace, list(rows)), bar.depths
     found, begin = [], 0.0
     for (line, ops), end in zip(rows.items(), ends, strict=True):
-        found.append(_operation(numbers[line], ops, end - begin))
+        found.append(_operation(numbers[line], ops, end - begin, depths))
         begin = end
     return tuple(found)
 
 
-def _operation(number: int, ops: Sequence[Thing], seconds: float) -> Operation:
+def _operation(number: int, ops: Sequence[Thing], seconds: float, depths: SteelDepths) -> Operation:
     op = ops[0]
     if isinstance(op, Cut):
         tilt = f", tilt {op.tilt:g}" if op.tilt else ""
@@ -62,16 +63,18 @@ def _operation(number: int, ops: Sequence[Thing], seconds: float) -> Operation:
             number, op.line, what, op.kind, faces, op.x, op.y, None, None, None, seconds
         )
     tool = f"{op.kind} {op.diameter:g}"
+    depth = depths.of(op)
+    is_through = depth is None
     if isinstance(op, Bore):
         return Operation(
-            number, op.line, tool, tool, faces, op.x, op.y, op.tip_depth, op.feed_mm_min or None,
-            op.speed_rpm or None, seconds,
+            number, op.line, tool, tool, faces, op.x, op.y, depth, op.feed_mm_min or None,
+            op.speed_rpm or None, seconds, None, is_through,
         )  # fmt: skip
-    (x, y), depth = op.points[0], op.max_depth
+    x, y = op.points[0]
     length = sum(float(np.hypot(b[0] - a[0], b[1] - a[1])) for a, b in pairwise(op.points))
     return Operation(
         number, op.line, f"{tool} path", tool, faces, x, y, depth, op.feed_mm_min or None, None,
-        seconds, length,
+        seconds, length, is_through,
     )  # fmt: skip
 
 
@@ -117,9 +120,9 @@ def _rising(ends: list[float]) -> list[float]:
     return ends
 
 
-def table_operations(program: ReadProgram, trace: Trace) -> tuple[Operation, ...]:
+def table_operations(table: TableMade) -> tuple[Operation, ...]:
     """The paths of a table's program, each with the way to it."""
-    table = TableMade(trace, program.machine, program.name, program.sha256)
+    trace = table.trace
     speeds = table.speeds_mm_s
     ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
     found, begin = [], 0.0

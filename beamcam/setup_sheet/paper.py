@@ -1,4 +1,7 @@
-"""The setup sheet on paper, by reportlab (an extra): A4, the same bytes for the same program."""
+"""The setup sheet on A4 on its side, by reportlab (an extra).
+
+The same program gives the same bytes.
+"""
 
 import io
 from collections.abc import Iterator, Sequence
@@ -6,7 +9,14 @@ from html import escape
 from typing import Any
 
 from beamcam.model.plan import clock
-from beamcam.pictures.pdf import MARGIN, POINTS_PER_PIXEL, draw_scene, needed_canvas, plain_letters
+from beamcam.pictures.pdf import (
+    A4,
+    MARGIN,
+    POINTS_PER_PIXEL,
+    draw_scene,
+    needed_canvas,
+    plain_letters,
+)
 from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text
 from beamcam.report.run import as_message, message_line
@@ -17,8 +27,7 @@ from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
 from beamcam.version import __version__
 
 BODY = 9.0
-ROOM = 539.0  #: points between the margins of an A4 page
-HIGH = 760.0
+ROOM, HIGH = 786.0, 513.0  #: points between the margins of an A4 page on its side
 
 
 def setup_pdf(content: Content) -> bytes:
@@ -28,9 +37,10 @@ def setup_pdf(content: Content) -> bytes:
 
     stream = io.BytesIO()
     title = f"{content.program.name}: setup sheet"
+    size = (A4[1], A4[0])
     document = SimpleDocTemplate(
-        stream, leftMargin=MARGIN, rightMargin=MARGIN, topMargin=MARGIN, bottomMargin=MARGIN + 8,
-        title=title, author="beamcam", invariant=1,
+        stream, pagesize=size, leftMargin=MARGIN, rightMargin=MARGIN, topMargin=MARGIN,
+        bottomMargin=MARGIN + 8, title=title, author="beamcam", invariant=1,
     )  # fmt: skip
     foot = plain_letters(f"{content.program.name}   sha-256 {content.program.sha256}")
 
@@ -38,9 +48,13 @@ def setup_pdf(content: Content) -> bytes:
         canvas.setFont("Helvetica", 6.5)
         canvas.drawString(MARGIN, 20, foot)
         page = f"beamcam {__version__}, page {canvas.getPageNumber()}"
-        canvas.drawRightString(595 - MARGIN, 20, page)
+        canvas.drawRightString(size[0] - MARGIN, 20, page)
 
-    document.build(list(_story(content)), onFirstPage=footer, onLaterPages=footer)
+    document.build(
+        list(_story(content)),
+        onFirstPage=footer,
+        onLaterPages=footer,
+    )
     return stream.getvalue()
 
 
@@ -93,6 +107,17 @@ def _tables(content: Content) -> Iterator[Any]:
         rows = [[t.where, t.station, t.tool] for t in content.tools]
         heads, rows = used_columns([("Where", 180.0), ("Station", 180.0), ("Tool", 170.0)], rows)
         yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads], (), True)
+    yield _title("Time by tool")
+    rows = [
+        [t.what, "" if t.count is None else str(t.count), f"{t.work_s:.1f}" if t.work_s else "",
+         f"{t.seconds:.1f}", "" if t.length is None else shown(t.length, unit)]
+        for t in content.totals
+    ]  # fmt: skip
+    columns = [("What", 170.0), ("Operations", 80.0), ("At work, s", 80.0), ("In all, s", 80.0),
+               (f"Length, {unit}", 100.0)]  # fmt: skip
+    heads, rows = used_columns(columns, rows)
+    yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads],
+                 range(1, len(heads)), True)  # fmt: skip
     count = len(content.operations)
     yield _title(f"Operations ({count}, {clock(content.seconds)})")
     if not count:  # a program that does nothing
@@ -112,9 +137,10 @@ def _operation(op: Operation, unit: Unit) -> list[str]:
     def figure(value: float | None) -> str:
         return "" if value is None else shown(value, unit)
 
+    deep = "through" if op.is_through else figure(op.depth)
     speed = "" if op.speed_rpm is None else f"{op.speed_rpm:g}"
     return [str(op.number), op.what, ", ".join(op.faces), figure(op.x), figure(op.y),
-            figure(op.depth), figure(op.feed_mm_min), speed, f"{op.seconds:.1f}"]  # fmt: skip
+            deep, figure(op.feed_mm_min), speed, f"{op.seconds:.1f}"]  # fmt: skip
 
 
 def _letters(text: str) -> str:

@@ -5,7 +5,8 @@ from importlib.resources import files
 from beamcam.pictures.styles import SPEED_COLOURS, css
 
 SCRIPTS = (
-    "sha256", "numbers", "trace", "canvas", "cell", "table", "guide", "listing", "sheet",
+    "sha256", "numbers", "trace", "canvas", "gestures", "cell", "table", "guide", "listing",
+    "mesh", "solid", "sheet",
 )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
 from beamcam.model.part import Part, Profile
-from beamcam.solid.kernel import drill_profile, kernel, minus, moved, prism, turned
+from beamcam.solid.kernel import CHORD, drill_profile, kernel, minus, moved, prism, turned
 from beamcam.solid.part_solid import ALONG
 from beamcam.solid.rules import NO_MACHINE
 from beamcam.solid.section import FREE, Wall, outline, walls
@@ -131,6 +131,7 @@ class Slab(Struct, frozen=True):
 class Sweep(Struct, frozen=True):
     """What a tool sweeps between two places of its point."""
 
+    line: int
     reach: Reach
     kind: str
     diameter: float
@@ -210,7 +211,7 @@ def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> Work:
                     and tool[0] in REMOVING
                     and not isnan(tip.x + tip.y + tip.depth)
                 ):
-                    _swept(sweeps, Sweep(reach, *tool, before, tip))
+                    _swept(sweeps, Sweep(event.line, reach, *tool, before, tip))
     return Work(tuple(slabs), tuple(sweeps), said_of_section(events, machine))
 
 
@@ -260,12 +261,15 @@ def _slab(line: int, at: float, angle: float, tilt: float, saw: Saw, height: flo
 
 def bar_pieces(
     work: Work, part: Part, machine: Machine, bar: float | None = None,
-    points: dict[tuple[str, float], float] | None = None,
+    points: dict[tuple[str, float], float] | None = None, chord: float = CHORD,
+    lines: dict[int, int] | None = None,
 ) -> "list[Manifold]":  # fmt: skip
     """The pieces of the bar between its cuts, along x; chips and what is no steel any more are out.
 
     `part` gives the section. `points` are the angles of tools' points by kind and diameter. Where
-    the length of the bar is not known, it goes on behind the last cut.
+    the length of the bar is not known, it goes on behind the last cut. `chord` is how far the
+    polygons of tools may lie within their circles. `lines` is filled with the line that took what
+    is missing, by the kernel's number of the body that took it.
     """
     p = part.profile
     ends = [s.at for s in work.slabs] + [s.end.x for s in work.sweeps]
@@ -274,9 +278,13 @@ def bar_pieces(
     points = points or {}
     body = prism(outline(part), 0.0, length, ALONG)
     reach = hypot(p.height, p.width, p.web_thickness or 0.0)
-    tools = [_body(sweep, points, reach) for sweep in work.sweeps]
-    slabs = [_slab_body(slab, over) for slab in work.slabs]
-    pieces = [one for one in minus(body, [*tools, *slabs]).decompose() if one.volume() > DUST]
+    taken = [(sweep.line, _body(sweep, points, reach, chord)) for sweep in work.sweeps]
+    taken += [(slab.line, _slab_body(slab, over)) for slab in work.slabs]
+    if lines is not None:
+        taken = [(line, one.as_original()) for line, one in taken]
+        lines |= {one.original_id(): line for line, one in taken}
+    left = minus(body, [one for _, one in taken])
+    pieces = [one for one in left.decompose() if one.volume() > DUST]
     pieces.sort(key=lambda one: one.bounding_box()[0] + one.bounding_box()[3])
     return pieces
 
@@ -293,7 +301,9 @@ def _slab_body(slab: Slab, over: float) -> "Manifold":
     return cube.transform(frame)
 
 
-def _body(sweep: Sweep, points: dict[tuple[str, float], float], reach: float) -> "Manifold":
+def _body(
+    sweep: Sweep, points: dict[tuple[str, float], float], reach: float, chord: float
+) -> "Manifold":
     """What a tool takes: from the air before the bar to its point, at both places and between."""
     radius = sweep.diameter / 2
     point = points.get((sweep.kind, sweep.diameter), 180.0)
@@ -301,7 +311,7 @@ def _body(sweep: Sweep, points: dict[tuple[str, float], float], reach: float) ->
     places = [sweep.start] if sweep.start == sweep.end else [sweep.start, sweep.end]
     for tip in places:
         frame = moved(sweep.reach.wall.frame, tip.x, tip.y)
-        bodies.append(turned(_profile(sweep, tip.depth, radius, point), frame))
+        bodies.append(turned(_profile(sweep, tip.depth, radius, point), frame, chord))
     if len(bodies) == 1:
         return bodies[0]
     return kernel().Manifold.batch_hull(bodies)

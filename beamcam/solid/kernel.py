@@ -30,11 +30,11 @@ def kernel() -> Any:
     return manifold3d
 
 
-def facets(radius: float) -> int:
+def facets(radius: float, chord: float = CHORD) -> int:
     """Sides of the polygon that stands for a circle: a multiple of 4, so that its box is exact."""
-    if radius <= 2 * CHORD:
+    if radius <= 2 * chord:
         return 8
-    return 4 * max(3, ceil(pi / acos(1 - CHORD / radius) / 4))
+    return 4 * max(3, ceil(pi / acos(1 - chord / radius) / 4))
 
 
 def circle(x: float, y: float, radius: float) -> list[tuple[float, float]]:
@@ -59,13 +59,15 @@ def prism(shape: Any, low: float, high: float, frame: Frame) -> "Manifold":
     return m.Manifold.extrude(section, high - low).translate((0.0, 0.0, low)).transform(frame)
 
 
-def turned(profile: Sequence[tuple[float, float]], frame: Frame) -> "Manifold":
+def turned(
+    profile: Sequence[tuple[float, float]], frame: Frame, chord: float = CHORD
+) -> "Manifold":
     """A tool turned about the depth axis of a frame, by (radius, depth) from mouth to point.
 
     It is convex: the radii fall, if they change.
     """
     m = kernel()
-    n = facets(max(radius for radius, _ in profile))
+    n = facets(max(radius for radius, _ in profile), chord)
     ring = [(cos(2 * pi * k / n), sin(2 * pi * k / n)) for k in range(n)]
     points = [
         (radius * c, radius * s, depth)

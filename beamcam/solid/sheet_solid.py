@@ -129,19 +129,24 @@ def _process(stroke: Stroke, known: Sequence[Starting], rows: Sequence[TorchRow]
 
 def pieces_cut(strokes: Sequence[Stroke], kerf: float) -> list[Shape]:
     """The pieces that come free of the sheet, in X and Y of the table; cut-outs among them."""
+    return left_of([shape for s in strokes if s.process == "cut" for shape in taken_by(s, kerf)])
+
+
+def left_of(taken: Sequence[Shape]) -> list[Shape]:
+    """The pieces that come free where something is taken out of a sheet that is larger."""
     from shapely import box, union_all
 
-    swept = union_all([shape for s in strokes if s.process == "cut" for shape in _swept(s, kerf)])
-    if swept.is_empty:
+    gone = union_all(taken)
+    if gone.is_empty:
         return []
-    x0, y0, x1, y1 = swept.bounds
+    x0, y0, x1, y1 = gone.bounds
     sheet = box(x0 - AROUND, y0 - AROUND, x1 + AROUND, y1 + AROUND)
-    left = sheet.difference(swept)
+    left = sheet.difference(gone)
     edge = sheet.exterior
     return [one for one in getattr(left, "geoms", (left,)) if not one.intersects(edge)]
 
 
-def _swept(stroke: Stroke, kerf: float) -> Iterator[Shape]:
+def taken_by(stroke: Stroke, kerf: float) -> Iterator[Shape]:
     """What the torch sweeps on a stroke: its path, as the controller keeps it off, by the kerf."""
     from shapely import LineString, Point
 

@@ -17,15 +17,20 @@ class Browser:
     def __init__(self, driver: Any) -> None:
         self.driver = driver
 
-    def open(self, page: Path | str, width: int = 1200) -> None:
+    def open(self, page: Path | str, width: int = 1200, height: int = 900) -> None:
         """A page from the disk or at an address, with nothing logged before."""
         self.driver.execute_cdp_cmd(
             "Emulation.setDeviceMetricsOverride",
-            {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False},
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
         )
         self.driver.get("about:blank")
         self.driver.get_log("browser"), self.driver.get_log("performance")
         self.driver.get(page if isinstance(page, str) else page.as_uri())
+        # A solid is unpacked in its own time.
+        self.driver.execute_async_script(
+            "const done = arguments[0]; (async () => {"
+            "if (typeof Sheet !== 'undefined') await Sheet.ready; done(); })()"
+        )
 
     def run(self, script: str, *arguments: object) -> Any:
         """What a script in the page returns."""
@@ -48,8 +53,9 @@ class Browser:
 
     @property
     def complaints(self) -> list[str]:
-        """What stands in the console."""
-        return [entry["message"] for entry in self.driver.get_log("browser")]
+        """What stands in the console, but for what a slow driver of graphics says of its speed."""
+        found = [entry["message"] for entry in self.driver.get_log("browser")]
+        return [said for said in found if "GL Driver Message (OpenGL, Performance" not in said]
 
     @property
     def requests(self) -> list[str]:
@@ -73,7 +79,7 @@ def browser() -> Iterator[Browser]:
     options = Options()
     options.binary_location = CHROMIUM
     for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     "--lang=en-US"):  # fmt: skip
+                     "--enable-unsafe-swiftshader", "--lang=en-US"):  # fmt: skip
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     driver = webdriver.Chrome(options=options, service=Service(DRIVER))

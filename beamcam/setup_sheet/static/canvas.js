@@ -14,6 +14,31 @@ class View {
   constructor(canvas) {
     this.canvas = canvas;
     this.pen = canvas.getContext("2d");
+    this.home();
+  }
+
+  // All of the view, as it comes.
+  home() {
+    this.zoom = 1;
+    this.shift = [0, 0];
+  }
+
+  // A place of the whole view, in pixels, where zooming and moving puts it.
+  seen([x, y]) {
+    return [this.wide / 2 + (x - this.wide / 2) * this.zoom + this.shift[0],
+      this.high / 2 + (y - this.high / 2) * this.zoom + this.shift[1]];
+  }
+
+  // Nearer by a factor; what lies under a place stays there.
+  nearer(by, x = this.wide / 2, y = this.high / 2) {
+    const zoom = Math.min(200, Math.max(0.5, this.zoom * by)), grows = zoom / this.zoom;
+    this.shift = [x - this.wide / 2, y - this.high / 2]
+      .map((v, k) => v - (v - this.shift[k]) * grows);
+    this.zoom = zoom;
+  }
+
+  move(dx, dy) {
+    this.shift = [this.shift[0] + dx, this.shift[1] + dy];
   }
 
   // The size of the canvas in pixels of the page; its own are as many as the screen has.

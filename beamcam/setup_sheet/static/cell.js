@@ -58,12 +58,12 @@ class Cell {
     const room = 74;
     // One scale for both views, so that what is above each other belongs together.
     const largest = Math.max(height, width);
-    const scale = Math.min(view.wide / (last - first), (view.high - 2 * room) / largest);
-    const middle = (first + last) / 2;
-    const at = (x, across_) => [
-      view.wide / 2 + (x - middle) * scale,
-      view.high / 2 - (across_ - across / 2) * scale,
-    ];
+    const whole = Math.min(view.wide / (last - first), (view.high - 2 * room) / largest);
+    const middle = (first + last) / 2, scale = whole * view.zoom;
+    const at = (x, across_) => view.seen([
+      view.wide / 2 + (x - middle) * whole,
+      view.high / 2 - (across_ - across / 2) * whole,
+    ]);
     this.drawBar(view, now, above, at);
     this.drawMade(view, now, above, at, scale);
     this.drawSaw(view, now, above, at);
@@ -115,7 +115,8 @@ class Cell {
     const { height, width } = this.section;
     for (const hole of this.holes) {
       if (now.t < hole.done) continue;
-      const x = hole.x - now.stop, r = hole.d / 2;
+      const x = hole.x - now.stop, r = hole.d / 2, [left] = at(x - r, 0), [right] = at(x + r, 0);
+      if (right < 0 || left > view.wide) continue; // not in the window
       if (above === (hole.face === "v" || hole.face === "h")) {
         const dim = hole.face === "h" || hole.face === "o";
         view.circle(at(x, hole.y), r * scale, dim ? Colours.rapid : Colours.tool, Colours.paper);
@@ -177,7 +178,8 @@ class Cell {
     const at = (x, y, z) => {
       const a = x - middle, b = y - height / 2, c = z - width / 2;
       const right = cy * a - sy * b, deep = sy * a + cy * b;
-      return [view.wide / 2 + scale * right, view.high / 2 - scale * (cp * c + sp * deep)];
+      return view.seen([view.wide / 2 + scale * right,
+        view.high / 2 - scale * (cp * c + sp * deep)]);
     };
     const corner = (ends, y, z) => {
       const [a, b, c, d] = ends, u = y / height, w = z / width;
@@ -225,6 +227,6 @@ class Cell {
       }[s.face];
       view.chain([back, tip], colour, { width: s.turning ? 4 : 2 });
     }
-    view.text("in space: drag, or the arrow keys", 8, 16, Colours.ink);
+    view.text("in space", 8, 16, Colours.ink);
   }
 }

@@ -31,7 +31,7 @@ class Listing {
   draw() {
     const first = Math.max(0, Math.floor(this.box.scrollTop / this.high) - 5);
     const count = Math.ceil((this.box.clientHeight || 300) / this.high) + 10;
-    const rows = [];
+    this.rows = new Map();
     for (let k = first; k < Math.min(first + count, this.lines.length); k++) {
       const row = document.createElement("div");
       row.className = k + 1 === this.now ? "row now" : "row";
@@ -43,9 +43,9 @@ class Listing {
       const number = document.createElement("span");
       number.textContent = k + 1;
       row.append(number, Listing.spelled(this.lines[k]));
-      rows.push(row);
+      this.rows.set(k + 1, row);
     }
-    this.space.replaceChildren(...rows);
+    this.space.replaceChildren(...this.rows.values());
   }
 
   show(line) {
@@ -57,6 +57,15 @@ class Listing {
       this.box.scrollTop = Math.max(0, top - clientHeight / 3);
     }
     this.box.setAttribute("aria-activedescendant", `line-${line}`);
-    this.draw();
+    const row = this.rows?.get(line);
+    if (!row) return this.draw();
+    for (const other of this.rows.values()) if (other !== row) Listing.mark(other, false);
+    Listing.mark(row, true);
+  }
+
+  static mark(row, is) {
+    if (row.classList.contains("now") === is) return;
+    row.classList.toggle("now", is);
+    row.setAttribute("aria-selected", is);
   }
 }

@@ -85,7 +85,7 @@ const Monitor = {
       : new LiveTable(data, Sheet.trace);
     Sheet.views = [...document.querySelectorAll("canvas[data-view]")]
       .map((canvas) => ({ name: canvas.dataset.view, view: new View(canvas) }));
-    for (const { name, view } of Sheet.views) if (name === "space") Sheet.turnable(view.canvas);
+    for (const { name, view } of Sheet.views) if (name === "space") Sheet.turnable(view.canvas, view);
     const whole = document.getElementById("whole"), box = document.getElementById("listing");
     whole.addEventListener("change", () => {
       Sheet.model.whole = whole.checked;

@@ -18,7 +18,33 @@ const Sheet = {
     Colours.read();
     this.units();
     if (this.data) this.playback();
+    const solid = read("solid");
+    this.ready = solid ? this.space(solid) : null;
     Numbers.show(document);
+  },
+
+  // The solid, and the faces that its operations are on.
+  async space(data) {
+    const box = this.one("solid-view");
+    let pieces;
+    try {
+      pieces = await Promise.all(data.pieces.map((piece) => Mesh.unpacked(piece)));
+    } catch {
+      box.textContent = "This browser is too old to unpack the solid.";
+      return;
+    }
+    this.solid = new Solid(box, data, pieces, (line) => this.pick(line));
+    this.faces = new Map((this.data?.bores ?? []).concat(this.data?.trails ?? [])
+      .map(({ line, face }) => [line, face]).reverse()); // of two spindles the first
+    window.addEventListener("resize", () => this.solid.draw());
+    // On paper it is as light as the paper.
+    for (const media of ["(prefers-color-scheme: dark)", "print"]) {
+      window.matchMedia(media).addEventListener("change", () => {
+        Colours.read();
+        if (media === "print") this.solid.fit(); // its size is another
+        else this.solid.draw();
+      });
+    }
   },
 
   one(id) {
@@ -69,7 +95,12 @@ const Sheet = {
     if (box && this.program) {
       this.listing = new Listing(box, this.program.lines, (line, way = 1) => this.pick(line, way));
     }
+    this.operations = (this.data.operations ?? [])
+      .filter(({ line }) => this.trace.begin.has(line))
+      .map((op) => ({ ...op, begin: this.trace.begin.get(op.line) }))
+      .sort((a, b) => a.begin - b.begin);
     this.controls();
+    this.marks();
     this.pictures();
     this.draw();
     window.addEventListener("resize", () => this.draw());
@@ -98,15 +129,96 @@ const Sheet = {
       });
     }
     document.addEventListener("keydown", (event) => this.key(event));
-    for (const { name, view } of this.views) if (name === "space") this.turnable(view.canvas);
+    // A button that the mouse has pressed gives the keys back to the page.
+    document.addEventListener("click", (event) => {
+      const button = event.target.closest("button");
+      if (button && event.detail > 0) button.blur();
+    });
+    this.looking();
     for (const button of document.querySelectorAll("button[data-line]")) {
-      button.addEventListener("click", () => this.pick(Number(button.dataset.line)));
+      button.addEventListener("click", () => {
+        const line = Number(button.dataset.line);
+        this.pick(line);
+        if (!this.solid) return;
+        this.solid.show(line, true, this.faces.get(line));
+        this.solid.box.scrollIntoView({ block: "nearest" });
+      });
     }
   },
 
-  // Keys anywhere in the page: blank plays, comma and dot step, Home goes to the beginning.
+  // Which view is seen; nearer, further off, to a side and round.
+  looking() {
+    const show = (name) => {
+      for (const { name: other, view } of this.views) view.canvas.hidden = other !== name;
+      for (const button of document.querySelectorAll("button[data-show]")) {
+        button.setAttribute("aria-pressed", button.dataset.show === name);
+      }
+      this.draw();
+    };
+    for (const button of document.querySelectorAll("button[data-show]")) {
+      button.addEventListener("click", () => show(button.dataset.show));
+    }
+    const change = (view, does) => () => {
+      does(view);
+      this.draw();
+    };
+    const now = () => this.views.find(({ view }) => view.canvas.clientWidth)?.view;
+    const does = { in: (v) => v.nearer(1.4), out: (v) => v.nearer(1 / 1.4), fit: (v) => v.home() };
+    for (const button of document.querySelectorAll("button[data-zoom]")) {
+      button.addEventListener("click", () => change(now(), does[button.dataset.zoom])());
+    }
+    for (const { name, view } of this.views) {
+      if (name === "space") this.turnable(view.canvas, view);
+      else if (name !== "guide") {
+        Gestures.on(view.canvas, {
+          drag: (dx, dy) => change(view, (v) => v.move(dx, dy))(),
+          move: (dx, dy) => change(view, (v) => v.move(dx, dy))(),
+          zoom: (by, x, y) => change(view, (v) => v.nearer(by, x, y))(),
+        });
+      }
+      view.canvas.addEventListener("keydown", (event) => {
+        const by = { "+": does.in, "-": does.out, 0: does.fit }[event.key];
+        const way = name === "space" ? null : { ArrowLeft: [40, 0], ArrowRight: [-40, 0],
+          ArrowUp: [0, 40], ArrowDown: [0, -40] }[event.key];
+        if (!by && !way) return;
+        event.preventDefault();
+        change(view, by ?? ((v) => v.move(...way)))();
+      });
+    }
+  },
+
+  // Tool changes and the beginning of cuts, over the slider.
+  marks() {
+    const { trace } = this, box = this.one("marks"), taken = new Set();
+    const isBar = this.data.kind === "bar";
+    if (!box) return;
+    for (let k = 1; k < trace.count; k++) {
+      if (trace.state[k] === trace.state[k - 1]) continue;
+      const a = trace.states[trace.state[k - 1]], b = trace.states[trace.state[k]];
+      let kind = "", said = "";
+      if (isBar && b.sawing && !a.sawing) [kind, said] = ["cut", "saw cut"];
+      else if (b.diameter && (b.diameter !== a.diameter || b.spindle !== a.spindle)) {
+        [kind, said] = ["tool", `spindle ${b.spindle}, tool ${Numbers.plain(b.diameter)}`];
+      } else if (b.process && b.process !== a.process) [kind, said] = ["cut", b.process];
+      const time = trace.time[k], share = time / trace.duration;
+      const place = `${kind} ${Math.round(400 * share)}`; // one is seen where several would lie
+      if (!kind || taken.has(place)) continue;
+      taken.add(place);
+      const mark = document.createElement("i");
+      mark.className = kind;
+      mark.style.left = `calc(8px + (100% - 16px) * ${share.toFixed(5)})`;
+      mark.title = `${said}, ${Numbers.clock(time)}`;
+      mark.addEventListener("click", () => this.go(time));
+      box.append(mark);
+    }
+  },
+
+  // Keys anywhere in the page: blank plays, comma and dot step, Home goes to the beginning. Only
+  // what is typed into keeps its keys, and a button that the keyboard came to its own two.
   key(event) {
-    if (event.target.closest("input, select, textarea, button, summary, [role=listbox]")) return;
+    const at = event.target;
+    if (at.closest("select, textarea, summary, input:not([type=range])")) return;
+    if (at.closest("button") && (event.key === " " || event.key === "Enter")) return;
     const does = {
       " ": () => this.play(!this.playing),
       ",": () => this.go(this.trace.step(this.time, -1)),
@@ -118,23 +230,21 @@ const Sheet = {
     does();
   },
 
-  turnable(canvas) {
+  turnable(canvas, view) {
     const turn = (dx, dy) => {
       this.model.yaw += dx;
       this.model.pitch = Math.min(1.5, Math.max(-1.5, this.model.pitch + dy));
       this.draw();
     };
-    let from = null;
-    canvas.addEventListener("pointerdown", (event) => {
-      from = [event.clientX, event.clientY];
-      canvas.setPointerCapture(event.pointerId);
+    const change = (does) => {
+      does();
+      this.draw();
+    };
+    Gestures.on(canvas, {
+      drag: (dx, dy) => turn(dx / 150, dy / 150),
+      move: (dx, dy) => change(() => view.move(dx, dy)),
+      zoom: (by, x, y) => change(() => view.nearer(by, x, y)),
     });
-    canvas.addEventListener("pointermove", (event) => {
-      if (!from) return;
-      turn((event.clientX - from[0]) / 150, (event.clientY - from[1]) / 150);
-      from = [event.clientX, event.clientY];
-    });
-    canvas.addEventListener("pointerup", () => { from = null; });
     canvas.addEventListener("keydown", (event) => {
       const way = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1],
         ArrowDown: [0, 0.1] }[event.key];
@@ -150,7 +260,7 @@ const Sheet = {
     const pictures = document.querySelector(".pictures");
     if (!pictures) return;
     this.shapes = new Map();
-    for (const e of pictures.querySelectorAll("[data-line]")) {
+    for (const e of document.querySelectorAll(".pictures [data-line], tr[data-line]")) {
       const line = Number(e.dataset.line);
       if (!this.shapes.has(line)) this.shapes.set(line, []);
       this.shapes.get(line).push(e);
@@ -206,9 +316,33 @@ const Sheet = {
       else this.model.drawFlat(view, this.model.at(t), name === "above");
     }
     this.tell(t);
+    this.next(t);
     const line = this.trace.lineAt(t);
     if (this.listing) this.listing.show(line);
     this.mark(line);
+  },
+
+  // The operation that is at work, and in large letters the one that follows.
+  next(t) {
+    const box = this.one("next");
+    if (!box || !this.operations) return;
+    const { operations } = this;
+    let low = 0, high = operations.length; // how many have begun
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (operations[middle].begin <= t + 1e-9) low = middle + 1;
+      else high = middle;
+    }
+    const said = (op) => `${op.number}  ${op.what}${op.faces ? ` on ${op.faces}` : ""}`;
+    const op = operations[low], last = operations[low - 1];
+    this.write("next-what", op ? said(op) : "end of the program");
+    this.write("next-when", `next, in ${Numbers.clock((op ? op.begin : this.trace.duration) - t)}`);
+    this.write("last-what", last ? `begun: ${said(last)}` : "not begun");
+  },
+
+  write(id, text) {
+    const e = this.one(id);
+    if (e.textContent !== text) e.textContent = text;
   },
 
   // The axes and what is switched on, as text.
@@ -235,10 +369,10 @@ const Sheet = {
   // The shapes and the row of the operation whose block it is.
   mark(line) {
     if (line === this.markedLine || !this.shapes) return;
+    if (this.solid) this.solid.show(line);
     this.markedLine = line;
     for (const e of this.marked) e.classList.remove("now");
-    this.marked = [...(this.shapes.get(line) ?? []),
-      ...document.querySelectorAll(`tr[data-line="${line}"]`)];
+    this.marked = this.shapes.get(line) ?? [];
     for (const e of this.marked) e.classList.add("now");
   },
 };

@@ -1,5 +1,6 @@
 """Pictures of programs: drawn from what was read back, whatever the plan was."""
 
+import re
 from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
@@ -61,6 +62,14 @@ def test_a_bar_has_its_cuts_holes_and_parts(name: str, known: bool) -> None:
     assert program.sha256 in " ".join(found.texts)
     lines = {int(e.get("data-line", "0")) for e in found.all("hole")}
     assert lines == {bore.line for bore in made.bores}
+    texts = found.texts
+    for size in {bore.diameter for bore in made.bores}:
+        count = sum(bore.diameter == size for bore in made.bores)
+        (said,) = [text for text in texts if text.startswith(f"drill Ø{size:g}: ")]
+        assert sum(int(n) for n in re.findall(r"(\d+) × ", said)) == count
+        assert not known or said.endswith(f": {count} × through")
+    assert not known or "C1   3000" in texts
+    assert texts.count("15°") == 2 or not known
 
 
 def test_a_width_that_a_program_does_not_say_is_not_drawn() -> None:
@@ -132,6 +141,51 @@ def ends(shape: Element) -> tuple[tuple[float, float], tuple[float, float]]:
     return (x0, y1), (x1, y0)
 
 
+def sheet_edges(found: Drawing) -> list[list[tuple[float, float]]]:
+    return [corners(e) for e in found.all("sheet-edge")]
+
+
+@pytest.mark.parametrize("origin", ["table", "lower-left", "centre"])
+def test_the_frame_is_the_sheet_with_axes_grid_and_scale(origin: str) -> None:
+    """A gusset of 260 x 180 on a sheet of 400 x 300: all four edges, in their places about zero."""
+    machine = load("plate-linuxcnc")
+    assert machine.torch is not None
+    torch = replace(machine.torch, length=400.0, width=300.0, origin=origin)
+    program = program_of([SAMPLES / "dstv" / "gusset.nc1"], replace(machine, torch=torch))
+    found = drawn(program)
+    figures = {float(e.get("data-mm", "nan")): e for e in found.all("figure")
+               if e.get("data-mm") and e.get("transform")}  # fmt: skip
+    u = 0.5 if origin == "centre" else 0.0
+    wanted = {-400.0 * u + 50.0 * k for k in range(9)}
+    assert wanted <= {*figures}
+    edges = sheet_edges(found)
+    assert len(edges) == 4
+    xs, ys = ([p[k] for e in edges for p in e] for k in (0, 1))
+    scale = (max(xs) - min(xs)) / 400.0
+    assert (max(ys) - min(ys)) / scale == pytest.approx(300.0, abs=0.1)
+    assert float(figures[-400.0 * u].get("x", 0)) - 3.5 == pytest.approx(min(xs), abs=0.1)
+    assert found.count("axis") == 2
+    assert {"X", "Y"} <= set(found.texts)
+
+
+def test_a_small_path_on_a_large_table_is_shown_by_itself() -> None:
+    found = drawn(program_of([SAMPLES / "dstv" / "gusset.nc1"], load("plate-codesys")))
+    (table,) = found.all("face", "table")
+    (x0, y0), (x1, y1) = ends(table)
+    assert (x1 - x0) / (y0 - y1) < 1.6  # the gusset's proportions and not the table's 2 to 1
+    assert len(sheet_edges(found)) == 2
+
+
+def test_only_speeds_that_occur_are_in_the_legend() -> None:
+    text = to_svg(program_scene(program_of([SAMPLES / "dstv" / "gusset.nc1"],
+                                           load("plate-linuxcnc"))))  # fmt: skip
+    found = Drawing(text)
+    used = {k for k in range(8) if found.count(f"speed-{k}")}
+    named = {k for k in range(8) if f'class="speed-{k} legend"' in text}
+    assert named == used
+    assert 0 < len(used) < 8
+
+
 def test_a_picture_shows_the_program_and_not_its_part() -> None:
     """A hole moved in the text is moved in the picture, whatever the part says."""
     machine = load("beamline")
@@ -176,8 +230,8 @@ def test_a_table_s_way_is_drawn_by_speed(sample: str, name: str, style: str | No
     }  # fmt: skip
     assert program.sha256 in " ".join(found.texts)
     # All that is coloured is as long as the way with a tool on, at the picture's scale.
-    table = corners(found.all("face", "table")[0])
-    scale = (table[1][0] - table[0][0]) / (
+    across = [x for e in (*coloured, *found.all("rapid")) for x, _ in corners(e)]
+    scale = (max(across) - min(across)) / (
         trace.positions[:, 0].max() - trace.positions[:, 0].min()
     )
     length = sum(_length(corners(e)) for e in coloured) / scale

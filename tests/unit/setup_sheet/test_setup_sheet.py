@@ -6,6 +6,7 @@ from hashlib import sha256
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from msgspec.structs import replace
@@ -42,6 +43,14 @@ def annex() -> Content:
     return content_of(SheetSources(program, made.plan, made.remarks))
 
 
+@pytest.fixture(scope="module")
+def plate() -> Content:
+    """A gusset on a plasma table."""
+    parts = read_file(str(SAMPLES / "dstv" / "gusset.nc1")).parts
+    made, program = posted(parts, "plate-linuxcnc")
+    return content_of(SheetSources(program, made.plan, made.remarks))
+
+
 class Cells(HTMLParser):
     """The values of the cells of a page's tables."""
 
@@ -66,14 +75,39 @@ def test_the_page_holds_each_operation_with_its_figures(annex: Content) -> None:
     profile = annex.program.parts[0].profile
     made = run(annex.program.text, annex.program.machine, profile).made
     for bore in made.bores:
-        wanted = [f"{v:.6g}" for v in (bore.x, bore.y, bore.tip_depth)]
-        assert any(row[:3] == wanted for row in cells.rows), wanted
+        wanted = [f"{v:.6g}" for v in (bore.x, bore.y)]
+        assert any(row[:2] == wanted for row in cells.rows), wanted
+    holes = [hole for part in annex.program.parts for hole in part.holes]
+    assert page.count("<td>through<") == len({b.line for b in made.bores})
+    assert all(hole.depth is None for hole in holes)
     assert len(annex.operations) == len({op.line for op in made.order})
     assert sum(op.seconds for op in annex.operations) == pytest.approx(annex.seconds)
     assert all(op.seconds > 0.0 for op in annex.operations)
     assert annex.program.sha256 in page
-    assert cells.links == ["data:,"]
+    assert [link for link in cells.links if not link.startswith("#")] == ["data:,"]
     assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org/2000/svg", "")
+
+
+@pytest.mark.parametrize("name", ["annex", "plate"])
+def test_work_and_travel_are_all_of_the_time(name: str, request: pytest.FixtureRequest) -> None:
+    content: Content = request.getfixturevalue(name)
+    *rows, travel, together = content.totals
+    assert together.seconds == pytest.approx(content.seconds)
+    assert together.work_s == pytest.approx(sum(row.work_s for row in rows))
+    assert together.work_s + travel.seconds == pytest.approx(content.seconds)
+    assert together.count == sum(row.count or 0 for row in rows) == len(content.operations)
+    assert all(0.0 < row.work_s <= row.seconds + 1e-9 for row in rows)
+    if name == "annex":
+        assert [row.what for row in rows] == ["saw", "drill 18", "drill 14", "drill 22"]
+        assert sum(row.seconds for row in rows) == pytest.approx(content.seconds)
+        return
+    trace = content.trace
+    on = np.array([bool(s.process) for s in trace.states])[trace.state]
+    ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
+    assert sum(row.length or 0.0 for row in rows) == pytest.approx(float(ways[on].sum()))
+    assert travel.length == pytest.approx(float(ways[~on].sum()))
+    page = setup_page(content)
+    assert "Time by tool" in page
 
 
 def test_the_page_s_header_tools_bar_and_ledger(annex: Content) -> None:

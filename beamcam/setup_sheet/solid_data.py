@@ -1,0 +1,175 @@
+"""What a program leaves of its bar or sheet, as a solid for the page: quantised triangles.
+
+box      least corner and size of a piece: its points are shares of it, in 1/65535
+points   how many corners the piece has, `triangles` how many triangles
+wide     bytes of a number of a corner: 2, or 4 where there are more corners
+data     x of all points, then y, then z, 16 bits each; then three numbers of points for each
+         triangle. Each as the difference to the one before, all low bytes before all high ones,
+         so that deflate makes them short; in base64
+lines    runs of triangles that one line of the program made: line, how many; 0 is the stock
+"""
+
+import base64
+import json
+import zlib
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.controllers import table_events
+from beamcam.controllers.events import HeadMove, Switch
+from beamcam.errors import BeamcamError, Source
+from beamcam.geometry.array_types import Counts
+from beamcam.machine.faults import TABLE_CONTROLLERS
+from beamcam.machine.materials import material_said
+from beamcam.model.part import Part, Profile
+from beamcam.pictures.bar import BarMade
+from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.table import TableMade
+from beamcam.solid.kernel import facets
+from beamcam.solid.mesh import Mesh, bar_meshes, sheet_meshes
+from beamcam.solid.plates import thickness_of
+from beamcam.solid.sheet_solid import Stroke, rows_for, strokes_of
+
+LIMIT = 280_000  #: characters of a page that a solid may take
+#: How far a polygon lies within its circle, mm: from the finest on, until the page is small enough.
+CHORDS = (0.05, 0.2, 0.6, 5.0)
+GRID = 65535
+CHARACTERS = 16  #: that a side of a hole takes, about
+MAX_WORK = 20_000  #: moves and cuts that are machined as a solid, which takes its time
+
+
+class Solids(Struct, frozen=True):
+    """The pieces for the page, or why there are none."""
+
+    pieces: tuple[dict[str, Any], ...]
+    faces: str  #: that letters stand on
+    chord: float = CHORDS[0]  #: of its circles
+    without: str = ""  #: the reason
+
+
+def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
+    """The pieces of a program as a solid. Circles have as many sides as there is room for."""
+    faces = "vouh" if isinstance(made, BarMade) else "v"
+    without = _too_much(program, made)
+    if without:
+        return Solids((), faces, without=without)
+    pieces: tuple[dict[str, Any], ...] = ()
+    try:
+        for chord in CHORDS[_first(made) :]:
+            found = (
+                _bar(program, made, chord)
+                if isinstance(made, BarMade)
+                else (
+                    [
+                        ("part", f"piece {k}", mesh)
+                        for k, mesh in enumerate(_sheet(program, made, chord), 1)
+                    ]
+                )
+            )
+            pieces = tuple(_packed(*one) for one in found)
+            if len(json.dumps(pieces)) <= LIMIT:
+                without = "" if pieces else "nothing comes free of the sheet"
+                return Solids(pieces, faces, chord, without)
+    except BeamcamError as error:
+        return Solids((), faces, without="; ".join(d.message for d in error.diagnostics))
+    size = len(json.dumps(pieces)) / 1000
+    return Solids((), faces, without=f"it would take {size:.0f} kB; a page holds {LIMIT // 1000}")
+
+
+def _first(made: BarMade | TableMade) -> int:
+    """Which chord is tried first: machining a solid again and again takes its time."""
+    if not isinstance(made, BarMade):
+        return 0
+    for k, chord in enumerate(CHORDS):
+        sides = sum(facets(bore.diameter / 2, chord) for bore in made.made.bores)
+        if sides * CHARACTERS <= LIMIT:
+            return k
+    return len(CHORDS) - 1
+
+
+def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
+    """Why a program is not machined as a solid; blank where it is."""
+    if isinstance(made, BarMade):
+        count = len(made.made.order)
+    else:
+        count = sum(last - first for first, last, process in made.strokes if process == "cut")
+        torch = program.machine.torch
+        if torch is None or not (torch.thickness or any(_walls(p) for p in program.parts)):
+            return "the thickness of the sheet is not known"
+    return f"{count} cuts and moves are too many" if count > MAX_WORK else ""
+
+
+def _walls(part: Part) -> bool:
+    return bool(part.profile.web_thickness)
+
+
+def _bar(program: ReadProgram, made: BarMade, chord: float) -> Iterator[tuple[str, str, Mesh]]:
+    """The pieces of a bar, each with its kind and its mark."""
+    stock = Part("", made.profile, made.end, Source(program.name))
+    meshes = bar_meshes(
+        program.text, program.machine, program.parts or (stock,), program.name, made.drawn_end,
+        chord,
+    )  # fmt: skip
+    known = made.pieces()
+    middles = [sum(made.extent(piece)) / 2 for piece in known]
+    for mesh in meshes:
+        middle = (mesh.points[:, 0].min() + mesh.points[:, 0].max()) / 2
+        piece = known[int(np.argmin([abs(m - middle) for m in middles]))]
+        yield piece.kind, piece.mark, mesh
+
+
+def _sheet(program: ReadProgram, made: TableMade, chord: float) -> list[Mesh]:
+    """The pieces that come free of a table's sheet."""
+    machine, torch = program.machine, program.machine.torch
+    if torch is None:
+        return []
+    stock = Part("", Profile("B", "", 0.0, 0.0, 0.0, None), 0.0, Source(program.name))
+    part = program.parts[0] if program.parts else stock
+    thickness = thickness_of(part, torch)
+    rows = rows_for(torch, thickness, material_said(part.grade, torch.material))
+    kerf = next((row.kerf for row in rows if row.process == "cut"), 0.0)
+    kerf = 0.0 if torch.kerf_by == "none" else kerf
+    if machine.controller in TABLE_CONTROLLERS:
+        return sheet_meshes(list(_strokes(made)), kerf, thickness, chord)
+    events, _ = table_events(program.text, machine, program.name)
+    return sheet_meshes(strokes_of(events, machine, rows, program.name), kerf, thickness, chord)
+
+
+def _strokes(made: TableMade) -> Iterator[Stroke]:
+    """The strokes of a table whose program has no events, by its trace."""
+    trace = made.trace
+    for first, last, process in made.strokes:
+        places = trace.positions[first : last + 1, :2].tolist()
+        moves = [
+            HeadMove(int(trace.line[first + k]), False, (a[0], a[1]), (b[0], b[1]), 0.0)
+            for k, (a, b) in enumerate(pairwise(places))
+            if a != b
+        ]
+        yield Stroke(Switch(int(trace.line[first]), 0, {}), process, "on", 0.0, moves)
+
+
+def _packed(kind: str, mark: str, mesh: Mesh) -> dict[str, Any]:
+    """A piece as JSON holds it."""
+    low = mesh.points.min(axis=0)
+    size = np.maximum(mesh.points.max(axis=0) - low, 1e-6)
+    points = np.rint((mesh.points - low) / size * GRID).astype(np.int64)
+    wide = 2 if len(points) <= GRID else 4
+    data = b"".join(_differences(column, 2) for column in points.T)
+    data += _differences(mesh.triangles.ravel(), wide)
+    edges = [0, *(np.flatnonzero(np.diff(mesh.lines)) + 1).tolist(), len(mesh.lines)]
+    return {
+        "kind": kind, "mark": mark, "box": [round(float(v), 3) for v in (*low, *size)],
+        "points": len(points), "triangles": len(mesh.triangles), "wide": wide,
+        "data": base64.b64encode(zlib.compress(data, 9)).decode("ascii"),
+        "lines": [[int(mesh.lines[a]), b - a] for a, b in pairwise(edges) if b > a],
+    }  # fmt: skip
+
+
+def _differences(numbers: Counts, wide: int) -> bytes:
+    """Differences of whole numbers in bytes of `wide` planes, the lowest first."""
+    steps = np.diff(numbers, prepend=0) % 256**wide
+    return b"".join((steps >> 8 * k & 255).astype(np.uint8).tobytes() for k in range(wide))
