@@ -19,7 +19,7 @@ from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
+from beamcam.model.plan import AnyPlan, Order, Plan, SheetPlan, ToolLoad
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import remarks_on, whole_job
 from beamcam.plain_text import terminal_text
@@ -96,10 +96,10 @@ def command(
     _print(output, read, voice, as_json, lines, record, remarks, config, machine)
 
 
-def _planned(request: Request) -> tuple[Job, Plan | SheetPlan]:
+def _planned(request: Request) -> tuple[Job, AnyPlan]:
     """All that is asked for on one bar or sheet. Raises PlanError."""
 
-    def planned(bar: float | None) -> tuple[Job, Plan | SheetPlan]:
+    def planned(bar: float | None) -> tuple[Job, AnyPlan]:
         job = whole_job(request, bar)
         return job, post_of(request.machine).plan(job)
 

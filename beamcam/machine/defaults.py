@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Literal
 
-Stock = Literal["beam", "sheet"]
+Stock = Literal["beam", "sheet", "profile"]
 
 ANY_SUFFIX = "*"
 

@@ -14,7 +14,7 @@ from msgspec import Struct
 
 #: What a program is written for, or the events that are made of it.
 Language = Literal["codesys", "linuxcnc", "grbl", "simotion", "plcopen", "stepper", "events"]
-Stock = Literal["beam", "sheet"]
+Stock = Literal["beam", "sheet", "profile"]
 
 
 class Owner(Struct, frozen=True):
