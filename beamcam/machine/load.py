@@ -16,7 +16,7 @@ from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
 from beamcam.machine.codes import code_faults
-from beamcam.machine.coper import coper_faults
+from beamcam.machine.coper_faults import coper_faults
 from beamcam.machine.faults import (
     number_faults,
     pair_faults,

@@ -8,7 +8,7 @@
 """
 
 from collections.abc import Iterator
-from math import cos, dist, radians, sin
+from math import acos, ceil, cos, degrees, dist, radians, sin
 
 from beamcam.machine.coper import A_OF_FACE, Coper
 from beamcam.machine.machine import Machine
@@ -90,7 +90,7 @@ class _Torch:
         x, y, _ = place
         if self._face is None:
             above = x, y, self._top
-            yield self._turned(above, "v")
+            yield from self._turned(above, "v")
             yield self._to(above, True)
         if face != self._face:
             steps: list[Face] = ["v"] if "v" not in (face, self._face) else []
@@ -100,7 +100,7 @@ class _Torch:
                 corner = self._at[0], self._sides[side], self._top
                 if self._at != corner:
                     yield self._to(corner, True)
-                yield self._turned(corner, step)
+                yield from self._turned(corner, step)
         wanted = self._outside(face, place)
         if wanted != self._at:
             yield self._to(wanted, True)
@@ -115,21 +115,34 @@ class _Torch:
         ny, nz = patch.normal(place[1])
         return x, y + height * ny, z + height * nz
 
-    def _programmed(self, tip: Place, face: Face) -> Place:
+    def _programmed(self, tip: Place, a_deg: float) -> Place:
         """What a program says of a tip: the tip itself, or the axis that the torch turns about."""
         if self._coper.tcp:
             return tip
-        a, (x, y, z) = radians(A_OF_FACE[face]), tip
+        a, (x, y, z) = radians(a_deg), tip
         return x, y - self._coper.pivot * sin(a), z + self._coper.pivot * cos(a)
 
     def _to(self, tip: Place, rapid: bool) -> Command:
         assert self._face is not None
         self._at = tip
-        return TorchTo(*self._programmed(tip, self._face), rapid)
+        return TorchTo(*self._programmed(tip, A_OF_FACE[self._face]), rapid)
 
-    def _turned(self, tip: Place, face: Face) -> Command:
+    def _turned(self, tip: Place, face: Face) -> Iterator[Command]:
+        """The turn to a face, the tip at a place.
+
+        An axis that goes straight while the torch turns takes the tip off that place by
+        pivot (1 - cos(step / 2)); steps are so small that this is a quarter of the clearance.
+        """
+        last = A_OF_FACE[face]
+        first = last if self._face is None else A_OF_FACE[self._face]
+        steps = 1
+        if not self._coper.tcp:
+            off = min(1.0, self._coper.clearance / 4 / self._coper.pivot)
+            steps = ceil(abs(last - first) / degrees(2 * acos(1 - off))) or 1
         self._at, self._face = tip, face
-        return TurnTorch(*self._programmed(tip, face), A_OF_FACE[face])
+        for k in range(1, steps + 1):
+            a_deg = first + (last - first) * k / steps
+            yield TurnTorch(*self._programmed(tip, a_deg), a_deg)
 
 
 def coping_time(plan: CopePlan, program: Program, machine: Machine) -> WorkTime:

@@ -20,7 +20,8 @@ from beamcam.machine.torch import TorchRow
 from beamcam.planning.coping.regions import Shape
 from beamcam.planning.coping.walls import EDGE, Wall
 
-MITRE = 2.5  #: half kerfs that a path goes round a corner of the part at most
+MITRE = 5.0  #: half kerfs from the end of a contour at which its path leaves a free edge, at most
+ROUND = 8  #: sides of a quarter of a path round a corner
 SHARE_OVER = 0.98  #: of half a kerf, by which a path is followed beyond a free edge
 LEADS = (1.0, 0.75, 0.5, 0.25, 0.0)  #: shares of the lead that are tried
 STARTS = 12  #: stretches of a closed path on which a start is looked for
@@ -47,9 +48,22 @@ class Led(Struct, frozen=True):
     lead: int  #: stretches of the lead
 
 
-def paths_of(shape: Shape, half_kerf: float) -> Shape:
-    """The region whose border a torch follows."""
-    return shape.buffer(half_kerf, join_style="mitre", mitre_limit=MITRE)
+def paths_of(shape: Shape, half_kerf: float, wall: Wall) -> Shape:
+    """The region whose border a torch follows: round the part's corners at half a kerf.
+
+    Where a contour ends at a free edge the path goes straight on beyond that edge.
+    """
+    from shapely import box, union_all
+
+    round_corners = shape.buffer(half_kerf, ROUND)
+    straight = shape.buffer(half_kerf, join_style="mitre", mitre_limit=MITRE)
+    left, _, right, _ = straight.bounds
+    edges = [
+        box(left, edge - side * half_kerf, right, edge + side * MITRE * half_kerf)
+        for border, edge, side in ((wall.low, 0.0, -1.0), (wall.high, wall.width, 1.0))
+        if abs(border) == inf
+    ]
+    return union_all([round_corners, *(straight.intersection(edge) for edge in edges)])
 
 
 def rings_of(shape: Shape) -> Iterator[list[Point]]:
@@ -174,25 +188,24 @@ def _pierce(start: Point, way: Point, shape: Shape, row: TorchRow, coper: Coper)
 def _from_edge(
     chain: Chain, wall: Wall, shape: Shape, half_kerf: float, coper: Coper
 ) -> Led | None:
-    """A path that begins on the edge of the scrap and goes along that edge to the contour."""
+    """A path that begins on the edge of the scrap and goes along that edge to the contour.
+
+    It meets the contour's path just beyond the edge, so that no wedge is left in the corner.
+    """
     edge = 0.0 if chain.start == "low" else wall.width
-    inside = list(chain.points)
-    while len(inside) > 1 and (inside[1][1] - edge) * (inside[0][1] - edge) > 0.0:
-        del inside[0]
-    if len(inside) < 2:
-        return None
-    (xa, ya), (xb, yb) = inside[:2]
-    if ya != yb:
-        inside[0] = xa + (xb - xa) * (edge - ya) / (yb - ya), edge
-    first = inside[0]
+    first = chain.points[0]
+    (xa, ya), (xb, yb) = next(
+        (p, q) for p, q in pairwise(chain.points) if (p[1] - edge) * (q[1] - edge) <= 0.0
+    )
+    x = xa + (xb - xa) * (edge - ya) / (yb - ya) if ya != yb else xa
     for share in LEADS[:-1]:
         for side in (1.0, -1.0):
-            start = first[0] + side * share * coper.lead, edge
+            start = x + side * share * coper.lead, edge
             if (
                 shape.distance(_line(start, first)) >= half_kerf - SLACK
                 and shape.distance(_place(start)) > half_kerf + EDGE
             ):
-                return Led((start, *inside), 1)
+                return Led((start, *chain.points), 1)
     return None
 
 

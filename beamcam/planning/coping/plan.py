@@ -223,7 +223,7 @@ def _chains(region: Region, chart: Chart) -> Iterator[tuple[Chain, TorchRow | No
         half = row.kerf / 2 if row else EDGE
         over = SHARE_OVER * half
         low, high = max(wall.low, -over), min(wall.high, wall.width + over)
-        for chain in chains_of(paths_of(region.shape, half), low, high):
+        for chain in chains_of(paths_of(region.shape, half, wall), low, high):
             rooted = _is_rooted(chain, wall)
             if rooted == (thickness == deep) or shallow == deep:
                 yield chain, row, thickness, rooted and bool(wall.root_depth)

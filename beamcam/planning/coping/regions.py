@@ -4,13 +4,13 @@ Regions are polygons; their chords lie within CHORD of the curves of the part.
 """
 
 from collections.abc import Iterator, Sequence
-from math import acos, degrees
+from math import atan2, degrees
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
 from beamcam.geometry.plane import unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.coper import Coper
@@ -166,11 +166,17 @@ def _slot_arcs(slot: Slot) -> Iterator[Curve]:
 
 
 def sharp_corners(contour: Contour) -> Iterator[Point]:
-    """The places at which a contour turns by more than CORNER_DEG."""
+    """The places at which a contour turns into the steel by more than CORNER_DEG.
+
+    Steel lies inside of an outer contour and outside of an inner one.
+    """
     curves = [curve for curve in contour.curves if curve.length > CHORD]
+    round_way = signed_area(contour.curves) > 0.0
+    into = -1.0 if round_way == (contour.kind == "outer") else 1.0
     for before, after in zip(curves, (*curves[1:], *curves[:1]), strict=True):
         (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
-        if degrees(acos(max(-1.0, min(1.0, ax * bx + ay * by)))) > CORNER_DEG:
+        turn = degrees(atan2(ax * by - ay * bx, ax * bx + ay * by))
+        if into * turn > CORNER_DEG:
             yield after.start
 
 

@@ -23,7 +23,7 @@ from beamcam.verify.coping.wanted import FINE, Wanted
 Shape = Any  #: of shapely
 ARC = 16  #: sides of a quarter of a kerf's end
 SPECK = 0.05  #: mm2 that is nothing
-ROOT_DEEPER = 4.0  #: mm that a row may be deeper than a root at most needs
+SURE = 0.01  #: mm that figures of a thickness may be off
 
 
 class Left(Struct, frozen=True):
@@ -53,7 +53,9 @@ def compare(
         left[face] = _left(face, gone, wanted[face].drawn, part, section, coper, slack)
         yield from _standing(face, left[face], wanted[face].cut, slack, name)
         for stroke in own:
-            yield from _stroke_faults(stroke, wanted[face].cut, section, coper, rows, slack, name)
+            yield from _stroke_faults(
+                stroke, strokes, wanted[face].cut, part.length, section, coper, rows, slack, name
+            )
     for face in section.faces[1:]:
         yield from _holding(face, left, section, slack, name)
     yield from _order_faults(strokes, wanted, name)
@@ -217,7 +219,9 @@ def _holding(
 
 def _stroke_faults(
     stroke: Stroke,
+    strokes: Sequence[Stroke],
     wanted: Shape,
+    part_length: float,
     section: Section,
     coper: Coper,
     rows: Sequence[TorchRow],
@@ -225,7 +229,7 @@ def _stroke_faults(
     name: str,
 ) -> Iterator[Diagnostic]:
     """A stroke beside its wall, along no contour, or at the speed of another thickness."""
-    source, run = Source(name, stroke.line), _line(stroke.points)
+    source = Source(name, stroke.line)
     low, high = section.extent(stroke.face)
     over = stroke.row.kerf / 2 + coper.over + slack
     free = (over, over)
@@ -238,33 +242,64 @@ def _stroke_faults(
             source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
         )
         return
-    if wanted.boundary.distance(run) > stroke.row.kerf / 2 + slack:
-        x, y = stroke.points[0]
+    off = _off_contour(stroke, wanted, (low, high), slack)
+    if off is not None:
+        x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
-    least, most = _thickness(stroke, section, coper)
-    fits = [row for row in sorted(rows, key=lambda row: row.up_to) if row.up_to >= least - 1e-6]
-    slowest = next((row for row in fits if row.up_to >= most - 1e-6), fits[-1] if fits else None)
-    if not fits or slowest is None or not fits[0].up_to <= stroke.row.up_to <= slowest.up_to:
-        expected = f"{fits[0].feed_mm_min:g}" if fits else "none"
+    x, y = stroke.points[0]
+    is_over = -slack <= x + coper.trim <= part_length + 2 * coper.trim + slack
+    if not (is_over and low - slack <= y <= high + slack):
+        yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
+    least, most = _thickness(stroke, strokes, section, coper)
+    rising = sorted(rows, key=lambda row: row.up_to)
+    fits = {next((r.feed_mm_min for r in rising if r.up_to >= t), 0.0) for t in (least, most)}
+    if stroke.row.feed_mm_min not in fits:
+        expected = " or ".join(f"{feed:g}" for feed in sorted(fits))
         yield rules.FEED.at(
-            source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{least:g}", expected=expected
-        )
+            source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{least:.2f}",
+            expected=expected,
+        )  # fmt: skip
 
 
-def _thickness(stroke: Stroke, section: Section, coper: Coper) -> tuple[float, float]:
-    """The steel that a stroke has to go through: at least, and with a root at most."""
+def _off_contour(
+    stroke: Stroke, wanted: Shape, extent: tuple[float, float], slack: float
+) -> tuple[float, float] | None:
+    """A place of a stroke that keeps no half a kerf off a contour; None if there is none.
+
+    Its first stretch is the lead, and beyond the edges of the wall there is air.
+    """
+    from shapely import box
+
+    near = wanted.boundary.buffer(stroke.row.kerf / 2 + slack)
+    wall = box(-1e6, extent[0], 1e6, extent[1])
+    off = _line(stroke.points[1:]).intersection(wall).difference(near)
+    if off.length <= slack:
+        return None
+    x, y = off.representative_point().coords[0]
+    return x, y
+
+
+def _thickness(
+    stroke: Stroke, strokes: Sequence[Stroke], section: Section, coper: Coper
+) -> tuple[float, float]:
+    """The steel that a stroke has to go through, with what it may be off.
+
+    Through a root that is as deep as from outside of the flange to where cuts over the web end, and
+    `root_over` more.
+    """
     ys = [y for _, y in stroke.points]
-    if stroke.face != "v":
-        back, front = section.root(stroke.face)
-        if max(ys) > back and min(ys) < front:
-            near = section.flange + coper.torch_width / 2
-            return near, near + section.radius + coper.play + coper.root_over
+    if stroke.face == "v":
+        low, high = section.extent("v")
+        ends = (min(max(y, low + SURE), high - SURE) for y in (min(ys), max(ys)))
+        deep = max(section.web, *(section.steel_through("v", y) for y in ends))
+        return deep - SURE, deep + SURE
+    back, front = section.root(stroke.face)
+    if max(ys) <= back or min(ys) >= front:
         return section.flange, section.flange
-    low, high = section.extent("v")
-    thickest = max(
-        section.steel_through("v", min(max(y, low + 1e-3), high - 1e-3)) for y in (min(ys), max(ys))
-    )
-    return max(section.web, thickest - 0.05), max(section.web, thickest + 0.05)
+    over = [y for one in strokes if one.face == "v" for _, y in one.points]
+    end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
+    deep = max(section.flange, end) + coper.root_over
+    return deep - SURE, deep + SURE
 
 
 def _order_faults(

@@ -40,6 +40,12 @@ PIERCE = _error(
     "found a wait of {found} s to pierce; expected {expected} s",
     "A torch that moves before it is through leaves a cut that is not.",
 )
+AIR = _error(
+    "air",
+    "found the torch started at x {x}, y {y} of face {face}, where no steel is; expected it over "
+    "scrap",
+    "An arc does not start in air.",
+)
 STRIKES = _error(
     "strikes",
     "found the torch {found} mm from the bar at A {a}, Y {y}, Z {z}; expected {expected} mm",
@@ -80,7 +86,7 @@ HOLDS = _error(
 EXTRA = _error(
     "extra",
     "found a cut near x {x}, y {y} on face {face} that runs along no contour of the part; expected "
-    "none",
+    "none but a straight lead",
     "It makes nothing that was asked for.",
 )
 ORDER = _error(
@@ -89,6 +95,6 @@ ORDER = _error(
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.",
 )
 RULES = (
-    PARTS, SECTION, TORCH, ANGLE, HEIGHT, FEED, PIERCE, STRIKES, LIMIT, PLACE, HURT, LEFT, GONE,
-    HOLDS, EXTRA, ORDER,
+    PARTS, SECTION, TORCH, ANGLE, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE, HURT, LEFT,
+    GONE, HOLDS, EXTRA, ORDER,
 )  # fmt: skip

@@ -19,6 +19,7 @@ Shape = Any  #: of shapely
 FINE = 0.02  #: mm between a curve and its chords, at most
 STEPS = 256  #: of a curve that is no arc
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
+LOOK = 0.2  #: mm round a corner in which steel and air are weighed
 EDGE_NOISE = 1.0  #: mm that an outline may lie off the edge of its wall and mean it
 
 
@@ -47,7 +48,7 @@ def wanted_on(
         rings = [[_at_edge(p, wide) for p in ring_of(one.curves)] for one in outlines]
         drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
-    corners = [p for one in outlines for p in _corners(one.curves)]
+    corners = [p for one in outlines for p in _corners(one.curves, drawn)]
     for feature in features:
         if isinstance(feature, Hole):
             ring = list(_round(feature.x, feature.y, feature.diameter / 2, 0.0, 360.0))
@@ -55,7 +56,8 @@ def wanted_on(
             ring = list(_slot_ring(feature))
         elif isinstance(feature, Contour) and feature.kind != "outer":
             ring = ring_of(feature.curves)
-            corners += _corners(feature.curves)
+            without = drawn.difference(make_valid(Polygon(ring)))
+            corners += _corners(feature.curves, without)
         else:
             continue
         gone = make_valid(Polygon(ring))
@@ -118,14 +120,19 @@ def _at_edge(point: Point, wide: float) -> Point:
     return (x, wide) if abs(y - wide) <= EDGE_NOISE else point
 
 
-def _corners(curves: tuple[Curve, ...]) -> list[Point]:
-    """Where a closed chain turns by more than CORNER_DEG, by the ways just before and after."""
+def _corners(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
+    """Where a closed chain turns by more than CORNER_DEG with more steel than air round it."""
+    from shapely import Point as Place
+
     long = [curve for curve in curves if curve.length > FINE]
     found: list[Point] = []
     for k, after in enumerate(long):
         (ax, ay), (bx, by) = _way(long[k - 1], 1.0), _way(after, 0.0)
         cross, dot = ax * by - ay * bx, ax * bx + ay * by
-        if dot < 0.0 or degrees(abs(cross) / hypot(ax, ay) / hypot(bx, by)) > CORNER_DEG:
+        if dot > 0.0 and degrees(abs(cross) / hypot(ax, ay) / hypot(bx, by)) <= CORNER_DEG:
+            continue
+        disc = Place(after.start).buffer(LOOK)
+        if disc.intersection(steel).area > disc.area / 2:
             found.append(after.start)
     return found
 
