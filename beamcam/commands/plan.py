@@ -11,6 +11,7 @@ from beamcam.commands.common import as_json as json_of
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
+from beamcam.commands.plan_coping import coping_lines, coping_record
 from beamcam.commands.plan_sheet import not_made_lines, sheet_lines, sheet_record
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
@@ -75,13 +76,19 @@ def command(
         voice.remark(choice)
         remarks = (*said, *remarks_on(plan, config.strict))
         read = files_read(config, inputs)
-        if isinstance(plan, SheetPlan):
+        if not isinstance(plan, Plan):
             kind = post_of(machine)
             time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
-            lines, record = (
-                sheet_lines(plan, time, machine), sheet_record(plan, time, machine, remarks)
-            )  # fmt: skip
-            voice.did(f"planned a sheet on {machine.name}")
+            if isinstance(plan, SheetPlan):
+                lines, record = (
+                    sheet_lines(plan, time, machine), sheet_record(plan, time, machine, remarks)
+                )  # fmt: skip
+                voice.did(f"planned a sheet on {machine.name}")
+            else:
+                lines, record = (
+                    coping_lines(plan, time, machine), coping_record(plan, time, machine, remarks)
+                )  # fmt: skip
+                voice.did(f"planned a part on {machine.name}")
             _print(output, read, voice, as_json, lines, record, remarks, config, machine)
             return
         turned = dict.fromkeys(job.parts) if turn else ()  # each once, however often it is made

@@ -151,7 +151,9 @@ def _way_out(request: Request, tried: Sequence[Machine], config: Config) -> Diag
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
-    stocks = (tried[0].stock, stock_of(request.parts))
+    stocks = {tried[0].stock, stock_of(request.parts)}
+    if "beam" in stocks:
+        stocks.add("profile")
     alike = [one for one in others if one is not None and one.stock in stocks]
     return ways_out(request, tried, alike)
 

@@ -2,10 +2,18 @@
 
 from collections.abc import Iterator
 
+from beamcam.errors import MachineError, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.faults import Fault
 from beamcam.machine.machine import Machine
+from beamcam.machine.rules import NO_COPER
 from beamcam.machine.torch import TorchRow
+
+
+def refuse_coper(machine: Machine, what: str) -> None:
+    """Raises MachineError for a machine that copes profiles, of which `what` knows nothing."""
+    if machine.stock == "profile":
+        raise MachineError(NO_COPER.at(Source(machine.name), found=machine.name, what=what))
 
 
 def coper_faults(machine: Machine) -> Iterator[Fault]:
@@ -27,6 +35,11 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield "coper.rows", [row.process for row in coper.rows], "a row for cut"
     for index, row in enumerate(coper.rows):
         yield from _row_faults(f"coper.rows.{index}", row, coper)
+    feeds = [(row.feed_mm_min, row.material) for row in coper.rows]
+    for index, said in enumerate(feeds):
+        if feeds.index(said) != index:
+            expected = "another feed for each thickness, which is told by it"
+            yield f"coper.rows.{index}.feed_mm_min", said[0], expected
     step = machine.format.resolution
     if not 4 * step <= coper.tolerance <= 1.0:
         expected = f"{4 * step:g} to 1 mm, four steps of its numbers at least"
