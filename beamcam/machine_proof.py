@@ -15,6 +15,7 @@ from beamcam.emitters.head import head_lines
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import rules
+from beamcam.machine.coper import Coper
 from beamcam.machine.load import shipped, source_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
@@ -111,6 +112,9 @@ def _parts(machine: Machine) -> Iterator[Part]:
     if machine.torch is not None:
         yield from _sheets(machine)
         return
+    if machine.coper is not None:
+        yield from _coped(machine.coper)
+        return
     profiles = machine.layout.profiles if machine.layout else ()
     for profile in _SECTIONS:
         if profile.code in profiles:
@@ -119,6 +123,17 @@ def _parts(machine: Machine) -> Iterator[Part]:
             yield Part("P1", profile, length, _AT, features=holes, cuts=EndCuts(web_end=20.0))
             yield Part("P1", profile, length, _AT, features=holes)
             yield Part("P1", profile, length, _AT)
+
+
+def _coped(coper: Coper) -> Iterator[Part]:
+    """A bar with a hole, and one without, of each section that has such walls."""
+    for profile in _SECTIONS:
+        if profile.code in coper.profiles:
+            thick = profile.web_thickness or 0.0
+            size = max(20.0, coper.min_hole, coper.min_hole_share * thick)
+            hole = Hole("v", 300.0, 0.45 * profile.height, size, _AT)
+            yield Part("P1", profile, _LENGTH, _AT, features=(hole,))
+            yield Part("P1", profile, _LENGTH, _AT)
 
 
 def _holes(profile: Profile, machine: Machine) -> Iterator[Hole]:

@@ -29,7 +29,7 @@ from beamcam.errors import (
 )
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan, WorkTime
+from beamcam.model.plan import AnyPlan, Order, Plan, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
 from beamcam.planning.by_hand import TEXT_MOVED
@@ -74,7 +74,7 @@ class Posted(Struct, frozen=True):
     """A program and how it came about."""
 
     written: Written
-    plan: Plan | SheetPlan
+    plan: AnyPlan
     remarks: tuple[Diagnostic, ...]
     program: object  #: as it was printed: commands, or a table
     job: Job
@@ -322,7 +322,7 @@ class Planned(Struct, frozen=True):
     """One program of a request as it is planned."""
 
     job: Job
-    plan: Plan | SheetPlan
+    plan: AnyPlan
 
 
 def plan_share(request: Request, share: Share) -> Planned:
@@ -379,7 +379,7 @@ def posting(job: Job) -> Generator[str, None, Posted]:
     return Posted(written, plan, (*remarks, *said), program, job)
 
 
-def remarks_on(plan: Plan | SheetPlan, strict: bool) -> tuple[Diagnostic, ...]:
+def remarks_on(plan: AnyPlan, strict: bool) -> tuple[Diagnostic, ...]:
     """All that is said of a plan. Raises StrictError under `strict` if there is a warning."""
     remarks = (*plan.remarks, *told(plan))
     if strict:
@@ -395,7 +395,7 @@ def refuse_warnings(remarks: Iterable[Diagnostic]) -> None:
 
 
 def _other_than_planned(
-    plan: Plan | SheetPlan, found: Iterable[Diagnostic], job: Job
+    plan: AnyPlan, found: Iterable[Diagnostic], job: Job
 ) -> Iterator[Diagnostic]:
     """What the read-back found; what is not made only where the plan says otherwise.
 
@@ -445,7 +445,7 @@ def _of_the_first(
     return Counter((code, alike.get(source, source)) for code, source in missing)
 
 
-def _untold(plan: Plan | SheetPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
+def _untold(plan: AnyPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
     """An error for waste that stays in a corner of a contour, unless the plan reports it."""
     from beamcam.planning.contours.rules import LEFT
 
@@ -463,7 +463,7 @@ def _too_short(plan: Plan, needed: Diagnostic, step: float) -> Iterator[Diagnost
 
 
 def _head_faults(
-    job: Job, plan: Plan | SheetPlan, written: Written, found: Sequence[Diagnostic]
+    job: Job, plan: AnyPlan, written: Written, found: Sequence[Diagnostic]
 ) -> Iterable[Diagnostic]:
     """Differences of a program's head from the job and from what its read-back `found`."""
     if not carries_head(job):

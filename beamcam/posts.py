@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import Plan, SheetPlan, WorkTime
+from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan, WorkTime
 from beamcam.model.program import Comment, Program
 from beamcam.model.request import Job
 
@@ -25,7 +25,7 @@ Written = str | Callable[[], Iterable[bytes]]
 class Post(Struct, frozen=True):
     """Functions that make and read back the programs of a kind of machine."""
 
-    plan: Callable[[Job], Plan | SheetPlan]
+    plan: Callable[[Job], AnyPlan]
     motion: Callable[[Any, Machine, str], Any]
     emit: Callable[[Any, Job], Written]
     verify: Callable[[Written, Job], tuple[Diagnostic, ...]]
@@ -143,6 +143,26 @@ def step_post() -> Post:
     return Post(_plan_sheet, step_table, emit, read_back, _with_remarks, time)
 
 
+def coping_post() -> Post:
+    """Of a torch that goes round a profile."""
+    from beamcam.emitters import coping
+    from beamcam.motion.coping import coping_program, coping_time
+    from beamcam.planning.coping.plan import plan_coping
+    from beamcam.verify.coping import verify_coping
+
+    def plan(job: Job) -> CopePlan:
+        return plan_coping(job.parts, job.machine, job.bar, job.request.skips)
+
+    def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
+        w = job.request
+        return verify_coping(_text(program), job.parts, w.machine, w.skips, w.name)
+
+    def emit(program: Program, job: Job) -> str:
+        return coping.emit(program, job.machine)
+
+    return Post(plan, coping_program, emit, read_back, _with_comments, coping_time)
+
+
 #: By the kind of stock and the family of the controller.
 POSTS = {
     ("beam", "codesys"): bar_post,
@@ -154,6 +174,7 @@ POSTS = {
     ("sheet", "simotion"): trigger_post,
     ("sheet", "plcopen"): trigger_post,
     ("sheet", "stepper"): step_post,
+    ("profile", "linuxcnc"): coping_post,
 }
 
 

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
-from beamcam.model.plan import Plan, SheetPlan
+from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.orientation import MOST_TRIED
 from beamcam.planning.rules import SKIP_NAMES
@@ -133,7 +133,7 @@ def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:
     return islice(chain.from_iterable(found), 1)
 
 
-def _made(request: Request) -> Plan | SheetPlan | None:
+def _made(request: Request) -> AnyPlan | None:
     """The plan of all parts on the longest bar; None where the machine refuses them."""
     pieces = tuple(range(len(request.parts)))
     try:

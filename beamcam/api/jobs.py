@@ -32,7 +32,7 @@ from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import STEP_FORMS
 from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan
+from beamcam.model.plan import AnyPlan, Order
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, judged, read_file, remarks_on, whole_job
 from beamcam.pipeline import post as post_bar
@@ -224,7 +224,7 @@ def plan(
     order: Order = "given",
     turn: bool = False,
     strict: bool = False,
-) -> Plan | SheetPlan:
+) -> AnyPlan:
     """The work that makes `parts` from one bar, in the order given, or from one sheet.
 
     `bar` is its length in mm; without it the bar is as long as the parts need. `skips` names what

@@ -69,7 +69,7 @@ def as_markdown(rules: list[Rule]) -> str:
     return "\n".join(lines) + "\n"
 
 
-_STOCKS = {"beam": "bars", "sheet": "tables"}
+_STOCKS = {"beam": "bars", "sheet": "tables", "profile": "copers"}
 
 
 def words_as_markdown(rows: Rows) -> str:

@@ -18,7 +18,7 @@ from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan
+from beamcam.model.plan import AnyPlan, Order, Plan
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import Posted, begin, finished, read_back, untold, whole_job
 from beamcam.readers.content import shown_name
@@ -93,7 +93,7 @@ class AskedProgram(Struct, frozen=True):
     """A program that is a file or was posted just now."""
 
     program: ReadProgram
-    plan: Plan | SheetPlan | None  #: of one that was posted
+    plan: AnyPlan | None  #: of one that was posted
     found: tuple[Diagnostic, ...]  #: where one that is a file differs from its parts
 
 

@@ -207,9 +207,8 @@ def plot(name: str, output: str, voice: Voice) -> None:
         place = resolved(name, own_files())
         machine = load_proved(place)
         if machine.stock != "beam":
-            raise click.UsageError(
-                f"found {machine.name}, a table; expected a saw or drilling line"
-            )
+            what = "a coper" if machine.stock == "profile" else "a table"
+            raise click.UsageError(f"found {machine.name}, {what}; expected a saw or drilling line")
         drawn = picture([line_scene(machine)], suffix)
     except BeamcamError as error:
         voice.stop(error.diagnostics)

@@ -11,6 +11,7 @@ from beamcam.commands.common import as_json as json_of
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
+from beamcam.commands.plan_coping import coping_lines, coping_record
 from beamcam.commands.plan_sheet import not_made_lines, sheet_lines, sheet_record
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
@@ -19,7 +20,7 @@ from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
+from beamcam.model.plan import AnyPlan, Order, Plan, SheetPlan, ToolLoad
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import remarks_on, whole_job
 from beamcam.plain_text import terminal_text
@@ -75,13 +76,19 @@ def command(
         voice.remark(choice)
         remarks = (*said, *remarks_on(plan, config.strict))
         read = files_read(config, inputs)
-        if isinstance(plan, SheetPlan):
+        if not isinstance(plan, Plan):
             kind = post_of(machine)
             time = kind.time(plan, kind.motion(plan, machine, config.job), machine)
-            lines, record = (
-                sheet_lines(plan, time, machine), sheet_record(plan, time, machine, remarks)
-            )  # fmt: skip
-            voice.did(f"planned a sheet on {machine.name}")
+            if isinstance(plan, SheetPlan):
+                lines, record = (
+                    sheet_lines(plan, time, machine), sheet_record(plan, time, machine, remarks)
+                )  # fmt: skip
+                voice.did(f"planned a sheet on {machine.name}")
+            else:
+                lines, record = (
+                    coping_lines(plan, time, machine), coping_record(plan, time, machine, remarks)
+                )  # fmt: skip
+                voice.did(f"planned a part on {machine.name}")
             _print(output, read, voice, as_json, lines, record, remarks, config, machine)
             return
         turned = dict.fromkeys(job.parts) if turn else ()  # each once, however often it is made
@@ -96,10 +103,10 @@ def command(
     _print(output, read, voice, as_json, lines, record, remarks, config, machine)
 
 
-def _planned(request: Request) -> tuple[Job, Plan | SheetPlan]:
+def _planned(request: Request) -> tuple[Job, AnyPlan]:
     """All that is asked for on one bar or sheet. Raises PlanError."""
 
-    def planned(bar: float | None) -> tuple[Job, Plan | SheetPlan]:
+    def planned(bar: float | None) -> tuple[Job, AnyPlan]:
         job = whole_job(request, bar)
         return job, post_of(request.machine).plan(job)
 

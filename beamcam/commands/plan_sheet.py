@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.lengths import total_length
-from beamcam.model.plan import NOT_MADE, ContourOp, Plan, SheetPlan, WorkTime
+from beamcam.model.plan import NOT_MADE, AnyPlan, ContourOp, SheetPlan, WorkTime
 from beamcam.report.run import as_message
 
 
@@ -15,7 +15,7 @@ def path_of(op: ContourOp) -> float:
     return sum(total_length(curves) for curves in passes)
 
 
-def not_made_lines(plan: Plan | SheetPlan) -> Iterator[str]:
+def not_made_lines(plan: AnyPlan) -> Iterator[str]:
     """The features that no operation makes, each with the reason."""
     for outcome in plan.outcomes:
         if outcome.how in NOT_MADE:

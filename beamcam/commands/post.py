@@ -35,7 +35,7 @@ from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
-from beamcam.model.plan import Order, Plan, SawOp, SheetPlan, clock
+from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
 from beamcam.model.request import Request
 from beamcam.pipeline import (
     Begun,
@@ -170,7 +170,9 @@ def _way_out(
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
-    stocks = (tried[0].stock, stock_of(request.parts))
+    stocks = {tried[0].stock, stock_of(request.parts)}
+    if "beam" in stocks:
+        stocks.add("profile")
     alike = [one for one in others if one is not None and one.stock in stocks]
     how = drawing_choice(asked, config.map)
     read = None if how.get("units") else lambda path, **other: read_file(path, **{**how, **other})
@@ -226,7 +228,7 @@ def success(name: str, posted: Posted, first: int | None = None) -> str:
     """
     plan, job = posted.plan, posted.job
     count = len(plan.operations)
-    made = [*_bar(plan, job.machine.saw is None)] if isinstance(plan, Plan) else [*_sheet(plan)]
+    made = [*_made(plan, job.machine.saw is None)]
     made.append(clock(posted.time(job.machine).total_s))
     if first is not None:
         made = [f"operations {first} to {count} of {count}"]
@@ -234,8 +236,17 @@ def success(name: str, posted: Posted, first: int | None = None) -> str:
     return f"{shown}: {', '.join(made)}; {_read_back(posted)}"
 
 
-def _bar(plan: Plan, comes_cut: bool) -> Iterator[str]:
-    """What is made of a bar, and the bar; a part that `comes_cut` is one by itself."""
+def _made(plan: AnyPlan, comes_cut: bool) -> Iterator[str]:
+    """What is made of a bar or a sheet, and which; a part that `comes_cut` is one by itself."""
+    if isinstance(plan, SheetPlan):
+        passes = Counter(_OF_PROCESS[op.row.process] for op in plan.operations)
+        yield from (_counted(passes[kind], kind) for kind in _OF_PROCESS.values() if passes[kind])
+        yield f"1 sheet of {plan.thickness:g} mm"
+        return
+    if isinstance(plan, CopePlan):
+        yield _counted(len(plan.operations), "cut")
+        yield f"{round(plan.bar, 3):g} mm of bar"
+        return
     kinds = Counter[str]()
     for outcome in plan.outcomes:
         if outcome.how in ("made", "merged"):
@@ -259,14 +270,6 @@ def _kind(feature: Feature) -> str:
         case Contour(process="mark" | "engrave"):
             return "line"
     return "end"  # a contour or plane that the cuts make
-
-
-def _sheet(plan: SheetPlan) -> Iterator[str]:
-    kinds = Counter(_OF_PROCESS[op.row.process] for op in plan.operations)
-    for kind in _OF_PROCESS.values():
-        if kinds[kind]:
-            yield _counted(kinds[kind], kind)
-    yield f"1 sheet of {plan.thickness:g} mm"
 
 
 def _read_back(posted: Posted) -> str:

@@ -76,7 +76,7 @@ class TextWord(Struct, frozen=True):
 class Dialect(Struct, frozen=True):
     """The dialect of a machine's programs."""
 
-    stock: Literal["beam", "sheet"]
+    stock: Literal["beam", "sheet", "profile"]
     axes: str  #: letters of the axes that its programs move
     resolution: float  #: the step of its lengths
     per_minute: float  #: what makes mm/min of an F word
@@ -129,7 +129,7 @@ def _dialect_of(machine: Machine) -> Dialect:
     torch = machine.torch
     return Dialect(
         stock=machine.stock,
-        axes="XYZ" if machine.stock == "beam" else "XY",
+        axes={"beam": "XYZ", "sheet": "XY", "profile": "XYZA"}[machine.stock],
         resolution=machine.format.resolution,
         per_minute=60.0 if by_second else 1.0,
         rules=BY_STOCK[machine.stock],

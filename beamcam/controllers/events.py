@@ -21,6 +21,7 @@ more (outputs that are switched on the way) adds its event here, so that whoever
 learns one set of words.
 """
 
+from math import nan
 from typing import Generic, Literal, TypeVar
 
 from msgspec import Struct
@@ -35,7 +36,7 @@ Side = Literal["on", "left", "right"]
 
 
 class Move(Struct, Generic[Where], frozen=True, gc=False):
-    """A move: of a cell in X, Y and Z, of the head of a table in X and Y."""
+    """A move: of a cell or a coper in X, Y and Z, of the head of a table in X and Y."""
 
     line: int
     rapid: bool
@@ -44,6 +45,7 @@ class Move(Struct, Generic[Where], frozen=True, gc=False):
     feed_mm_min: float  #: 0 without an F before it
     own_feed: bool = False  #: whether the feed is in its own block
     curve: Curve | None = None  #: in X and Y; None for a straight one
+    a_deg: tuple[float, float] = (nan, nan)  #: A at its start and end, where the machine has it
 
 
 class Switch(Struct, frozen=True, gc=False):

@@ -84,6 +84,7 @@ class Interpreter(ABC):
         self._lines: list[float] = [inf]  #: of plain moves
         self._next = 0  #: plain move
         self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
+        self._a_deg = nan  #: of a machine that has A
         self._feed = 0.0  #: in the unit of F words
         self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
         self._share = 1.0  #: of the feed, at which a table's head moves
@@ -282,8 +283,12 @@ class Interpreter(ABC):
         if self._flat:
             feed *= self._share
             self._add(Move(line, motion == 0, start[:2], end[:2], feed, own_feed, curve))
-        else:
-            self._add(Move(line, motion == 0, start, end, feed, own_feed, curve))
+            return
+        before = self._a_deg
+        if "A" in words:
+            self._a_deg = words["A"] + (0.0 if self._absolute else before)
+        a_deg = before, self._a_deg
+        self._add(Move(line, motion == 0, start, end, feed, own_feed, curve, a_deg))
 
     def _is_lost(self, line: int, motion: int, start: Place, end: Place, words: Words) -> bool:
         """Whether a move leads from or to nowhere; says so.
@@ -296,7 +301,8 @@ class Interpreter(ABC):
             self._wrong(line, "a move from or to nowhere", "X and Y of a traverse before")
             return True
         if not self._absolute and any(
-            letter in words and isnan(at) for letter, at in zip("XYZ", end, strict=True)
+            letter in words and isnan(at)
+            for letter, at in zip("XYZA", (*end, self._a_deg), strict=True)
         ):
             self._wrong(line, "a relative move from nowhere", "an absolute place (G90) before")
         return False

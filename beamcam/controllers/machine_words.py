@@ -102,7 +102,8 @@ def word_faults(machine: Machine) -> tuple[WordFault, ...]:
         return unknown[:1]
     if machine.torch is not None:  # in laser mode a word by itself switches nothing
         machine = replace(machine, torch=replace(machine.torch, laser_mode=False))
-    found = _bar_faults(machine) if machine.stock == "beam" else _table_faults(machine)
+    faults = {"beam": _bar_faults, "sheet": _table_faults, "profile": _coper_faults}
+    found = faults[machine.stock](machine)
     first = {fault[0]: fault for fault in reversed([*found])}
     return tuple(first[key] for key in sorted(first))
 
@@ -348,13 +349,37 @@ def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFaul
             )
 
 
+# --- copers ---------------------------------------------------------------------------------------
+
+
+def _coper_faults(machine: Machine) -> Iterator[WordFault]:
+    lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
+    lines += _filled(machine, "turn", x="0", y="0", z="50", a="-90")
+    lines += _filled(machine, "traverse", x="10", y="20", z="30")
+    lines += _filled(machine, "cut_on")
+    lines += _filled(machine, "feed", x="11", y="21", z="31")
+    lines += (*_filled(machine, "cut_off"), *_filled(machine, "footer"))
+    events, said = cell_events(_text(lines), machine, "")
+    yield from _said(lines, said)
+    yield from _standing(lines, events)
+    for event in events:
+        if isinstance(event, Move):
+            key, text, _ = lines[event.line - 1]
+            place, a_deg = event.end, event.a_deg[1]
+            if key == "words.turn" and a_deg != -90.0:
+                yield fault_in(key, text, f"A at {a_deg:g}", "a move to {a}")
+            for name, wanted in (("traverse", (10.0, 20.0, 30.0)), ("feed", (11.0, 21.0, 31.0))):
+                if key == f"words.{name}" and place != wanted:
+                    yield fault_in(key, text, "another place", "a move to {x}, {y} and {z}")
+
+
 def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
     """Each template of a move or a switch that does not make that move or switch."""
     moving = {lines[event.line - 1][0] for event in events if isinstance(event, Move)}
     switching = {lines[event.line - 1][0] for event in events if isinstance(event, Switch)}
     for key in dict.fromkeys(key for key, _, _ in lines):
         name = key.removeprefix("words.")
-        if name in ("traverse", "feed", *_CURVES) and key not in moving:
+        if name in ("traverse", "turn", "feed", *_CURVES) and key not in moving:
             yield fault_in(key, "", "no move", "one to {x} and {y}")
         if name.endswith(("_on", "_off")) and key not in switching:
             expected = f"one that switches the tool {name.rpartition('_')[2]}"

@@ -75,8 +75,11 @@ class ProgramRules(Struct, frozen=True):
     end: Rule
 
 
-BY_STOCK: dict[Literal["beam", "sheet"], ProgramRules] = {
-    "beam": ProgramRules(SYNTAX, WORD, ARC, SETTING, END),
+_BARS = ProgramRules(SYNTAX, WORD, ARC, SETTING, END)
+#: A profile that is coped is a bar.
+BY_STOCK: dict[Literal["beam", "sheet", "profile"], ProgramRules] = {
+    "beam": _BARS,
+    "profile": _BARS,
     "sheet": ProgramRules(SHEET_SYNTAX, SHEET_WORD, SHEET_ARC, SHEET_SETTING, SHEET_END),
 }
 BAR_RULES = (SYNTAX, WORD, M_QUEUE, ARC, SETTING, END)

@@ -6,6 +6,7 @@ from beamcam.diff.differ import diff_programs
 from beamcam.diff.pairing import Difference
 from beamcam.diff.statements import diff_statements, statements
 from beamcam.errors import Diagnostic
+from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 
 
@@ -22,6 +23,7 @@ def diff_texts(
 ) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
     """What program B makes otherwise than A, both for bars or both for sheets; and what is wrong
     with the blocks of either, at its own file and line."""
+    refuse_coper(a.machine, "diff")
     if a.machine.stock == "sheet":
         (first, said), (second, more) = (statements(*one) for one in (a, b))
         return diff_statements(first, second, a.machine.format.length_decimals), (*said, *more)

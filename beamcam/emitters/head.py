@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from beamcam.controllers import longest_line
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import Piece, Plan, SheetPlan
+from beamcam.model.plan import AnyPlan, Piece, Plan, SheetPlan
 from beamcam.model.request import Job
 from beamcam.plain_text import MAX_COMMENT, one_word, outside_text
 
@@ -41,9 +41,7 @@ def comment_room(machine: Machine) -> int:
     return min(MAX_COMMENT, longest - signs)
 
 
-def head_lines(
-    job: Job, plan: Plan | SheetPlan, left_out: Mapping[str, int], by_hand: int
-) -> Iterator[str]:
+def head_lines(job: Job, plan: AnyPlan, left_out: Mapping[str, int], by_hand: int) -> Iterator[str]:
     """The lines of a program's head.
 
     `left_out` are the features that it leaves out, by their kinds; `by_hand` is the number of marks
@@ -69,14 +67,14 @@ def head_lines(
         yield from _part_lines(index, piece, machine, room)
 
 
-def _stock_lines(job: Job, plan: Plan | SheetPlan) -> Iterator[str]:
+def _stock_lines(job: Job, plan: AnyPlan) -> Iterator[str]:
     """Section or sheet, grade, and the length of the bar."""
     machine = job.machine
     parts = [piece.part for piece in plan.pieces]
-    if isinstance(plan, Plan):
-        what = f"SECTION {_joined([part.profile.name or part.profile.code for part in parts])}"
-    else:
+    if isinstance(plan, SheetPlan):
         what = f"SHEET {_mm(plan.thickness, machine)}"
+    else:
+        what = f"SECTION {_joined([part.profile.name or part.profile.code for part in parts])}"
     grades = _joined([part.grade for part in parts])
     yield f"{what} GRADE {grades}" if grades else what
     if isinstance(plan, Plan) and machine.saw is not None:
@@ -102,7 +100,7 @@ def _part_lines(index: int, piece: Piece, machine: Machine, room: int) -> Iterat
 def _fields(piece: Piece, machine: Machine) -> Iterator[str]:
     part = piece.part
     length = _mm(part.length, machine)
-    if machine.stock == "beam":
+    if machine.stock != "sheet":
         yield f"AT {_mm(piece.start, machine)} LENGTH {length}"
     else:
         x, y = piece.place

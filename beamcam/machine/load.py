@@ -16,6 +16,7 @@ from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
 from beamcam.machine.codes import code_faults
+from beamcam.machine.coper_faults import coper_faults
 from beamcam.machine.faults import (
     number_faults,
     pair_faults,
@@ -379,6 +380,7 @@ def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> 
         tool_faults,
         pair_faults,
         torch_faults,
+        coper_faults,
         view_faults,
         marking_faults,
         range_faults,
@@ -387,8 +389,8 @@ def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> 
             source = place.child(key).source
             said = rules.WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
             raise MachineError(said)
-    for table in ("layout",) if machine.stock == "beam" else ("torch",):
-        if getattr(machine, table) is None:
-            raise MachineError(rules.MISSING_KEY.at(place.child(table).source, expected=table))
+    table = {"beam": "layout", "sheet": "torch", "profile": "coper"}[machine.stock]
+    if getattr(machine, table) is None:
+        raise MachineError(rules.MISSING_KEY.at(place.child(table).source, expected=table))
     if machine.stock == "beam" and machine.saw is None and machine.drill is None:
         raise MachineError(rules.MISSING_KEY.at(place.child("saw").source, expected="saw"))

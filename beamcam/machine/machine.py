@@ -13,6 +13,7 @@ from msgspec import Meta, field
 from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
 from beamcam.machine.bodies import Body
+from beamcam.machine.coper import Coper
 from beamcam.machine.marking import Marks
 from beamcam.machine.modbus import Modbus
 from beamcam.machine.stations import Drill, Pair, Saw, Spindle
@@ -79,7 +80,7 @@ class ControlledAxis(Keys, frozen=True):
 
     name: str  #: in traces, messages and the `bodies` that it carries
     #: letter that moves it in a program; angle is the saw's rotation, saw its stroke
-    moves: Literal["X", "Y", "Z", "angle", "saw"]
+    moves: Literal["X", "Y", "Z", "A", "angle", "saw"]
     speed: Positive  #: maximum, mm/s or deg/s; the rate of rapid moves
     acceleration: Positive  #: mm/s2 or deg/s2
     spindle: int | None = None  #: number of the spindle that it belongs to
@@ -119,7 +120,7 @@ class MachineFile(Keys, frozen=True):
     title: str  #: what it is, in lists of machines
     #: the family of its controller
     controller: Literal["codesys", "linuxcnc", "grbl", "mach3", "simotion", "plcopen", "stepper"]
-    stock: Literal["beam", "sheet"]  #: what it works on
+    stock: Literal["beam", "sheet", "profile"]  #: what it works on; profile: coped all round
     format: NumberFormat
     words: Words = Words()
     suffix: str = ".gcode"  #: of its programs
@@ -136,6 +137,7 @@ class MachineFile(Keys, frozen=True):
     bodies: tuple[Body, ...] = ()  #: that may strike each other; empty: collisions are not checked
     modbus: Modbus = Modbus()
     torch: Torch | None = None
+    coper: Coper | None = None
     marks: Marks = Marks()
     triggers: Triggers | None = None
     stepper: Stepper | None = None

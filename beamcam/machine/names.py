@@ -70,7 +70,7 @@ def _files(folder: str) -> Iterator[str]:
 # Which shipped machine is meant where none is named.
 
 
-Stock = Literal["beam", "sheet"]
+Stock = Literal["beam", "sheet", "profile"]
 
 ANY_SUFFIX = "*"
 

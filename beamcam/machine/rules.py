@@ -73,7 +73,14 @@ KEY_TWICE = Rule(
     "Two names of one key could have two values. Remove the older one.",
 )
 
+NO_COPER = Rule(
+    "machine-coper",
+    Severity.ERROR,
+    "found {found}, which copes profiles; {what} takes programs for bars and sheets only",
+    "`post`, `plan`, `verify` and `batch` know machines whose torch goes round a profile; other "
+    "commands do not yet.",
+)
 RULES = (
-    UNKNOWN_MACHINE, NAME_TWICE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD, BASE_LOOP,
-    CHART, FORMER_KEY, KEY_TWICE,
+    NO_COPER, UNKNOWN_MACHINE, NAME_TWICE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD,
+    BASE_LOOP, CHART, FORMER_KEY, KEY_TWICE,
 )  # fmt: skip

@@ -12,8 +12,12 @@ from beamcam.machine.words import PART_NAMES, WORD_NAMES
 #: How a value may be set in a template; a greater width would fill the memory with blanks.
 _FIELD_FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}")
 _COMMENT = re.compile(r"\([^()]*\)")
-#: What the head of a sheet's program cannot say.
-_OF_BARS = frozenset({"section", "width", "height"})
+#: What the head of a program cannot say, by what it is for.
+_NOT_SAID = {
+    "beam": frozenset[str](),
+    "sheet": frozenset({"section", "width", "height"}),
+    "profile": frozenset({"section"}),
+}
 
 
 def template_faults(machine: Machine) -> Iterator[Fault]:
@@ -22,13 +26,15 @@ def template_faults(machine: Machine) -> Iterator[Fault]:
     Decimals are those of [format], so that a program is read back as it was rounded.
     """
     for key, names in WORD_NAMES.items():
-        if key == "header" and machine.stock == "sheet":
-            names = names - _OF_BARS
+        if key == "header":
+            names = names - _NOT_SAID[machine.stock]
+        elif machine.stock == "sheet":
+            names = names - {"z", "a"} if key in ("traverse", "feed") else names
         template = getattr(machine.words, key)
         for line in (template,) if isinstance(template, str) else template:
             for found, expected in _line_faults(line, names):
                 yield f"words.{key}", found, expected
-            if machine.stock == "sheet" and key != "header":
+            if machine.stock != "beam" and key != "header":
                 yield from _outside_comments(f"words.{key}", line)
 
 

@@ -28,6 +28,7 @@ class Words(Keys, frozen=True):
     comment: str = "({text})"  #: how the controller marks a comment
 
     traverse: tuple[str, ...] = ()  #: the head to a place, its tool off
+    turn: tuple[str, ...] = ()  #: the torch of a coper about the bar, its tool off
     feed: tuple[str, ...] = ()  #: the tool along a line
     arc_cw: tuple[str, ...] = ()  #: the tool along an arc, clockwise
     arc_ccw: tuple[str, ...] = ()  #: counter-clockwise
@@ -113,8 +114,9 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "stamp": _TEXT_NAMES,
     "printer": _TEXT_NAMES,
     "change": frozenset({"spindle", "station", "diameter", "text"}),
-    "traverse": frozenset({"x", "y"}),
-    "feed": _TO_NAMES,
+    "traverse": frozenset({"x", "y", "z"}),
+    "turn": frozenset({"x", "y", "z", "a"}),
+    "feed": _TO_NAMES | {"z"},
     "arc_cw": _ARC_NAMES,
     "arc_ccw": _ARC_NAMES,
     "parabola": _ARC_NAMES,

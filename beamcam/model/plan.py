@@ -225,6 +225,39 @@ class SheetPlan(Struct, frozen=True):
     min_bevel: float = 0.0  #: degrees; a smaller bevel counts as square
 
 
+#: What a cut of a profile is: within a wall, from an edge, or at an end of it; far parts the piece.
+CopeKind = Literal["inner", "notch", "near", "far"]
+
+
+class CopeCut(Struct, frozen=True, gc=False):
+    """A cut of a torch that goes round a profile, square to one of its walls."""
+
+    kind: CopeKind
+    face: Face  #: that the torch looks at
+    path: tuple[Point, ...]  #: x of the part and y of the face, from where the torch pierces
+    lead: int  #: how many of its stretches lead to the contour
+    thickness: float  #: that it cuts through, roots with their flange
+    row: TorchRow
+    features: tuple[FeatureRef, ...]
+    source: Source
+    root: bool = False  #: whether it takes the root behind a flange
+
+
+class CopePlan(Struct, frozen=True):
+    """The work on one part that is cut from a bar by a torch going round it, in order."""
+
+    profile: Profile
+    pieces: tuple[Piece, ...]  #: one
+    bar: float  #: length that the part needs
+    operations: tuple[CopeCut, ...]
+    outcomes: tuple[Outcome, ...]  #: one for every feature
+    remarks: tuple[Diagnostic, ...] = ()
+    reloads: tuple[ToolLoad, ...] = ()  #: none: there is one torch
+
+
+AnyPlan = Plan | SheetPlan | CopePlan
+
+
 # --- work time ------------------------------------------------------------------------------------
 
 # Work time of a plan.

@@ -218,10 +218,36 @@ class EllipseFeed(Struct, frozen=True, gc=False):
     clockwise: bool
 
 
+class StartProfile(Struct, frozen=True):
+    """The section that a torch goes round."""
+
+    height: float
+    width: float
+
+
+class TurnTorch(Struct, frozen=True, gc=False):
+    """The torch of a coper to an angle about the bar, its tool off."""
+
+    x: float
+    y: float
+    z: float
+    a_deg: float
+
+
+class TorchTo(Struct, frozen=True, gc=False):
+    """The torch of a coper along a line to a place, in rapid or with its tool on."""
+
+    x: float
+    y: float
+    z: float
+    rapid: bool
+
+
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool
-    | Comment | StartSheet | ChooseTool | ChooseMaterial | ToolOn | ToolOff | Pace | Compensate
+    | Comment | StartSheet | StartProfile | TurnTorch | TorchTo | ChooseTool | ChooseMaterial
+    | ToolOn | ToolOff | Pace | Compensate
     | Traverse | Movement
 )  # fmt: skip
 

@@ -19,6 +19,7 @@ from msgspec.structs import replace
 from beamcam.diff.differ import Pair, made_pairs, part_pairs
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import join_boxes
+from beamcam.machine.coper_faults import refuse_coper
 from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import Face, Part
 from beamcam.pictures.bar import BarMade
@@ -144,6 +145,7 @@ def _arrow(a: Point, b: Point) -> Iterator[Polyline]:
 
 def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
     """Overlay of what two programs make. Raises VerifyError where one is not understood."""
+    refuse_coper(a.machine, "a picture")
     if a.machine.stock == "beam":
         return _compared_bars(bar_made(a), bar_made(b))
     return _compared_ways(a, b)

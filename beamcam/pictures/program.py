@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from beamcam.errors import VerifyError, errors_in
+from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pictures.scene import Scene, Unit
@@ -49,6 +50,7 @@ def program_scene(
 
     Raises VerifyError for a program that cannot be understood.
     """
+    refuse_coper(program.machine, "a picture")
     if program.machine.stock == "beam":
         from beamcam.pictures.bar import bar_scene
 

@@ -13,7 +13,7 @@ from beamcam.model.colour import colour_name
 from beamcam.model.description import description
 from beamcam.model.hatch import HATCH
 from beamcam.model.part import Contour
-from beamcam.model.plan import Outcome, Plan, SheetPlan, unfinished
+from beamcam.model.plan import AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.planning.by_hand import REASONS
 from beamcam.planning.rules import SKIP_NAMES
 
@@ -43,7 +43,7 @@ RULES = (LEFT_OUT, BY_HAND, NOT_CUT)
 MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
 
 
-def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
+def told(plan: AnyPlan) -> Iterator[Diagnostic]:
     """A warning for each feature that was left out, and a note for each look that is not cut."""
     left = unfinished(plan.outcomes)
     skipped = [outcome for outcome in left if _is_by_name(outcome)]
@@ -55,7 +55,7 @@ def told(plan: Plan | SheetPlan) -> Iterator[Diagnostic]:
         yield from _not_cut(plan)
 
 
-def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
+def left_out_sources(plan: AnyPlan) -> Iterator[Source]:
     """Source of each feature that was left out because `--allow-skips` names its kind."""
     for outcome in unfinished(plan.outcomes):
         if _is_by_name(outcome):
@@ -63,13 +63,13 @@ def left_out_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
             yield plan.pieces[piece].part.features[index].source
 
 
-def left_out_kinds(plan: Plan | SheetPlan) -> Counter[str]:
+def left_out_kinds(plan: AnyPlan) -> Counter[str]:
     """How many features of each kind were left out because `--allow-skips` names it."""
     left = unfinished(plan.outcomes)
     return Counter(one.by.removeprefix("plan-") for one in left if _is_by_name(one))
 
 
-def by_hand_sources(plan: Plan | SheetPlan) -> Iterator[Source]:
+def by_hand_sources(plan: AnyPlan) -> Iterator[Source]:
     """Source of each mark that is left for manual work."""
     for outcome in unfinished(plan.outcomes):
         if outcome.by_hand:
@@ -85,14 +85,14 @@ def _is_by_name(outcome: Outcome) -> bool:
     return outcome.how == "skipped" and outcome.by.removeprefix("plan-") in SKIP_NAMES
 
 
-def _left_out(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
+def _left_out(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
     piece, index = outcome.feature
     feature = plan.pieces[piece].part.features[index]
     kind = outcome.by.removeprefix("plan-")
     return LEFT_OUT.at(feature.source, what=description(feature), kind=kind)
 
 
-def _by_hand(plan: Plan | SheetPlan, outcome: Outcome) -> Diagnostic:
+def _by_hand(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
     piece, index = outcome.feature
     feature = plan.pieces[piece].part.features[index]
     return BY_HAND.at(feature.source, what=description(feature), why=REASONS[outcome.by_hand])

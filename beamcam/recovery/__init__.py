@@ -7,6 +7,7 @@ What comes back was proved: the program, read back against the parts, makes exac
 """
 
 from beamcam.errors import Source, errors_in
+from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 from beamcam.recovery import rules
 from beamcam.recovery.bars import recover_bars
@@ -24,6 +25,7 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
     `stock` is what is known of the bar or the sheet. Where an error is among what is said there are
     no parts. A program that was made for another machine is remarked upon first.
     """
+    refuse_coper(machine, "recover")
     head = head_of(text)
     said = tuple(head_remarks(head, machine, name))
     if machine.torch is None:

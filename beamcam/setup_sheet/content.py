@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, errors_in
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan, SheetPlan, clock
+from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
@@ -70,7 +70,7 @@ class SheetSources(Struct, frozen=True):
     """Sources of a setup sheet."""
 
     program: ReadProgram
-    plan: Plan | SheetPlan | None = None  #: of a program that was posted just now
+    plan: AnyPlan | None = None  #: of a program that was posted just now
     said: tuple[Diagnostic, ...] = ()  #: by readers and the planner
     found: tuple[Diagnostic, ...] = ()  #: by the read-back
     compared: bool = True  #: with the parts, if there are any

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, VerifyError, errors_in
+from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.simulate.trace import Trace
@@ -34,8 +35,9 @@ def simulate_program(
     `style` is the suffix of a step table; the machine's own where it is none of its forms.
     `parts` say what sheet is cut and what section is sawn, where the program does not.
     Raises VerifyError for a program that cannot be understood, MachineError for a cell without
-    `[[axes]]`.
+    `[[axes]]` and for a coper.
     """
+    refuse_coper(machine, "the model of motion")
     if machine.stepper is not None:
         return _steps(data, machine, name, style)
     text = data if isinstance(data, str) else data.decode("utf-8", "replace")

@@ -105,7 +105,8 @@ def solid_faults(
         kernel()
         if request.machine.stock == "beam":
             return tuple(_of_bar(text, request, bar))
-        if request.machine.controller in ("codesys", "linuxcnc", "grbl", "mach3"):
+        has_words = request.machine.controller in ("codesys", "linuxcnc", "grbl", "mach3")
+        if request.machine.stock == "sheet" and has_words:
             return tuple(sheet_faults(text, pieces_asked(request), request))
         raise BeamcamError(NO_MACHINE.at(Source(request.name), found=request.machine.name))
     except BeamcamError as error:

@@ -17,7 +17,7 @@ NO_SOLID = error(
 )
 NO_MACHINE = error(
     "machine",
-    "found {found}; expected a saw and drilling line, or a torch that runs G-code",
+    "found {found}; expected a saw and drilling line, or a table whose torch runs G-code",
     "What is machined as a solid is bars and plates; tables of steps and triggers are read back "
     "without --solid.",
 )

@@ -16,7 +16,7 @@ from msgspec import Struct
 Language = Literal[
     "codesys", "linuxcnc", "grbl", "mach3", "simotion", "plcopen", "stepper", "events"
 ]
-Stock = Literal["beam", "sheet"]
+Stock = Literal["beam", "sheet", "profile"]
 
 
 class Owner(Struct, frozen=True):

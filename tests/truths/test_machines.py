@@ -381,7 +381,7 @@ COLOURS = {
 
 
 def test_every_machine_stands_here() -> None:
-    assert {*BARS, *COLOURS} == set(shipped())
+    assert {*BARS, *COLOURS, "coper-linuxcnc"} == set(shipped())
     for name, colours in COLOURS.items():
         torch = load(name).torch
         assert torch is not None
@@ -449,3 +449,18 @@ def test_where_a_spindle_goes(
     near = nan if spindle.stroke.near is None else spindle.stroke.near(figures)
     if face == "v" and name != "beamline-annex":
         assert near == pytest.approx(66.45)  # 5 before the web
+
+
+def test_figures_of_the_coper() -> None:
+    coper = load("coper-linuxcnc").coper
+    assert coper is not None
+    assert [(r.up_to, r.feed_mm_min, r.kerf, r.pierce_s) for r in coper.rows] == [
+        (6, 4200, 2.0, 0.3), (10, 3000, 2.2, 0.4), (13, 2550, 2.4, 0.5), (16, 2200, 2.6, 0.6),
+        (20, 1750, 2.8, 0.8), (22, 1550, 3.0, 0.9), (25, 1350, 3.2, 1.0), (28, 1150, 3.4, 1.2),
+        (32, 950, 3.6, 1.5), (36, 780, 3.9, 1.8), (40, 650, 4.2, 2.2), (45, 520, 4.5, 2.6),
+        (50, 420, 4.8, 3.0),
+    ]  # fmt: skip
+    # Each feed stands for one thickness, by which the read-back knows how deep a cut is.
+    assert len({row.feed_mm_min for row in coper.rows}) == len(coper.rows)
+    assert {(row.process, row.cut_height) for row in coper.rows} == {("cut", 3.0)}
+    assert (coper.corner_radius, coper.trim, coper.lead, coper.k_area) == (10, 30, 8, "pass")

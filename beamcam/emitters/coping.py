@@ -1,0 +1,66 @@
+"""Programs of copers: the machine's word templates, filled in."""
+
+from collections.abc import Iterator, Mapping
+
+from beamcam.emitters.numbers import number
+from beamcam.machine.machine import Machine
+from beamcam.model.description import PART_DATA
+from beamcam.model.program import (
+    Command,
+    Comment,
+    Program,
+    StartProfile,
+    ToolOff,
+    ToolOn,
+    TorchTo,
+    TurnTorch,
+)
+from beamcam.plain_text import comment_text
+
+
+def emit(program: Program, machine: Machine) -> str:
+    """The text of a program, with a newline at its end."""
+    about = {name: comment_text(program.about.get(name, "")) for name in PART_DATA}
+    lines = [
+        block for command in program.commands for block in _blocks(command, program, machine, about)
+    ]
+    return "\n".join([*lines, *machine.words.footer]) + "\n"
+
+
+def _blocks(
+    command: Command, program: Program, machine: Machine, about: Mapping[str, str]
+) -> Iterator[str]:
+    words, places = machine.words, machine.format.length_decimals
+    template: tuple[str, ...] = ()
+    values: dict[str, str] = dict(about)
+    match command:
+        case TorchTo(x, y, z, rapid):
+            template = words.traverse if rapid else words.feed
+            values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
+        case TurnTorch(x, y, z, a_deg):
+            template = words.turn
+            values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
+            values["a"] = number(a_deg, machine.format.angle_decimals)
+        case ToolOn():
+            template = words.cut_on
+            values |= {
+                "feed": number(command.feed_mm_min, 3), "power": number(command.power, 3),
+                "pierce": number(command.pierce_s, 3),
+                "pierce_height": number(command.pierce_height, 3),
+                "cut_height": number(command.cut_height, 3),
+            }  # fmt: skip
+        case ToolOff():
+            template = words.cut_off
+        case Comment():
+            template = (words.comment,)
+            values = {"text": comment_text(command.text)}
+        case StartProfile():
+            template = words.header
+            values |= {
+                "job": comment_text(program.job), "height": number(command.height, 3),
+                "width": number(command.width, 3),
+            }  # fmt: skip
+        case _:
+            raise TypeError(f"a coper has no command {type(command).__name__}")
+    for line in template:
+        yield line.format_map(values)

@@ -1,0 +1,56 @@
+"""A torch that goes round a profile: it turns about the bar, along which it or the bar moves."""
+
+from math import sqrt
+from typing import Literal
+
+from beamcam.conversion import Keys, NotNegative, Positive
+from beamcam.machine.torch import TorchRow
+
+#: Degrees of A at which the torch looks at a face: its head is at Y -sin A, Z cos A of its tip.
+A_OF_FACE = {"o": -90.0, "v": 0.0, "u": 90.0}
+
+
+class Coper(Keys, frozen=True):
+    """The torch of a machine that copes profiles.
+
+    X runs along the bar from its leading end. Y and Z are those of the section: Y 0 is the outside
+    of the lower flange, Z 0 the edge that lies on the rollers.
+    """
+
+    max_height: Positive  #: of the section, along Y
+    max_width: Positive  #: of the section, along Z
+    rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
+    profiles: tuple[Literal["I", "U", "L"], ...] = ("I", "U", "L")  #: DSTV codes that it takes
+    length: Positive = 12000.0  #: of the bar
+    material: str = ""  #: of a part that does not say
+    trim: Positive = 30.0  #: of the bar before a part and behind it, for leads and pierces
+    torch_width: Positive = 16.0  #: diameter of the torch from its tip to its holder
+    torch_length: Positive = 200.0  #: from the tip to the holder
+    head_width: Positive = 120.0  #: diameter of the holder and of all that is behind it
+    clearance: Positive = 20.0  #: of the tip from the bar's box as the torch travels and turns
+    play: Positive = 0.5  #: between the torch and steel beside it, at least
+    tcp: bool = True  #: whether X, Y and Z say where the tip is, or the axis that it turns about
+    pivot: NotNegative = 0.0  #: from the tip to the axis that it turns about
+    #: The root between web and flange, where the torch has no room over the web: refused, or cut
+    #: from outside of the flange by a pass that is deep enough.
+    k_area: Literal["refuse", "pass"] = "refuse"
+    root_over: Positive = 2.0  #: how much deeper than the root such a pass cuts
+    corner_radius: Positive = 10.0  #: least radius of a re-entrant corner that is drawn sharp
+    tolerance: Positive = 0.2  #: of the cut from the contour
+    lead: Positive = 8.0  #: from the pierce point, in scrap, to the contour
+    over: Positive = 2.0  #: how far a cut goes on beyond a free edge
+    min_hole: NotNegative = 0.0  #: smallest diameter that is burnt
+    min_hole_share: NotNegative = 0.0  #: smallest diameter that is burnt, by the thickness
+    min_bevel: NotNegative = 1.0  #: degrees; an edge with a smaller bevel is cut square
+
+    def reach_beside(self, radius: float, cut_height: float) -> float:
+        """How near to a flange's inner surface the middle of the torch comes over the web, in mm.
+
+        The edge of its tip, `cut_height` over the web, keeps `play` off the flange and off a root
+        fillet of that radius r, whose middle lies r from both: at d from the flange it is
+        sqrt((r - d)^2 + (r - cut_height)^2) from that middle, which may be r - play at most.
+        """
+        beside = self.play
+        if cut_height < radius:
+            beside = radius - sqrt((radius - self.play) ** 2 - (radius - cut_height) ** 2)
+        return self.torch_width / 2 + beside

@@ -1,0 +1,70 @@
+"""Checks of the torch that goes round a profile that involve several keys."""
+
+from collections.abc import Iterator
+
+from beamcam.errors import MachineError, Source
+from beamcam.machine.coper import Coper
+from beamcam.machine.faults import Fault
+from beamcam.machine.machine import Machine
+from beamcam.machine.rules import NO_COPER
+from beamcam.machine.torch import TorchRow
+
+
+def refuse_coper(machine: Machine, what: str) -> None:
+    """Raises MachineError for a machine that copes profiles, of which `what` knows nothing."""
+    if machine.stock == "profile":
+        raise MachineError(NO_COPER.at(Source(machine.name), found=machine.name, what=what))
+
+
+def coper_faults(machine: Machine) -> Iterator[Fault]:
+    """Each key of a coper that contradicts another."""
+    coper, words = machine.coper, machine.words
+    if coper is None:
+        return
+    if machine.stock != "profile":
+        yield "coper", machine.stock, "no such table, or stock = 'profile'"
+    if machine.controller != "linuxcnc":
+        yield "controller", machine.controller, "linuxcnc, which runs a torch round a profile"
+    for name in ("turn", "traverse", "feed", "cut_on", "cut_off"):
+        if not getattr(words, name):
+            yield f"words.{name}", [], "a template, since there is a coper"
+    if coper.tcp == bool(coper.pivot):
+        expected = "0 where tcp is true, and above 0 where it is false"
+        yield "coper.pivot", coper.pivot, expected
+    if not any(row.process == "cut" for row in coper.rows):
+        yield "coper.rows", [row.process for row in coper.rows], "a row for cut"
+    for index, row in enumerate(coper.rows):
+        yield from _row_faults(f"coper.rows.{index}", row, coper)
+    feeds = [(row.feed_mm_min, row.material) for row in coper.rows]
+    for index, said in enumerate(feeds):
+        if feeds.index(said) != index:
+            expected = "another feed for each thickness, which is told by it"
+            yield f"coper.rows.{index}.feed_mm_min", said[0], expected
+    step = machine.format.resolution
+    if not 4 * step <= coper.tolerance <= 1.0:
+        expected = f"{4 * step:g} to 1 mm, four steps of its numbers at least"
+        yield "coper.tolerance", coper.tolerance, expected
+    if coper.head_width < coper.torch_width:
+        yield "coper.head_width", coper.head_width, "at least torch_width"
+
+
+def _row_faults(key: str, row: TorchRow, coper: Coper) -> Iterator[Fault]:
+    if row.process != "cut":
+        yield f"{key}.process", row.process, "cut, as a coper does nothing else"
+    for name in ("kerf", "cut_height", "pierce_height", "pierce_s"):
+        if not getattr(row, name):
+            yield f"{key}.{name}", 0.0, "a figure above 0, as the torch goes round the steel by it"
+    if row.cut_height <= coper.play:
+        yield f"{key}.cut_height", row.cut_height, f"more than play, {coper.play:g} mm"
+    if row.pierce_height < row.cut_height:
+        yield f"{key}.pierce_height", row.pierce_height, "at least cut_height"
+    if row.passes != 1:
+        yield f"{key}.passes", row.passes, "1, as a torch cuts through at once"
+    if coper.corner_radius < row.kerf / 2:
+        expected = f"at least {row.kerf / 2:g}, half the kerf of the widest row"
+        yield "coper.corner_radius", coper.corner_radius, expected
+    if coper.lead < row.pierce_radius:
+        yield "coper.lead", coper.lead, f"at least {row.pierce_radius:g}, what piercing burns"
+    if coper.trim < 2 * (coper.lead + row.kerf):
+        expected = f"at least {2 * (coper.lead + row.kerf):g}, for leads and kerfs"
+        yield "coper.trim", coper.trim, expected

@@ -1,0 +1,172 @@
+"""A plan of a coper put in motion: where the torch's tip goes, cut by cut.
+
+    o                The torch travels on planes `clearance` outside of the bar's box, one for
+ ______              each of the angles that it cuts at, and turns at their corners.
+|      | v           X counts from the bar's leading end, Y and Z are those of the section.
+|______|
+    u
+"""
+
+from collections.abc import Iterator
+from math import acos, ceil, cos, degrees, dist, radians, sin
+
+from beamcam.machine.coper import A_OF_FACE, Coper
+from beamcam.machine.machine import Machine
+from beamcam.model.description import part_data
+from beamcam.model.part import Face
+from beamcam.model.plan import CopeCut, CopePlan, WorkTime
+from beamcam.model.program import (
+    Command,
+    Comment,
+    Program,
+    StartProfile,
+    ToolOff,
+    ToolOn,
+    TorchTo,
+    TurnTorch,
+)
+from beamcam.model.surface import Patch, patch_of, surface_of
+
+Place = tuple[float, float, float]
+
+NAMES: dict[str, str] = {
+    "inner": "cut-out", "notch": "notch", "near": "near end", "far": "far end"
+}  # fmt: skip
+
+
+def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
+    """The commands that carry out a plan, in its order."""
+    coper = machine.needed(machine.coper, "coper")
+    torch = _Torch(plan, coper)
+    commands: list[Command] = [StartProfile(plan.profile.height, plan.profile.width)]
+    for cut in plan.operations:
+        commands += torch.make(cut)
+    commands += torch.home()
+    return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
+
+
+class _Torch:
+    """The torch and where it is."""
+
+    def __init__(self, plan: CopePlan, coper: Coper) -> None:
+        profile = plan.profile
+        self._coper, self._start = coper, plan.pieces[0].start
+        self._patches = surface_of(profile)
+        self._top = profile.width + coper.clearance
+        self._sides = {"o": profile.height + coper.clearance, "u": -coper.clearance}
+        self._face: Face | None = None
+        self._at: Place = (0.0, 0.0, 0.0)
+
+    def make(self, cut: CopeCut) -> Iterator[Command]:
+        """The commands of a cut, from where the torch stands outside of the bar's box."""
+        patch = patch_of(self._patches, cut.face)
+        assert patch is not None, cut.face
+        row = cut.row
+        pierce = self._tip(patch, cut.path[0], row.pierce_height)
+        what = f"{NAMES[cut.kind]} on face {cut.face}{', through the root' if cut.root else ''}"
+        yield Comment(what)
+        yield from self._approach(cut.face, pierce)
+        yield self._to(pierce, True)
+        yield ToolOn(
+            row.process, row.feed_mm_min, row.power, row.pierce_s, cut.source, row.pierce_height,
+            row.cut_height,
+        )  # fmt: skip
+        for place in cut.path:
+            yield self._to(self._tip(patch, place, row.cut_height), False)
+        yield ToolOff(row.process)
+        yield self._to(self._outside(cut.face, self._at), True)
+
+    def home(self) -> Iterator[Command]:
+        """The commands that leave the torch upright, above the bar."""
+        if self._face not in (None, "v"):
+            yield from self._approach("v", self._at)
+
+    def _approach(self, face: Face, place: Place) -> Iterator[Command]:
+        """The commands to where a place of a face is reached along the torch.
+
+        A program begins with the torch upright above the bar. It turns at a corner of the box.
+        """
+        x, y, _ = place
+        if self._face is None:
+            above = x, y, self._top
+            yield from self._turned(above, "v")
+            yield self._to(above, True)
+        if face != self._face:
+            steps: list[Face] = ["v"] if "v" not in (face, self._face) else []
+            for step in (*steps, face):
+                side = self._face if step == "v" else step
+                assert side is not None
+                corner = self._at[0], self._sides[side], self._top
+                if self._at != corner:
+                    yield self._to(corner, True)
+                yield from self._turned(corner, step)
+        wanted = self._outside(face, place)
+        if wanted != self._at:
+            yield self._to(wanted, True)
+
+    def _outside(self, face: Face, place: Place) -> Place:
+        """Where the torch stands over a place, outside of the bar's box."""
+        x, y, z = place
+        return (x, y, self._top) if face == "v" else (x, self._sides[face], z)
+
+    def _tip(self, patch: Patch, place: tuple[float, float], height: float) -> Place:
+        x, y, z = patch.point(place[0] + self._start, place[1])
+        ny, nz = patch.normal(place[1])
+        return x, y + height * ny, z + height * nz
+
+    def _programmed(self, tip: Place, a_deg: float) -> Place:
+        """What a program says of a tip: the tip itself, or the axis that the torch turns about."""
+        if self._coper.tcp:
+            return tip
+        a, (x, y, z) = radians(a_deg), tip
+        return x, y - self._coper.pivot * sin(a), z + self._coper.pivot * cos(a)
+
+    def _to(self, tip: Place, rapid: bool) -> Command:
+        assert self._face is not None
+        self._at = tip
+        return TorchTo(*self._programmed(tip, A_OF_FACE[self._face]), rapid)
+
+    def _turned(self, tip: Place, face: Face) -> Iterator[Command]:
+        """The turn to a face, the tip at a place.
+
+        An axis that goes straight while the torch turns takes the tip off that place by
+        pivot (1 - cos(step / 2)); steps are so small that this is a quarter of the clearance.
+        """
+        last = A_OF_FACE[face]
+        first = last if self._face is None else A_OF_FACE[self._face]
+        steps = 1
+        if not self._coper.tcp:
+            off = min(1.0, self._coper.clearance / 4 / self._coper.pivot)
+            steps = ceil(abs(last - first) / degrees(2 * acos(1 - off))) or 1
+        self._at, self._face = tip, face
+        for k in range(1, steps + 1):
+            a_deg = first + (last - first) * k / steps
+            yield TurnTorch(*self._programmed(tip, a_deg), a_deg)
+
+
+def coping_time(plan: CopePlan, program: Program, machine: Machine) -> WorkTime:
+    """How long each cut takes, its travels and turns before it included, and the way back."""
+    speeds: dict[str, float] = {axis.moves: axis.speed for axis in machine.axes}
+    seconds: list[float] = []
+    spent, feed = 0.0, 1.0
+    at: Place | None = None
+    a_deg: float | None = None
+    for command in program.commands:
+        match command:
+            case TurnTorch(x, y, z, turned):
+                if a_deg is not None:
+                    spent += abs(turned - a_deg) / speeds.get("A", 90.0)
+                a_deg, at = turned, (x, y, z)
+            case TorchTo(x, y, z, rapid):
+                if at is not None and rapid:
+                    ways = zip("XYZ", at, (x, y, z), strict=True)
+                    spent += max(abs(b - a) / speeds.get(axis, 250.0) for axis, a, b in ways)
+                elif at is not None:
+                    spent += 60.0 * dist(at, (x, y, z)) / feed
+                at = x, y, z
+            case ToolOn():
+                spent, feed = spent + command.pierce_s, command.feed_mm_min
+            case ToolOff():
+                seconds.append(spent)
+                spent = 0.0
+    return WorkTime(tuple(seconds), home_s=spent)

@@ -1,0 +1,189 @@
+"""What stays of each wall: a region in (x, y) of its face, its corners as round as they are cut.
+
+Regions are polygons; their chords lie within CHORD of the curves of the part.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import atan2, degrees
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
+from beamcam.geometry.plane import unit_vector
+from beamcam.geometry.polylines import polylines
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Contour, Face, Hole, Part, Slot
+from beamcam.planning.coping import rules
+from beamcam.planning.coping.walls import Wall
+
+Shape = Any  #: of shapely
+Cut = Hole | Slot | Contour
+
+CHORD = 0.01  #: mm between a curve and its chords
+ROUND = 32  #: sides of a quarter of a rounded corner
+OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files differ by 0.7
+MOST_ROUNDED = 1.75  #: radii that the rounding of a corner reaches along its sides
+CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
+BEYOND = 1e4  #: mm, farther than any bar is wide
+
+
+class Region(Struct, frozen=True):
+    """What stays of a wall."""
+
+    wall: Wall
+    shape: Shape
+    rounded: int  #: sharp corners that were rounded
+
+
+def region_of(
+    wall: Wall, part: Part, features: Sequence[int], coper: Coper
+) -> tuple[Region, list[Diagnostic]]:
+    """The region of a wall by those of a part's features that lie on it, and what is wrong."""
+    from shapely import box, make_valid, union_all
+
+    own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
+    outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
+    taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
+    strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
+    whole: Shape = box(0.0, 0.0, part.length, wall.width)
+    if outer:
+        whole = union_all([_on_edges(shape_of(c.curves), wall) for c in outer]).intersection(strip)
+    said: list[Diagnostic] = []
+    shape = whole
+    for feature in taken:
+        gone = shape_of(curves_of(feature))
+        if not gone.intersects(whole):
+            what = "a cut-out" if isinstance(feature, Contour) else "a hole"
+            said.append(rules.OFF.at(feature.source, what=f"{what} on face {wall.face}"))
+        shape = shape.difference(gone)
+    shape = make_valid(shape)
+    if shape.is_empty:
+        return Region(wall, shape, 0), said
+    corners = [p for c in (*outer, *taken) if isinstance(c, Contour) for p in sharp_corners(c)]
+    return _rounded(wall, shape, corners, part, coper, said)
+
+
+def _rounded(
+    wall: Wall,
+    shape: Shape,
+    corners: Sequence[Point],
+    part: Part,
+    coper: Coper,
+    said: list[Diagnostic],
+) -> tuple[Region, list[Diagnostic]]:
+    """A region whose re-entrant corners at the given places have the machine's radius.
+
+    What a ball of that radius does not reach from the scrap is added at each of them. Along the
+    sides of a corner it ends at radius / tan(angle / 2), which at 60 degrees is 1.73 times the
+    radius; what reaches farther belongs to a sharper corner or to a notch that is too narrow.
+    """
+    from shapely import MultiPoint, union_all
+
+    if not corners:
+        return Region(wall, shape, 0), said
+    radius, places = coper.corner_radius, MultiPoint(corners)
+    closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
+    added, count = [], 0
+    for piece in _polygons(closed.difference(shape)):
+        if piece.distance(places) > CHORD:
+            continue
+        mine = [p for p in places.geoms if piece.distance(p) <= CHORD]
+        deep = max(MultiPoint(mine).distance(p) for p in MultiPoint(piece.exterior.coords).geoms)
+        if deep <= 2 * CHORD:
+            continue
+        if deep > MOST_ROUNDED * radius:
+            said.append(
+                rules.NARROW.at(
+                    part.source, what="a re-entrant corner", face=wall.face,
+                    x=f"{mine[0].x:g}", y=f"{mine[0].y:g}",
+                    expected=f"60 degrees at least, {2 * radius:g} mm of room, or a drawn radius",
+                )
+            )  # fmt: skip
+            continue
+        added.append(piece)
+        count += len(mine)
+    whole = union_all([shape, *added]) if added else shape
+    return Region(wall, whole, count), said
+
+
+def _polygons(shape: Shape) -> Iterator[Shape]:
+    for one in getattr(shape, "geoms", (shape,)):
+        if one.geom_type == "Polygon" and one.area > CHORD * CHORD:
+            yield one
+
+
+def _on_edges(shape: Shape, wall: Wall) -> Shape:
+    """An outline whose places near an edge of the wall lie on it."""
+    from shapely import make_valid, transform
+
+    def moved(points: Any) -> Any:
+        points = points.copy()
+        y = points[:, 1]
+        y[abs(y) <= OUTLINE_NOISE] = 0.0
+        y[abs(y - wall.width) <= OUTLINE_NOISE] = wall.width
+        return points
+
+    return make_valid(transform(shape, moved))
+
+
+def shape_of(curves: Sequence[Curve]) -> Shape:
+    """The inside of a closed chain of curves."""
+    from shapely import Polygon, make_valid
+
+    drawn = polylines(curves, CHORD)
+    ring = [
+        tuple(point)
+        for k in range(len(curves))
+        for point in drawn.points[drawn.begins[k] : drawn.begins[k + 1] - 1].tolist()
+    ]
+    return make_valid(Polygon(ring)) if len(ring) > 2 else Polygon()
+
+
+def curves_of(feature: Cut) -> tuple[Curve, ...]:
+    """The closed chain that a feature is cut along."""
+    if isinstance(feature, Contour):
+        return feature.curves
+    if isinstance(feature, Hole):
+        return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
+    return tuple(_slot_arcs(feature))
+
+
+def _slot_arcs(slot: Slot) -> Iterator[Curve]:
+    (c, s), radius = unit_vector(slot.angle), slot.diameter / 2
+    corners = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
+    arcs = []
+    for k, (a, b) in enumerate(corners):
+        along, across = a * slot.length / 2, b * slot.height / 2
+        middle = slot.x + along * c - across * s, slot.y + along * s + across * c
+        arcs.append(Arc(middle, radius, slot.angle + 90.0 * k, 90.0))
+    for k, arc in enumerate(arcs):
+        yield arc
+        after = arcs[(k + 1) % 4]
+        if arc.end != after.start:
+            yield Line(arc.end, after.start)
+
+
+def sharp_corners(contour: Contour) -> Iterator[Point]:
+    """The places at which a contour turns into the steel by more than CORNER_DEG.
+
+    Steel lies inside of an outer contour and outside of an inner one.
+    """
+    curves = [curve for curve in contour.curves if curve.length > CHORD]
+    round_way = signed_area(contour.curves) > 0.0
+    into = -1.0 if round_way == (contour.kind == "outer") else 1.0
+    for before, after in zip(curves, (*curves[1:], *curves[:1]), strict=True):
+        (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
+        turn = degrees(atan2(ax * by - ay * bx, ax * bx + ay * by))
+        if into * turn > CORNER_DEG:
+            yield after.start
+
+
+def features_on(part: Part, made: Sequence[int]) -> dict[Face, list[int]]:
+    """Features by the wall that they lie on; those behind the web lie on it in the same place."""
+    found: dict[Face, list[int]] = {}
+    for f in made:
+        face = getattr(part.features[f], "face", "")
+        found.setdefault("v" if face == "h" else face, []).append(f)
+    return found

@@ -1,0 +1,109 @@
+"""The roots of a web: where a cut over it meets one through a flange, at one x.
+
+   x: a cut of the flange, and below it one of the web; the root between them goes with the
+___|___   flange. What is cut of the root otherwise (along it, or of one wall alone) cannot be
+   |      made: the flange would be hurt, or the scrap would hold.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Face
+from beamcam.planning.coping import rules
+from beamcam.planning.coping.cuts import chains_of
+from beamcam.planning.coping.regions import Region
+from beamcam.planning.coping.walls import EDGE, Root, Wall
+
+SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
+
+
+class Crossing(Struct, frozen=True):
+    """A cut through the whole of a root, square to the bar."""
+
+    x: float
+    right: bool  #: whether the scrap lies at greater x
+
+
+def root_faults(
+    regions: Mapping[Face, Region], depth: float, coper: Coper, source: Source
+) -> Iterator[Diagnostic]:
+    """What cannot be cut at the roots of a web.
+
+    `depth` is that to which a pass through a root may cut, from outside of the flange: what it
+    meets of the web has to be cut at that x anyway.
+    """
+    web = regions["v"]
+    for root in web.wall.roots:
+        flange = regions[root.face]
+        on_web, wrong = crossings(web, _band(root, depth, web.wall), coper)
+        yield from _said(wrong, web.wall, source)
+        (behind,) = flange.wall.roots
+        band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
+        on_flange, wrong = crossings(flange, band, coper)
+        yield from _said(wrong, flange.wall, source)
+        yield from _unpaired(on_web, on_flange, web.wall, flange.wall, coper, source)
+        if coper.k_area == "refuse":
+            for one in on_web[:1]:
+                yield rules.K_AREA.at(source, x=f"{one.x:g}", face=root.face)
+
+
+def _band(root: Root, depth: float, web: Wall) -> tuple[float, float]:
+    """The y of the web between the flange's inner surface and where a pass through it ends."""
+    if root.low == 0.0:
+        return root.inner + EDGE, max(root.high, depth)
+    return min(root.low, web.width - depth), root.inner - EDGE
+
+
+def crossings(
+    region: Region, band: tuple[float, float], coper: Coper
+) -> tuple[list[Crossing], list[float]]:
+    """The cuts through a band of a wall, along x, and where it is cut otherwise."""
+    found: list[Crossing] = []
+    wrong: list[float] = []
+    for chain in chains_of(region.shape, *band):
+        xs = [x for x, _ in chain.points]
+        whole = {chain.start, chain.end} == {"low", "high"}
+        if not whole or max(xs) - min(xs) > SHARE * coper.tolerance:
+            wrong.append(xs[0])
+            continue
+        # The region lies on the left of its ring: upwards, the scrap is at greater x.
+        found.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low"))
+    return sorted(found, key=lambda one: one.x), wrong
+
+
+def _said(wrong: Sequence[float], wall: Wall, source: Source) -> Iterator[Diagnostic]:
+    for x in wrong[:3]:
+        yield rules.ROOT.at(
+            source, what="a cut into or along a root", x=f"{x:g}", face=wall.face,
+            expected="one square to the bar through all of it, or none",
+        )  # fmt: skip
+
+
+def _unpaired(
+    on_web: Sequence[Crossing],
+    on_flange: Sequence[Crossing],
+    web: Wall,
+    flange: Wall,
+    coper: Coper,
+    source: Source,
+) -> Iterator[Diagnostic]:
+    """Cuts through a root of one wall without one of the other at the same x and side."""
+
+    def has(one: Crossing, others: Sequence[Crossing]) -> bool:
+        return any(
+            abs(one.x - other.x) <= SHARE * coper.tolerance and one.right == other.right
+            for other in others
+        )
+
+    for mine, others, wall, other in (
+        (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)
+    ):  # fmt: skip
+        for one in mine:
+            if not has(one, others):
+                yield rules.ROOT.at(
+                    source, what="a cut to the root", x=f"{one.x:g}", face=wall.face,
+                    expected=f"one of face {other.face} at that x, which the root goes with",
+                )  # fmt: skip

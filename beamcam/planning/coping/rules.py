@@ -1,0 +1,69 @@
+"""Rules for what a torch that goes round a profile cannot make."""
+
+from beamcam.errors import rule_makers
+
+_error, _warning, _note = rule_makers("plan-coping")
+
+ALONE = _error(
+    "alone",
+    "found {found} parts for one program; expected one, {machine} copes a bar for each part",
+    "Post them one by one, with `batch` or with --quantity file.",
+)
+END = _error(
+    "end",
+    "found a {kind} cut of {found} degrees at the {end}; expected none, the torch does not tilt",
+    "An end that is skew to a wall leaves a bevel on it, which a torch square to the wall cannot "
+    "cut. A saw that tilts makes it.",
+)
+BEVEL = _error(
+    "bevel",
+    "found a bevel of {found} degrees on face {face}; expected none, the torch does not tilt",
+    "A weld preparation needs a torch that tilts in the plane of the cut. `coper.min_bevel` says "
+    "from which angle on a bevel is meant.",
+)
+ROOT = _error(
+    "root",
+    "found {what} at x {x} on face {face}; expected {expected}",
+    "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
+    "The rest of a cut is made from outside of the flange, which takes web and flange at one x. "
+    "What would be cut otherwise there has to be made by hand.",
+)
+K_AREA = _error(
+    "k-area",
+    'found a cut through the root at x {x} on face {face}; expected none, coper.k_area is "refuse"',
+    'With k_area = "pass" in the machine file the root is cut from outside of the flange, by a row '
+    "of the cut chart that is deep enough.",
+)
+NARROW = _error(
+    "narrow",
+    "found {what} at x {x}, y {y} on face {face}; expected {expected}",
+    "The torch needs room in the scrap to pierce and to turn.",
+)
+OFF = _error(
+    "off",
+    "found {what}, where nothing is left of the part; expected it in steel that stays",
+    "A hole in scrap is a mistake in the drawing.",
+)
+DEEP = _error(
+    "deep",
+    "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
+    "The torch is slim only from its tip to its holder (`coper.torch_length`).",
+)
+THICK = _error(
+    "thick",
+    "found {found} mm of {material} to cut on face {face}; expected at most {expected} mm",
+    "No row of the cut chart (`coper.rows`) is that deep. Through a root the flange, the root and "
+    "`coper.root_over` count together.",
+)
+ROUNDED = _note(
+    "rounded",
+    "found {count} sharp re-entrant corner(s) on face {face}, cut with a radius of {radius} mm",
+    "A notch that ends in a sharp corner cracks there. `coper.corner_radius` says how round it is "
+    "cut; the steel in the corner stays.",
+)
+BAR = _note(
+    "bar",
+    "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
+    "Leads and pierces of both ends lie in the scrap before and behind the part.",
+)
+RULES = (ALONE, END, BEVEL, ROOT, K_AREA, NARROW, OFF, DEEP, THICK, ROUNDED, BAR)

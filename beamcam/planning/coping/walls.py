@@ -1,0 +1,60 @@
+"""The walls of a section as a torch from outside and over the web comes to them.
+
+___o___      The torch looks at o, v and u. Over the web (v) it keeps `near` off the flanges:
+   |   <- near    its width and the root fillet. What is left of a cut, the root, is made from
+   |  v           outside of the flange, which is then cut as deep as flange and root together.
+___|___
+   u
+"""
+
+from math import inf, sqrt
+
+from msgspec import Struct
+
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Face, Profile
+
+EDGE = 0.05  #: mm; what lies so near to an edge of a wall is that edge
+
+
+class Root(Struct, frozen=True):
+    """Where another wall stands on a wall, with its fillets."""
+
+    face: Face  #: of the other wall
+    low: float  #: least y that a cut keeps off, or of a flange that with the fillet
+    high: float
+    inner: float = 0.0  #: on a web the y of the flange's inner surface
+
+
+class Wall(Struct, frozen=True):
+    """The wall that a face looks at."""
+
+    face: Face
+    width: float  #: of the face
+    thickness: float
+    low: float  #: least y that the torch comes to; -inf at a free edge
+    high: float  #: greatest y; inf at a free edge
+    roots: tuple[Root, ...]  #: along rising y
+    root_depth: float = 0.0  #: of a cut from outside through a root, with what it is cut deeper
+    fillets: float = 0.0  #: how much thicker the wall is at `low` and `high` by its fillets
+
+
+def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wall]:
+    """The walls of an I, U or L by the face that the torch looks at; an angle has no upper one."""
+    height, width, radius = profile.height, profile.width, profile.radius
+    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
+    near = coper.reach_beside(radius, cut_height)
+    low, high = flange + near, (inf if profile.code == "L" else height - flange - near)
+    roots = [Root("u", 0.0, flange + near, flange)]
+    if profile.code != "L":
+        roots.append(Root("o", height - flange - near, height, height - flange))
+    rise = radius - sqrt(radius**2 - (radius - near) ** 2) if near < radius else 0.0
+    sides = 2 if profile.code == "I" else 1
+    walls = {"v": Wall("v", height, web, low, high, tuple(roots), 0.0, sides * rise)}
+    middle = (width - web) / 2 if profile.code == "I" else 0.0
+    back = middle - radius if profile.code == "I" else 0.0
+    root = (Root("v", back, middle + web + radius),)
+    depth = flange + near + coper.root_over
+    for face in ("u",) if profile.code == "L" else ("o", "u"):
+        walls[face] = Wall(face, width, flange, -inf, inf, root, depth)
+    return walls

@@ -1,0 +1,60 @@
+"""Programs of copers read back and compared with the part that they should make.
+
+    text -> events (controllers) -> strokes of the torch, square to a wall -> pieces of the walls
+
+Written from the controller's documentation, the machine file and the figures of the section;
+nothing is shared with planning and motion, nor is the map of surfaces that they go by.
+"""
+
+from collections.abc import Collection, Sequence
+
+from beamcam.controllers import cell_events
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.machine.materials import is_row_for, material_said
+from beamcam.model.part import Part
+from beamcam.verify.left_out import left_out, left_to_hand
+
+
+def verify_coping(
+    text: str,
+    parts: Sequence[Part],
+    machine: Machine,
+    skips: Collection[str] = (),
+    name: str = "program",
+) -> tuple[Diagnostic, ...]:
+    """All faults of a program, by itself and against the part that it makes.
+
+    `skips` are the kinds of features that may be missing, as `--allow-skips` names them. Without a
+    part only its blocks are read. Raises TypeError for a machine without a coper.
+    """
+    from beamcam.verify.coping import rules
+    from beamcam.verify.coping.collisions import strike_faults
+    from beamcam.verify.coping.compare import compare
+    from beamcam.verify.coping.section import Section
+    from beamcam.verify.coping.strokes import Torch
+    from beamcam.verify.coping.wanted import may_be_left, wanted_on
+
+    coper = machine.needed(machine.coper, "coper")
+    events, said = cell_events(text, machine, name)
+    if errors_in(said) or not parts:
+        return tuple(said)
+    if len(parts) > 1:
+        return (*said, rules.PARTS.at(Source(name), found=len(parts)))
+    (part,) = parts
+    if part.profile.code not in ("I", "U", "L"):
+        found = part.profile.code
+        return (*said, rules.SECTION.at(Source(name), found=found, expected="I, U or L"))
+    section = Section(part.profile)
+    material = material_said(part.grade, coper.material)
+    rows = [row for row in coper.rows if is_row_for(row.material, material)]
+    torch = Torch(machine, coper, section, rows, name)
+    torch.follow(events)
+    said = [*said, *torch.said, *strike_faults(torch.ways, section, coper, name)]
+    if errors_in(said):
+        return tuple(said)
+    left = may_be_left(part, machine, coper, skips)
+    wanted = {face: wanted_on(part, face, section, coper, left) for face in section.faces}
+    step = machine.format.resolution
+    said += compare(torch.strokes, wanted, part, section, coper, rows, step, name)
+    return (*said, *left_to_hand(part, machine), *left_out(part, left))

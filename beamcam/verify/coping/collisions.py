@@ -1,0 +1,95 @@
+"""The torch and its holder against the bar, wherever a program takes them.
+
+| holder |          The bar is the whole section along all of X, whatever was cut off
+|__    __|          already. The torch is a box across the bar, from its tip outwards,
+   |  |             and the holder a wider one behind it.
+   |__|  tip
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby, pairwise
+from math import cos, radians, sin
+
+from beamcam.errors import MAX_OF_A_PROGRAM, Diagnostic, Source
+from beamcam.machine.coper import Coper
+from beamcam.verify.coping import rules
+from beamcam.verify.coping.section import Section
+from beamcam.verify.coping.strokes import Way, poses
+
+Corner = tuple[float, float]
+
+TURN_STEP_DEG = 3.0
+HOLDER = 400.0  #: mm that it reaches outwards
+SLACK = 0.03  #: mm: of figures as programs have them, and of a fillet's chords
+
+
+def strike_faults(
+    ways: Sequence[Way], section: Section, coper: Coper, name: str
+) -> Iterator[Diagnostic]:
+    """The first place of each move at which the torch comes nearer to the bar than it may."""
+    import numpy as np
+    from shapely import convex_hull, distance, multipoints
+
+    swept: list[list[Corner]] = []
+    poses_of: list[tuple[int, tuple[float, float, float]]] = []
+    for way in _runs(ways):
+        places = list(poses(way, coper, TURN_STEP_DEG))
+        for before, after in pairwise(places):
+            poses_of.append((way.line, after))
+            for one, other in zip(_boxes(*before, coper), _boxes(*after, coper), strict=True):
+                swept.append([*one, *other])
+    if not swept:
+        return
+    corners = np.array(swept).reshape(-1, 2)
+    hulls = convex_hull(multipoints(corners, indices=np.repeat(np.arange(len(swept)), 8)))
+    near = distance(section.steel, hulls).reshape(-1, 2).min(axis=1)
+    told: set[int] = set()
+    for k in np.flatnonzero(near < coper.play - SLACK).tolist():
+        line, (y, z, a) = poses_of[k]
+        if line not in told and len(told) < MAX_OF_A_PROGRAM:
+            told.add(line)
+            yield rules.STRIKES.at(
+                Source(name, line), found=f"{near[k]:.2f}", a=f"{a:g}", y=f"{y:.1f}",
+                z=f"{z:.1f}", expected=f"{coper.play:g}",
+            )  # fmt: skip
+
+
+def _runs(ways: Sequence[Way]) -> Iterator[Way]:
+    """The moves across the bar, those that follow one another along Y or along Z as one.
+
+    What the torch sweeps on the way is what it sweeps from the least place to the greatest.
+    """
+    for (a_deg, axis), group in groupby(ways, key=_kind_of):
+        run = list(group)
+        if axis is None:
+            yield from run
+            continue
+        across = sorted(place[axis] for way in run for place in (way.start, way.end))
+        start, end = list(run[0].start), list(run[0].start)
+        start[axis], end[axis] = across[0], across[-1]
+        yield Way(run[0].line, (*start,), (*end,), a_deg)  # type: ignore[arg-type]
+
+
+def _kind_of(way: Way) -> tuple[tuple[float, float], int | None]:
+    """A at both ends, and the axis across the bar that alone moves; None if both do, or A."""
+    (_, ya, za), (_, yb, zb) = way.start, way.end
+    if way.a_deg[0] != way.a_deg[1] or (ya != yb and za != zb):
+        return way.a_deg, None
+    return way.a_deg, (1 if za == zb else 2)
+
+
+def _boxes(y: float, z: float, a_deg: float, coper: Coper) -> list[list[Corner]]:
+    """The corners of the torch and of its holder at a place of the tip, in (Y, Z)."""
+    a = radians(a_deg)
+    out, side = (-sin(a), cos(a)), (cos(a), sin(a))
+
+    def at(along: float, across: float) -> tuple[float, float]:
+        return y + along * out[0] + across * side[0], z + along * out[1] + across * side[1]
+
+    torch, holder = coper.torch_width / 2, coper.head_width / 2
+    long = coper.torch_length
+    far = long + HOLDER
+    return [
+        [at(0.0, -torch), at(0.0, torch), at(long, torch), at(long, -torch)],
+        [at(long, -holder), at(long, holder), at(far, holder), at(far, -holder)],
+    ]

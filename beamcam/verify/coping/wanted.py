@@ -1,0 +1,178 @@
+"""What has to stay of each wall of a part, worked out for the read-back alone."""
+
+from collections.abc import Collection, Iterator
+from math import ceil, cos, degrees, hypot, pi, radians, sin
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.verify.coping.section import Section, pieces_of
+from beamcam.verify.left_out import is_by_hand
+
+Shape = Any  #: of shapely
+
+FINE = 0.02  #: mm between a curve and its chords, at most
+STEPS = 256  #: of a curve that is no arc
+CORNER_DEG = 20.0  #: a contour that turns by more has a corner
+LOOK = 0.2  #: mm round a corner in which steel and air are weighed
+EDGE_NOISE = 1.0  #: mm that an outline may lie off the edge of its wall and mean it
+
+
+class Wanted(Struct, frozen=True):
+    """What has to stay of a wall, without and with its corners rounded."""
+
+    drawn: Shape
+    cut: Shape
+
+
+def wanted_on(
+    part: Part, face: str, section: Section, coper: Coper, left: Collection[int]
+) -> Wanted:
+    """What has to stay of a wall; `left` are features that are not made."""
+    from shapely import Polygon, box, make_valid, union_all
+
+    wide = section.high if face == "v" else section.wide
+    features = [
+        f for k, f in enumerate(part.features)
+        if k not in left and (getattr(f, "face", "") == face or (face, getattr(f, "face", "")) ==
+                              ("v", "h"))
+    ]  # fmt: skip
+    outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
+    drawn: Shape = box(0.0, 0.0, part.length, wide)
+    if outlines:
+        rings = [[_at_edge(p, wide) for p in ring_of(one.curves)] for one in outlines]
+        drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
+        drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
+    corners = [p for one in outlines for p in _corners(one.curves, drawn)]
+    for feature in features:
+        if isinstance(feature, Hole):
+            ring = list(_round(feature.x, feature.y, feature.diameter / 2, 0.0, 360.0))
+        elif isinstance(feature, Slot):
+            ring = list(_slot_ring(feature))
+        elif isinstance(feature, Contour) and feature.kind != "outer":
+            ring = ring_of(feature.curves)
+            without = drawn.difference(make_valid(Polygon(ring)))
+            corners += _corners(feature.curves, without)
+        else:
+            continue
+        gone = make_valid(Polygon(ring))
+        drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
+    return Wanted(drawn, _with_round_corners(drawn, corners, coper.corner_radius))
+
+
+def _with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
+    """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
+    from shapely import MultiPoint, union_all
+
+    if drawn.is_empty or not corners:
+        return drawn
+    air = drawn.envelope.buffer(4 * radius, join_style="mitre").difference(drawn)
+    rolled = air.buffer(-radius, 24).buffer(radius, 24)
+    places = MultiPoint(corners)
+    kept = [
+        piece
+        for piece in pieces_of(air.difference(rolled))
+        if piece.area > FINE * FINE and piece.distance(places) <= FINE
+    ]
+    return union_all([drawn, *kept])
+
+
+def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
+    """Points along a closed chain of curves."""
+    points: list[Point] = []
+    for curve in curves:
+        if isinstance(curve, Line):
+            points.append(curve.start)
+        elif isinstance(curve, Arc):
+            more = _round(*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
+            points += list(more)[:-1]
+        else:
+            points += [curve.point(k / STEPS) for k in range(STEPS)]
+    return points
+
+
+def _round(x: float, y: float, radius: float, first: float, sweep: float) -> Iterator[Point]:
+    """Points of an arc; a chord of a step t lies r t^2 / 8 off it at most."""
+    step = min(pi / 8, (8 * FINE / 2 / radius) ** 0.5) if radius else pi / 8
+    count = max(2, ceil(abs(radians(sweep)) / step))
+    for k in range(count + 1):
+        turn = radians(first + sweep * k / count)
+        yield x + radius * cos(turn), y + radius * sin(turn)
+
+
+def _slot_ring(slot: Slot) -> Iterator[Point]:
+    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
+    for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+        x = slot.x + a * slot.length * c - b * slot.height * s
+        y = slot.y + a * slot.length * s + b * slot.height * c
+        yield from _round(x, y, slot.diameter / 2, 0.0, 360.0)
+
+
+def _at_edge(point: Point, wide: float) -> Point:
+    x, y = point
+    if abs(y) <= EDGE_NOISE:
+        return x, 0.0
+    return (x, wide) if abs(y - wide) <= EDGE_NOISE else point
+
+
+def _corners(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
+    """Where a closed chain turns by more than CORNER_DEG with more steel than air round it."""
+    from shapely import Point as Place
+
+    long = [curve for curve in curves if curve.length > FINE]
+    found: list[Point] = []
+    for k, after in enumerate(long):
+        (ax, ay), (bx, by) = _way(long[k - 1], 1.0), _way(after, 0.0)
+        cross, dot = ax * by - ay * bx, ax * bx + ay * by
+        if dot > 0.0 and degrees(abs(cross) / hypot(ax, ay) / hypot(bx, by)) <= CORNER_DEG:
+            continue
+        disc = Place(after.start).buffer(LOOK)
+        if disc.intersection(steel).area > disc.area / 2:
+            found.append(after.start)
+    return found
+
+
+def _way(curve: Curve, t: float) -> Point:
+    a, b = (curve.point(t), curve.point(t + 1e-4)) if t == 0.0 else (
+        curve.point(t - 1e-4), curve.point(t))  # fmt: skip
+    return b[0] - a[0], b[1] - a[1]
+
+
+def may_be_left(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> set[int]:
+    """Features that the torch cannot make and that are allowed to be missing."""
+    found: set[int] = set()
+    for index, feature in enumerate(part.features):
+        if is_by_hand(feature, machine):
+            continue
+        kind = _kind(feature, part, coper)
+        if kind and kind in skips:
+            found.add(index)
+    return found
+
+
+def _kind(feature: object, part: Part, coper: Coper) -> str:
+    """The kind of work by whose name a feature may be left out; "" if the torch makes it."""
+    if isinstance(feature, Hole) and feature.kind == "mark":
+        return "mark"
+    if isinstance(feature, Contour):
+        if feature.process != "cut":
+            return "mark"
+        if feature.face not in "vouh":
+            return "face"
+        return "other" if feature.kind == "open" or not feature.closed else ""
+    if not isinstance(feature, Hole | Slot):
+        return "other"
+    if feature.face not in ("v", "h", "u", *(("o",) if part.profile.code != "L" else ())):
+        return "face"
+    wall = part.profile.web_thickness or 0.0
+    if feature.face in "ou":
+        wall = part.profile.flange_thickness
+    least = max(coper.min_hole, coper.min_hole_share * wall)
+    if feature.kind == "through" and feature.depth is None and feature.diameter >= least:
+        return ""
+    return "slot" if isinstance(feature, Slot) else "tool"

@@ -1,0 +1,151 @@
+"""Random parts for a coper: I, U and L with copes at their ends, notches, windows and holes."""
+
+from random import Random
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Point
+from beamcam.model.part import Contour, Feature, Hole, Part, Profile, Slot
+
+AT = Source("part.nc1")
+SECTIONS = (
+    Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0),
+    Profile("I", "HEA240", 230.0, 240.0, 12.0, 7.5, 21.0),
+    Profile("I", "IPE450", 450.0, 190.0, 14.6, 9.4, 21.0),
+    Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5),
+    Profile("U", "UPE300", 300.0, 100.0, 15.0, 9.5, 15.0),
+    Profile("L", "L100*65*8", 100.0, 65.0, 8.0, 8.0, 10.0),
+    Profile("L", "L150*15", 150.0, 150.0, 15.0, 15.0, 16.0),
+)  # fmt: skip
+
+
+def polygon(points: list[Point]) -> tuple[Curve, ...]:
+    """A closed chain of lines."""
+    ends = (*points[1:], points[0])
+    return tuple(Line(a, b) for a, b in zip(points, ends, strict=True) if a != b)
+
+
+def random_cope(seed: int) -> Part:
+    """A part whose copes cut web and flange at one x."""
+    random = Random(seed)
+    profile = random.choice(SECTIONS)
+    length = round(random.uniform(500.0, 1500.0), 1)
+    features: list[Feature] = []
+    flanges = ("u",) if profile.code == "L" else ("o", "u")
+    back = {
+        (face, end): round(random.uniform(30.0, 120.0), 2) if random.random() < 0.4 else 0.0
+        for face in flanges
+        for end in (0, 1)
+    }
+    for face in flanges:
+        features.append(_flange(profile, face, length, back, random))
+    features.append(Contour("v", "outer", _web(profile, length, back, random), AT))
+    features += _holes(profile, length, flanges, random)
+    return Part(f"C{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
+def _flange(
+    profile: Profile, face: str, length: float, back: dict[tuple[str, int], float], random: Random
+) -> Contour:
+    """A flange between its copes, square over the web, perhaps with a corner or a notch taken."""
+    wide, first, last = profile.width, back[face, 0], length - back[face, 1]
+    points: list[Point] = [(first, 0.0), (last, 0.0), (last, wide), (first, wide)]
+    tip = wide / 2 - profile.radius - (profile.web_thickness or 0.0) / 2 - 8.0
+    if profile.code != "I":
+        tip = wide - profile.radius - (profile.web_thickness or 0.0) - 8.0
+    if random.random() < 0.4 and tip > 15.0:
+        deep = round(random.uniform(0.3, 0.9) * tip, 2)
+        along = round(random.uniform(20.0, 60.0), 2)
+        points[2:3] = [(last, wide - deep), (last - along, wide)]
+    if random.random() < 0.3 and tip > 25.0:
+        deep = round(random.uniform(15.0, tip), 2)
+        x = round(random.uniform(first + 100.0, last - 160.0), 2)
+        points[-1:-1] = [
+            (x + 60.0, wide), (x + 60.0, wide - deep), (x, wide - deep), (x, wide)
+        ]  # fmt: skip
+    return Contour(face, "outer", polygon(points), AT)
+
+
+def _web(
+    profile: Profile, length: float, back: dict[tuple[str, int], float], random: Random
+) -> tuple[Curve, ...]:
+    """The web's outline with the copes; their corners are sharp or have a radius."""
+    high, root = profile.height, profile.flange_thickness + profile.radius + 12.0
+    radius = random.choice((0.0, 10.0, 13.0, 16.0))
+    deep = root + 20.0 + round(random.uniform(0.0, 10.0), 2)
+    curves: list[Curve] = []
+    here: Point | None = None
+
+    def to(point: Point) -> None:
+        nonlocal here
+        if here is not None and here != point:
+            curves.append(Line(here, point))
+        here = point
+
+    def corner(middle: Point, first: float, start: Point, end: Point) -> None:
+        """A re-entrant corner: clockwise on a ring that runs the other way."""
+        nonlocal here
+        if not radius:
+            return
+        to(start)
+        curves.append(Arc(middle, radius, first, -90.0))
+        here = end
+
+    u0, u1 = back["u", 0], length - back["u", 1]
+    o0, o1 = back.get(("o", 0), 0.0), length - back.get(("o", 1), 0.0)
+    to((u0, 0.0))
+    to((u1, 0.0))
+    if u1 < length:
+        corner((u1 + radius, deep - radius), 180.0, (u1, deep - radius), (u1 + radius, deep))
+        to((u1, deep)) if not radius else None
+        to((length, deep))
+    if o1 < length:
+        to((length, high - deep))
+        corner(
+            (o1 + radius, high - deep + radius), 270.0, (o1 + radius, high - deep),
+            (o1, high - deep + radius),
+        )  # fmt: skip
+        to((o1, high - deep)) if not radius else None
+    to((o1, high))
+    to((o0, high))
+    if o0 > 0.0:
+        corner(
+            (o0 - radius, high - deep + radius), 0.0, (o0, high - deep + radius),
+            (o0 - radius, high - deep),
+        )  # fmt: skip
+        to((o0, high - deep)) if not radius else None
+        to((0.0, high - deep))
+    if u0 > 0.0:
+        to((0.0, deep))
+        corner((u0 - radius, deep - radius), 90.0, (u0 - radius, deep), (u0, deep - radius))
+        to((u0, deep)) if not radius else None
+    to((u0, 0.0))
+    return tuple(curves)
+
+
+def _holes(
+    profile: Profile, length: float, flanges: tuple[str, ...], random: Random
+) -> list[Feature]:
+    """Holes, slots and a window of the web, holes of the flanges."""
+    found: list[Feature] = []
+    web, radius = profile.web_thickness or 0.0, profile.radius
+    low = profile.flange_thickness + radius + 25.0
+    high = profile.height - (25.0 if profile.code == "L" else low)
+    places = [x for x in (180.0, 260.0, 340.0, 420.0) if x < length - 150.0]
+    for x in places:
+        y = round(random.uniform(low, high), 2) if high > low else low
+        diameter = random.choice((18.0, 22.0, 26.0))
+        face = random.choice(("v", "h"))
+        if random.random() < 0.5:
+            found.append(Hole(face, x, y, diameter, AT))
+        elif random.random() < 0.5:
+            found.append(Slot(face, x, y, 18.0, 20.0, 0.0, random.choice((0.0, 10.0)), AT))
+        elif high - low > 60.0 and x == places[-1]:
+            box = [(x, low), (x + 70.0, low), (x + 70.0, high), (x, high)]
+            found.append(Contour("v", "inner", polygon(box), AT))
+    for face in flanges:
+        tip = (profile.width + web) / 2 + radius if profile.code == "I" else web + radius
+        y = round((tip + profile.width) / 2, 2)
+        if profile.width - tip > 50.0 and random.random() < 0.6:
+            found.append(Hole(face, 220.0, y, 18.0, AT))
+    return found

@@ -1,0 +1,147 @@
+"""The machine file of a coper, and what commands say of it that do not know such machines."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from msgspec.structs import replace
+
+from beamcam.cli import main
+from beamcam.controllers.machine_words import word_faults
+from beamcam.errors import MachineError
+from beamcam.machine import load
+from beamcam.machine_proof import proof_faults
+from tests.conftest import SAMPLES
+from tests.unit.coping.samples import COPER
+
+COPED = SAMPLES / "coping" / "coped.nc1"
+ROW = """[[coper.rows]]
+process = "cut"
+up_to = 10
+feed_mm_min = 1000
+pierce_s = 1
+kerf = 2
+pierce_height = 5
+cut_height = 3
+"""
+
+WRONG = [
+    ("coper.pivot", "[coper]\ntcp = false\n"),
+    ("coper.pivot", "[coper]\npivot = 100\n"),
+    ("coper.tolerance", "[coper]\ntolerance = 0.0002\n"),
+    ("coper.tolerance", "[coper]\ntolerance = 2\n"),
+    ("coper.head_width", "[coper]\nhead_width = 10\n"),
+    ("coper.trim", "[coper]\ntrim = 12\n"),
+    ("coper.lead", "[coper]\nlead = 1\n"),
+    ("coper.corner_radius", "[coper]\ncorner_radius = 1\n"),
+    ("coper.rows", "[coper]\nrows = []\n"),
+    ("coper.rows.0.process", ROW.replace('"cut"', '"mark"') + ROW),
+    ("coper.rows.0.kerf", ROW.replace("kerf = 2\n", "")),
+    ("coper.rows.0.cut_height", ROW.replace("cut_height = 3", "cut_height = 0.4")),
+    ("coper.rows.0.pierce_height", ROW.replace("pierce_height = 5", "pierce_height = 2")),
+    ("coper.rows.0.passes", ROW + "passes = 2\n"),
+    ("coper.rows.1.feed_mm_min", ROW + ROW.replace("up_to = 10", "up_to = 20")),
+    ("words.turn", "[words]\nturn = []\n"),
+    ("words.cut_on", '[words]\ncut_on = ["M3 S{speed}"]\n'),
+    ("words.feed", '[words]\nfeed = ["G1 X{x} Y{y}"]\n'),
+    ("words.turn", '[words]\nturn = ["G0 X{x}"]\n'),
+    ("words.traverse", '[words]\ntraverse = ["G1 X{x} Y{y} Z{a}"]\n'),
+    ("words.header", '[words]\nheader = ["G21 G17 G90 G91.1 G40 G94 S{section}"]\n'),
+    ("words.cut_off", '[words]\ncut_off = ["M5 P{mark}"]\n'),
+    ("controller", 'controller = "grbl"\n'),
+    ("coper", 'stock = "sheet"\n[words]\nheader = ["%"]\ntraverse = ["G0 X{x}"]\nfeed = []\n'),
+]
+
+
+@pytest.mark.parametrize(("key", "text"), WRONG)
+def test_keys_that_contradict_each_other(key: str, text: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(f'base = "coper-linuxcnc"\n{text}')
+    assert key in _faults(path)
+
+
+def _faults(path: Path) -> set[str]:
+    """The keys that a machine file is refused for."""
+    try:
+        return {key for key, _, _ in word_faults(load(str(path)))}
+    except MachineError as error:
+        return {str(said["key"]) for said in error.diagnostics}
+
+
+def test_a_profile_needs_a_coper(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text('base = "plate-linuxcnc"\nstock = "profile"\n')
+    with pytest.raises(MachineError, match="no key 'coper'"):
+        load(str(path))
+
+
+def test_a_table_has_no_words_of_a_coper(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text('base = "plate-linuxcnc"\n[words]\nfeed = ["G1 X{x} Y{y} Z{z}"]\n')
+    with pytest.raises(MachineError, match=r"words\.feed"):
+        load(str(path))
+
+
+def test_words_that_the_read_back_would_refuse_are_a_fault_of_the_file() -> None:
+    assert not proof_faults(COPER)
+    wrong = replace(COPER, words=replace(COPER.words, cut_off=("M5", "G4 P99")))
+    assert proof_faults(wrong)
+
+
+def run(*words: object) -> Result:
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("coped") / "coped.ngc"
+    assert run("post", COPED, "--machine", "coper-linuxcnc", "-o", path).exit_code == 0
+    return path
+
+
+@pytest.mark.parametrize("words", [
+    ("simulate", "{}", "-o", "-"), ("report", "{}", "-o", "{}.html"),
+    ("plot", "{}", "-o", "{}.svg"), ("diff", "{}", "{}"), ("recover", "{}", "-o", "{}.nc1"),
+])  # fmt: skip
+def test_commands_that_do_not_know_copers_say_so(words: tuple[str, ...], program: Path) -> None:
+    asked = [word.replace("{}", str(program)) for word in words]
+    done = run(*asked, "--machine", "coper-linuxcnc")
+    assert done.exit_code == 1
+    said = [line for line in done.stderr.splitlines() if "error" in line]
+    assert len(said) == 1
+    assert "machine-coper: found coper-linuxcnc, which copes profiles" in said[0]
+
+
+def test_a_solid_of_it_is_not_made(program: Path) -> None:
+    done = run("verify", program, "--against", COPED, "--machine", "coper-linuxcnc", "--solid")
+    assert "solid-machine" in done.stderr
+
+
+def test_the_program_is_read_back_by_the_machine_in_its_head(program: Path) -> None:
+    assert run("verify", program, "--against", COPED).exit_code == 0
+    other = SAMPLES / "coping" / "trimmer.nc1"
+    assert run("verify", program, "--against", other).exit_code == 1
+    assert run("verify", program).exit_code == 0
+
+
+def test_the_plan_is_told_cut_by_cut() -> None:
+    done = run("plan", COPED, "--machine", "coper-linuxcnc")
+    assert done.exit_code == 0
+    assert "   9 face o  near end x     70.400 y  150.000" in done.stdout
+    assert "through 24.6 mm, root at 1350 mm/min" in done.stdout
+    assert done.stdout.splitlines()[-1].startswith("14 cuts, ")
+    as_data = run("plan", COPED, "--machine", "coper-linuxcnc", "--json")
+    assert '"kind": "near"' in as_data.stdout
+
+
+def test_what_a_saw_cannot_make_is_told_who_can() -> None:
+    done = run("post", COPED, "-o", "-")
+    assert done.exit_code == 1
+    assert "plan-ways-out: with --machine coper-linuxcnc or" in done.stderr
+
+
+def test_a_folder_is_posted_and_checked(tmp_path: Path) -> None:
+    names = [SAMPLES / "coping" / f"{name}.nc1" for name in ("coped", "trimmer", "cleat")]
+    done = run("batch", *names, "--machine", "coper-linuxcnc", "-o", tmp_path / "out")
+    assert "3 posted" in done.stderr + done.stdout
+    assert run("check", tmp_path / "out").exit_code == 0

@@ -1,0 +1,196 @@
+"""The read-back of a coper: sound programs pass, and each of its codes comes where it should."""
+
+import random
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+from shapely import MultiPolygon, box
+
+from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.machine import Machine
+from beamcam.model.part import Hole, Part, Profile, TextMark
+from beamcam.planning.coping.plan import plan_coping
+from beamcam.verify.coping import verify_coping
+from beamcam.verify.coping.compare import Left, _holding
+from beamcam.verify.coping.rules import RULES
+from beamcam.verify.coping.section import Section
+from benchmarks import coping_faults
+from tests.random_copes import random_cope
+from tests.unit.coping.samples import (
+    AT,
+    COPER,
+    IPE300,
+    NAMES,
+    job_of,
+    outline,
+    part_of,
+    program_of,
+    sample,
+    with_keys,
+)
+
+COPED = sample("coped")
+PROGRAM = program_of(COPED)
+
+
+def found(text: str, part: Part = COPED, machine: Machine = COPER) -> tuple[Diagnostic, ...]:
+    return errors_in(verify_coping(text, (part,), machine, (), "JOB"))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_programs_of_samples_pass(name: str) -> None:
+    assert not found(program_of(sample(name)), sample(name))
+
+
+@given(st.integers(0, 5000))
+@settings(max_examples=40)
+def test_no_random_part_that_is_planned_is_refused(seed: int) -> None:
+    part = random_cope(seed)
+    try:
+        plan = plan_coping((part,), COPER)
+    except PlanError:
+        return
+    assert not found(coping_faults.program_of(plan, job_of(part)), part)
+
+
+def test_most_random_parts_are_planned() -> None:
+    def is_planned(seed: int) -> bool:
+        try:
+            return bool(plan_coping((random_cope(seed),), COPER).operations)
+        except PlanError:
+            return False
+
+    assert sum(map(is_planned, range(40))) >= 36
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_wrong_programs_are_refused(name: str) -> None:
+    part, chance = sample(name), random.Random(5)
+    for kind, text in coping_faults.faults(part, COPER, chance):
+        assert found(text, part), kind
+
+
+@pytest.mark.exhaustive
+def test_no_wrong_program_of_random_parts_is_taken() -> None:
+    tried, taken, refused = coping_faults.survivors(60, seed=2)
+    assert tried.total() > 1500
+    assert not taken
+    assert not refused
+
+
+def swapped(pattern: str, other: str, count: int = 1) -> str:
+    """The program of the sample with something of its text replaced."""
+    text, changed = re.subn(pattern, other, PROGRAM, count=count, flags=re.MULTILINE)
+    assert changed
+    return text
+
+
+def without(kind: str, face: str) -> str:
+    """The program of the sample without some cuts."""
+    plan = plan_coping((COPED,), COPER)
+    rest = [cut for cut in plan.operations if (cut.kind, cut.face) != (kind, face)]
+    return coping_faults.program_of(replace(plan, operations=tuple(rest)), job_of(COPED))
+
+
+def moved(kind: str, face: str, up: float, first: int, machine: Machine = COPER) -> str:
+    """The program of the sample with the first places of some cuts at another y."""
+    plan = plan_coping((COPED,), COPER)
+    operations = [
+        replace(cut, path=tuple((x, y + up * (k < first)) for k, (x, y) in enumerate(cut.path)))
+        if (cut.kind, cut.face) == (kind, face)
+        else cut
+        for cut in plan.operations
+    ]
+    return coping_faults.program_of(
+        replace(plan, operations=tuple(operations)), job_of(COPED, machine)
+    )
+
+
+T80 = Profile("T", "T80", 80.0, 80.0, 9.0, 9.0, 9.0)
+THIN = outline("o", [(0.0, 60.0), (9.0, 60.0), (9.0, 60.05), (0.0, 60.05)])
+SLIM = with_keys(play=0.0001, torch_width=0.1, head_width=0.1)  # that strikes nothing
+
+WRONG = [
+    ("verify-coping-section", PROGRAM, part_of(profile=T80)),
+    ("verify-coping-torch", swapped("^M5$", "M3 S1"), COPED),
+    ("verify-coping-torch", swapped("^M5\n", "M7\nM5\n"), COPED),
+    ("verify-coping-torch", swapped("^M3 S1", "G4 P99\nM3 S1"), COPED),
+    ("verify-coping-torch", swapped("^(G1 .*\nG1 .*)", r"\1\nG4 P1"), COPED),
+    ("verify-coping-torch", swapped("^M3 S1\n(G4.*)\n(F.*)\n(?:G1.*\n)+M5", "M3 S1\nM5"), COPED),
+    ("verify-coping-torch", swapped("^G0 X", "G1 X"), COPED),
+    ("verify-coping-torch", swapped("^G1 X", "G0 X"), COPED),
+    ("verify-coping-torch", swapped("G64 P0.02", "G64"), COPED),
+    ("verify-coping-torch", swapped("^M3 S1", "G41.1 D2\nM3 S1"), COPED),
+    ("verify-coping-torch", swapped(r"^(G1 (X\S+ Y\S+) Z\S+)", r"\1\nG3 \2 I3 J0"), COPED),
+    ("verify-coping-angle", swapped("^G1 X.*", r"\g<0> A-88"), COPED),
+    ("verify-coping-angle", swapped("^G0 A-90", "G0 A-80"), COPED),
+    ("verify-coping-height", PROGRAM.replace(" Y303", " Y304"), COPED),
+    ("verify-coping-feed", swapped("^F2550", "F2600"), COPED),
+    ("verify-coping-feed", swapped("^G4 P0.5\nF2550", "G4 P0.6\nF2200"), COPED),
+    ("verify-coping-pierce", swapped("^G4 P0.5", "G4 P0.1"), COPED),
+    ("verify-coping-air", moved("far", "o", 3.0, 1), COPED),
+    ("verify-coping-strikes", swapped("^G0 X(.*) Y320 Z.*", r"G0 X\1 Y200 Z75"), COPED),
+    ("verify-coping-limit", swapped(r"^G0 X\S+", "G0 X99999"), COPED),
+    ("verify-coping-place", moved("near", "v", 22.0, 2, SLIM), COPED),
+    ("verify-coping-hurt", PROGRAM, replace(COPED, features=COPED.features[:4])),
+    ("verify-coping-left", without("near", "o"), COPED),
+    ("verify-coping-gone", program_of(part_of()), part_of(THIN)),
+    ("verify-coping-extra", PROGRAM, replace(COPED, features=COPED.features[:5])),
+    ("verify-coping-order", None, COPED),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "text", "part"), WRONG)
+def test_each_code_comes(code: str, text: str | None, part: Part) -> None:
+    if text is None:
+        plan = coping_faults.reordered(plan_coping((part,), COPER), random.Random(1))
+        assert plan is not None
+        text = coping_faults.program_of(plan, job_of(part))
+    said = found(text, part, SLIM if "place" in code else COPER)
+    assert code in {d.code for d in said}, [str(d) for d in said]
+
+
+def test_two_parts_are_not_one_program() -> None:
+    said = verify_coping(PROGRAM, (COPED, COPED), COPER, (), "JOB")
+    assert [d.code for d in said] == ["verify-coping-parts"]
+
+
+def test_scrap_that_a_flange_holds() -> None:
+    whole = MultiPolygon([box(0.0, 0.0, 600.0, 150.0)])
+    web = Left(
+        MultiPolygon([box(50.0, 10.7, 600.0, 289.3)]), MultiPolygon([box(0, 200, 40, 289.3)])
+    )
+    left = {"v": web, "o": Left(whole, MultiPolygon()), "u": Left(whole, MultiPolygon())}
+    said = list(_holding("o", left, Section(IPE300), 0.2, "JOB"))
+    assert [d.code for d in said] == ["verify-coping-holds"]
+    assert said[0]["found"] == "40.00"
+    assert not list(_holding("u", left, Section(IPE300), 0.2, "JOB"))
+
+
+def test_every_rule_has_a_case() -> None:
+    tested = {code for code, *_ in WRONG} | {"verify-coping-parts", "verify-coping-holds"}
+    assert {rule.code for rule in RULES} == tested
+
+
+def test_what_is_not_made_is_told_as_it_is_allowed() -> None:
+    part = part_of(Hole("v", 300.0, 100.0, 9.0, AT), TextMark("v", 9.0, 9.0, 0.0, 9.0, "A", AT))
+    plan = plan_coping((part,), COPER, skips=("tool",))
+    text = coping_faults.program_of(plan, job_of(part))
+    said = verify_coping(text, (part,), COPER, ("tool",), "JOB")
+    assert [d.code for d in said] == ["verify-by-hand", "verify-left-out"]
+    missing = verify_coping(text, (part,), COPER, (), "JOB")
+    assert "verify-coping-left" in {d.code for d in missing}
+
+
+def test_a_machine_whose_places_are_those_of_its_pivot() -> None:
+    words = replace(COPER.words, turn=("G0 Y{y} Z{z} A{a}",))
+    pivoted = replace(with_keys(tcp=False, pivot=250.0), words=words)
+    limits = [replace(a, min=-2000.0, max=20000.0) if a.moves != "A" else a for a in COPER.axes]
+    pivoted = replace(pivoted, axes=tuple(limits))
+    text = program_of(COPED, pivoted)
+    assert text != PROGRAM
+    assert not found(text, COPED, pivoted)
+    assert found(text, COPED, COPER)

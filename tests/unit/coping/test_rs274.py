@@ -1,0 +1,188 @@
+"""Strangers: rs274 runs the programs, and the solid kernel cuts the bar by what it prints.
+
+Nothing of the planner, the emitter, the controllers or the read-back is used on the way from the
+canonical output to the steel: a torch that is on cuts a slab as wide as its kerf, along its own
+direction, as deep as its speed is for.
+"""
+
+import re
+from math import cos, radians, sin
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+from shapely import LineString, Polygon
+
+from beamcam.model.part import Contour, Part
+from beamcam.solid.kernel import kernel
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.section import outline
+from tests.random_copes import random_cope
+from tests.rs274 import INI, interpreted, needs_rs274
+from tests.unit.coping.samples import COPER, NAMES, program_of, sample
+
+#: Kerf and depth by the feed, as the machine file has them.
+CHART = {row.feed_mm_min: (row.kerf, row.up_to) for row in COPER.coper.rows} if COPER.coper else {}
+START = 30.0  #: X of a part's x 0
+MOVE = re.compile(r"STRAIGHT_(TRAVERSE|FEED)\(([^)]*)\)")
+
+
+class Burn(NamedTuple):
+    """What is cut between torch on and torch off."""
+
+    feed: float
+    points: list[tuple[float, ...]]  #: X, Y, Z, A; the first where it pierces
+
+
+def burns(path: Path) -> list[Burn]:
+    """The strokes of the torch as rs274 prints them."""
+    done = interpreted(path, ini=INI)
+    assert done.returncode == 0, done.stderr
+    found: list[Burn] = []
+    here: tuple[float, ...] = ()
+    feed, is_on = 0.0, False
+    for line in done.stdout.splitlines():
+        if "SET_FEED_RATE" in line:
+            feed = float(line.split("(")[1].rstrip(") "))
+        if "START_SPINDLE_CLOCKWISE" in line:
+            is_on = True
+            found.append(Burn(0.0, [here]))
+        if "STOP_SPINDLE" in line:
+            is_on = False
+        move = MOVE.search(line)
+        if move is not None:
+            here = tuple(float(v) for v in move[2].split(","))[:4]
+            if is_on:
+                assert move[1] == "FEED"
+                found[-1] = Burn(feed, [*found[-1].points, here])
+    assert not is_on
+    return [burn for burn in found if len(burn.points) > 1]
+
+
+def written(part: Part, folder: Path) -> Path:
+    path = folder / "part.ngc"
+    path.write_text(program_of(part))
+    return path
+
+
+def slab(burn: Burn) -> Any:
+    """What a stroke takes of the bar: its kerf, along the torch, as deep as the steel is cut."""
+    m = kernel()
+    kerf, deep = CHART[burn.feed]
+    tips = burn.points[1:]
+    a = radians(tips[0][3])
+    out = (0.0, -sin(a), cos(a))  # from the steel to the torch
+    side = (0.0, cos(a), sin(a))
+    flat = [(x - START, y * side[1] + z * side[2]) for x, y, z, _ in tips]
+    over = {round(y * out[1] + z * out[2], 3) for _, y, z, _ in tips}
+    assert len(over) == 1
+    tip = over.pop()
+    shape = LineString(flat).buffer(kerf / 2, 16)
+    rings = [
+        list(ring.coords)[:-1]
+        for one in getattr(shape, "geoms", (shape,))
+        for ring in (one.exterior, *one.interiors)
+    ]
+    body = m.Manifold.extrude(m.CrossSection(rings, m.FillRule.EvenOdd), deep + 3.0)
+    low = tip - 3.0 - deep  # the tip is 3 mm over the steel
+    rows = [(1.0, 0.0, 0.0, 0.0)]
+    rows += [(0.0, side[k], out[k], low * out[k]) for k in (1, 2)]
+    return body.transform(rows)
+
+
+def pieces(part: Part, strokes: list[Burn]) -> list[Any]:
+    """The pieces of the bar after all strokes, the heaviest first."""
+    m = kernel()
+    section = outline(part)
+    rings = [list(section.exterior.coords)[:-1], *(list(r.coords)[:-1] for r in section.interiors)]
+    bar = m.Manifold.extrude(m.CrossSection(rings, m.FillRule.EvenOdd), part.length + 2 * START)
+    along = ((0.0, 0.0, 1.0, -START), (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
+    left = bar.transform(along)
+    for burn in strokes:
+        left = left - slab(burn)
+    found = [one for one in left.decompose() if one.volume() > 1.0]
+    return sorted(found, key=lambda one: -one.volume())
+
+
+def corners(part: Part) -> int:
+    """How many corners of contours may be rounded, at most."""
+    return sum(len(c.curves) for c in part.features if isinstance(c, Contour))
+
+
+def check(part: Part, folder: Path) -> None:
+    """The heaviest piece is the part, but for the corners that are rounded and the tolerance."""
+    found = pieces(part, burns(written(part, folder)))
+    wanted = part_solid(part)
+    piece = found[0]
+    thick = max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
+    # A rounded corner of 90 degrees keeps (1 - pi / 4) r^2 of steel, one of 45 degrees 1.63 r^2.
+    more, less = (piece - wanted), (wanted - piece)
+    assert more.volume() <= corners(part) * 45.0 * thick + 60.0
+    assert max((one.volume() for one in more.decompose()), default=0.0) <= 165.0 * thick
+    assert less.volume() <= 0.003 * wanted.volume() + 60.0
+    # Nothing of it is thicker than what paths and chords may be off.
+    assert (wanted - grown(piece)).volume() < 1.0
+
+
+def grown(piece: Any) -> Any:
+    """A piece and what lies within 0.1 mm of it along each axis."""
+    out = piece
+    for axis in range(3):
+        for way in (0.1, -0.1):
+            shift = [0.0, 0.0, 0.0]
+            shift[axis] = way
+            out = out + piece.translate(tuple(shift))
+    return out
+
+
+@needs_rs274
+@pytest.mark.parametrize("name", NAMES)
+def test_samples_fall_out_of_the_bar_that_rs274_cuts(name: str, tmp_path: Path) -> None:
+    check(sample(name), tmp_path)
+
+
+@needs_rs274
+@pytest.mark.parametrize("seed", [0, 3, 5, 7, 11])
+def test_random_parts_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
+    check(random_cope(seed), tmp_path)
+
+
+@needs_rs274
+@pytest.mark.exhaustive
+def test_many_random_parts_fall_out_of_the_bar(tmp_path: Path) -> None:
+    from beamcam.errors import PlanError
+
+    made = 0
+    for seed in range(100, 160):
+        part = random_cope(seed)
+        try:
+            program_of(part)
+        except PlanError:
+            continue
+        check(part, tmp_path)
+        made += 1
+    assert made > 50
+
+
+@needs_rs274
+def test_a_piece_of_another_part_is_not_taken_for_it(tmp_path: Path) -> None:
+    part = sample("coped")
+    strokes = burns(written(part, tmp_path))
+    wanted = part_solid(part)
+    for k in range(len(strokes)):
+        piece = pieces(part, strokes[:k] + strokes[k + 1 :])[0]
+        assert (piece - wanted).volume() > 100.0, k
+
+
+@needs_rs274
+def test_the_path_of_a_flange_is_its_outline(tmp_path: Path) -> None:
+    part = sample("coped")
+    ends = [b for b in burns(written(part, tmp_path)) if b.points[0][3] == -90.0][-2:]
+    drawn = Polygon([(80.0, 0.0), (1130.0, 0.0), (1130.0, 150.0), (80.0, 150.0)])
+    for burn in ends:
+        kerf, _ = CHART[burn.feed]
+        for x, y, z, _ in burn.points[2:]:
+            assert y == 303.0
+            if 0.0 <= z <= 150.0:
+                off = drawn.exterior.distance(LineString([(x - START, z), (x - START, z + 1e-6)]))
+                assert off == pytest.approx(kerf / 2, abs=1e-3)

@@ -1,0 +1,135 @@
+"""The surface of a profile: places by hand, laws, and the section that solids are made of."""
+
+from math import cos, pi, radians, sin
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from shapely import Point, Polygon
+
+from beamcam.errors import Source
+from beamcam.model.part import Part, Profile
+from beamcam.model.surface import Patch, patch_of, surface_of
+from beamcam.solid.section import outline
+
+IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
+UPN200 = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
+L100 = Profile("L", "L100x65x8", 100.0, 65.0, 8.0, 8.0, 10.0)
+RHS = Profile("M", "RHS120x80x5", 120.0, 80.0, 5.0, 5.0, 10.0)
+CHS = Profile("RO", "CHS100x5", 100.0, 100.0, 0.0, 5.0)
+SECTIONS = (IPE300, UPN200, L100, RHS, CHS)
+PATCHES = [(p, patch) for p in SECTIONS for patch in surface_of(p)]
+
+
+@pytest.mark.parametrize(
+    ("profile", "name", "u", "place", "a_deg"),
+    [
+        (IPE300, "v", 100.0, (100.0, 78.55), 0.0),  # (150 + 7.1) / 2
+        (IPE300, "h", 100.0, (100.0, 71.45), 180.0),
+        (IPE300, "o", 30.0, (300.0, 30.0), -90.0),
+        (IPE300, "u", 30.0, (0.0, 30.0), 90.0),
+        (UPN200, "v", 50.0, (50.0, 8.5), 0.0),
+        (UPN200, "o", 70.0, (200.0, 70.0), -90.0),
+        (L100, "v", 99.0, (99.0, 8.0), 0.0),
+        (L100, "u", 60.0, (0.0, 60.0), 90.0),
+        (RHS, "v", 60.0, (60.0, 80.0), 0.0),
+        (RHS, "u-v", 0.0, (0.0, 70.0), 90.0),
+        (RHS, "u-v", 5.0 * pi, (10.0, 80.0), 0.0),
+        (RHS, "v-o", 2.5 * pi, (110.0 + 10 * cos(pi / 4), 70.0 + 10 * cos(pi / 4)), -45.0),
+        (RHS, "h-u", 5.0 * pi, (0.0, 10.0), 90.0),
+        (CHS, "v", 0.0, (0.0, 50.0), 90.0),
+        (CHS, "v", 25.0 * pi, (50.0, 100.0), 0.0),
+        (CHS, "v", 50.0 * pi, (100.0, 50.0), -90.0),
+        (CHS, "v", 75.0 * pi, (50.0, 0.0), 180.0),
+    ],
+)
+def test_places_worked_by_hand(
+    profile: Profile, name: str, u: float, place: tuple[float, float], a_deg: float
+) -> None:
+    patch = patch_of(surface_of(profile), name)
+    assert patch is not None
+    assert patch.point(7.0, u) == pytest.approx((7.0, *place))
+    assert (patch.a_deg(u) - a_deg) % 360.0 == pytest.approx(0.0, abs=1e-9)
+
+
+def test_sections_without_such_a_surface_have_none() -> None:
+    assert surface_of(Profile("B", "PL10", 100.0, 0.0, 0.0, 10.0)) == ()
+    assert surface_of(Profile("T", "T80", 80.0, 80.0, 9.0, 9.0)) == ()
+    assert patch_of(surface_of(L100), "o") is None
+    assert [p.name for p in surface_of(Profile("M", "RHS", 50.0, 50.0, 4.0, 4.0))] == list("uvoh")
+
+
+@given(st.sampled_from(PATCHES), st.floats(0.0, 0.999), st.floats(-1e4, 1e4))
+def test_a_place_on_the_steel_is_found_again(
+    of: tuple[Profile, Patch], share: float, x: float
+) -> None:
+    _, patch = of
+    u = patch.low + share * (patch.high - patch.low)
+    there = patch.point(x, u)
+    assert there[0] == x
+    assert patch.u_of(there[1], there[2]) == pytest.approx(u, abs=1e-6)
+
+
+@given(st.sampled_from(PATCHES), st.floats(0.01, 0.99))
+def test_the_normal_is_square_to_the_surface_and_where_the_torch_looks_from(
+    of: tuple[Profile, Patch], share: float
+) -> None:
+    _, patch = of
+    u, du = patch.low + share * (patch.high - patch.low), 1e-4
+    y, z = patch.normal(u)
+    (_, ya, za), (_, yb, zb) = patch.point(0.0, u - du), patch.point(0.0, u + du)
+    assert y * (yb - ya) + z * (zb - za) == pytest.approx(0.0, abs=1e-9)
+    assert ((yb - ya) ** 2 + (zb - za) ** 2) ** 0.5 == pytest.approx(2 * du, rel=1e-4)
+    a = radians(patch.a_deg(u))
+    assert (-sin(a), cos(a)) == pytest.approx((y, z))
+
+
+@given(st.sampled_from(PATCHES), st.floats(0.02, 0.98))
+def test_steel_lies_behind_it_as_thick_as_it_says(of: tuple[Profile, Patch], share: float) -> None:
+    profile, patch = of
+    section: Polygon = outline(Part("P", profile, 100.0, Source("part")))
+    u = patch.low + share * (patch.high - patch.low)
+    _, y, z = patch.point(0.0, u)
+    ny, nz = patch.normal(u)
+
+    def is_steel(depth: float) -> bool:
+        return bool(section.contains(Point(y - depth * ny, z - depth * nz)))
+
+    assert is_steel(0.05)
+    assert is_steel(patch.thickness - 0.05)
+    if is_free(profile, patch, u):
+        assert not is_steel(-0.05)
+        assert not is_steel(patch.thickness + 0.05)
+
+
+def is_free(profile: Profile, patch: Patch, u: float) -> bool:
+    """Whether no other wall, and no fillet, stands on the wall there, before or behind it."""
+    if profile.code == "RO":
+        return True
+    if profile.code == "M":
+        wall = profile.flange_thickness
+        reach = max(profile.radius, wall)
+        return "-" not in patch.name and patch.low + reach < u < patch.high - reach
+    h, b, r = profile.height, profile.width, profile.radius
+    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
+    if patch.name in ("v", "h"):
+        return flange + r < u and (profile.code == "L" or u < h - flange - r)
+    low, high = ((b - web) / 2, (b + web) / 2) if profile.code == "I" else (0.0, web)
+    return u > high + r or u < low - r
+
+
+@given(st.sampled_from(PATCHES), st.floats(1e-3, 1.0))
+def test_chords_of_the_longest_step_keep_to_the_surface(
+    of: tuple[Profile, Patch], error: float
+) -> None:
+    _, patch = of
+    step = patch.longest_u(error)
+    (_, ya, za), (_, yb, zb) = (patch.point(0.0, u) for u in (patch.low, patch.low + step))
+    _, y, z = patch.point(0.0, patch.low + step / 2)
+    off = ((y - (ya + yb) / 2) ** 2 + (z - (za + zb) / 2) ** 2) ** 0.5
+    assert off <= error + 1e-9
+
+
+def test_no_chord_error_is_no_step() -> None:
+    with pytest.raises(ValueError, match="above 0"):
+        surface_of(CHS)[0].longest_u(0.0)
