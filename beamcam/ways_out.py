@@ -16,6 +16,9 @@ from beamcam.posts import post_of
 from beamcam.readers.content import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
+GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to meet
+ROTATED_DEG = 15  #: from one turn that is tried to the next
+UNITS = ("mm", "in")  #: that drawings are made in
 
 WAYS_OUT = Rule(
     "plan-ways-out",
@@ -88,10 +91,16 @@ def ways_to_read(
         yield NO_WAY_TO_READ.at(source)
 
 
-def ways_out(request: Request, tried: Sequence[Machine], others: Iterable[Machine]) -> Diagnostic:
+def ways_out(
+    request: Request,
+    tried: Sequence[Machine],
+    others: Iterable[Machine],
+    read: Callable[..., Reading] | None = None,
+) -> Diagnostic:
     """A note with the options that make what was refused, as written on a command line.
 
-    `tried` are the machines that refused it, `others` those that could be named.
+    `tried` are the machines that refused it, `others` those that could be named. `read` reads a
+    file with options of its reader, where a drawing may be read in another unit.
     """
     source = request.parts[0].source if request.parts else Source("beamcam")
     features = sum(len(part.features) for part in request.parts)
@@ -103,13 +112,19 @@ def ways_out(request: Request, tried: Sequence[Machine], others: Iterable[Machin
         *(
             f"--machine {machine.name}"
             for machine in others
-            if _made(replace(request, machine=machine)) is not None
+            if _keeps_size(machine) >= any(map(_keeps_size, tried))
+            and _made(replace(request, machine=machine)) is not None
         ),
+        *_first(map(_by_gap, on)),
+        *_first(map(_by_rotating, on)),
+        *_first(map(_by_unrolling, on)),
         *_first(map(_by_leave, on)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),
         *_one_by_one(on),
     ]
+    if not found and read is not None:
+        found = [*_by_units(on, read)]
     return WAYS_OUT.at(source, found=" or ".join(found)) if found else NO_WAY_OUT.at(source)
 
 
@@ -137,6 +152,61 @@ def _by_thickness(request: Request) -> Iterator[str]:
     for thickness in sorted({row.up_to for row in torch.rows}):
         if _made(_with_torch(request, replace(torch, thickness=thickness))) is not None:
             yield f"--thickness {thickness:g}"
+            return
+
+
+def _keeps_size(machine: Machine) -> bool:
+    """Whether a machine keeps half of its kerf off the parts, so that they fit."""
+    torch = machine.torch
+    return torch is not None and torch.kerf_by != "none" and any(row.kerf for row in torch.rows)
+
+
+def _by_gap(request: Request) -> Iterator[str]:
+    """The least gap between two ends that has to be closed."""
+    torch = request.machine.torch
+    for gap in GAPS if torch is not None else ():
+        assert torch is not None
+        if gap > torch.gap and _made(_with_torch(request, replace(torch, gap=gap))) is not None:
+            yield f"--gap {gap:g}"
+            return
+
+
+def _by_rotating(request: Request) -> Iterator[str]:
+    """The least turn by which the work fits on the table."""
+    torch = request.machine.torch
+    if torch is None or torch.rotate:
+        return
+    for angle in range(ROTATED_DEG, 180, ROTATED_DEG):
+        turned = _with_torch(request, replace(torch, rotate=float(angle)))
+        if _made(turned) is not None:
+            yield f"--rotate {angle}"
+            return
+
+
+def _by_unrolling(request: Request) -> Iterator[str]:
+    """A pipe that is written as a plate, cut flat."""
+    torch = request.machine.torch
+    if torch is None or torch.unrolled:
+        return
+    if _made(_with_torch(request, replace(torch, unrolled=True))) is not None:
+        yield "--unrolled"
+
+
+def _by_units(on: Sequence[Request], read: Callable[..., Reading]) -> Iterator[str]:
+    """Another unit of the drawings, where what they are refused for is their size."""
+    parts = on[0].parts
+    if not parts or any(part.measures is None for part in parts):
+        return
+    for unit in UNITS:
+        try:
+            again = [read(part.source.file, units=unit) for part in parts]
+        except BeamcamError:
+            continue
+        other = tuple(part for reading in again for part in reading.parts)
+        if len(other) == len(parts) and any(
+            _made(replace(request, parts=other)) is not None for request in on
+        ):
+            yield f"--units {unit}"
             return
 
 

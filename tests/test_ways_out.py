@@ -2,7 +2,7 @@
 
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -110,6 +110,58 @@ def test_a_drawing_is_told_the_option_that_it_lacks(words: tuple[str, ...], way:
     said = run(*asked).stderr
     assert f"{FOUND}{way}" in said, said
     assert run(*asked, *way.split()).exit_code == 0
+
+
+def saved(tmp_path: Path, units: int, *shapes: Sequence[tuple[float, float]]) -> Path:
+    """A drawing of red polylines; closed where they end at their first place."""
+    from tests.dxf_text import drawing, polyline
+
+    text = "".join(
+        polyline(list(shape[:-1] if shape[0] == shape[-1] else shape), shape[0] == shape[-1])
+        for shape in shapes
+    )
+    path = tmp_path / "part.dxf"
+    path.write_bytes(drawing(text.replace("8\n0\n", "8\n0\n62\n1\n"), units=units))
+    return path
+
+
+def ring(width: float, height: float) -> list[tuple[float, float]]:
+    return [(0, 0), (width, 0), (width, height), (0, height), (0, 0)]
+
+
+@pytest.mark.parametrize(("units", "shape", "way"), [
+    (4, [(0, 0), (80, 0), (80, 60), (0, 60), (0, 0.15)], "--gap 0.2"),
+    (4, [(0, 0), (20, -20), (1620, 1580), (1600, 1600), (0, 0)], "--rotate 105"),
+    (1, ring(300, 200), "--units mm"),
+])  # fmt: skip
+def test_a_drawing_is_told_what_closes_turns_or_scales_it(
+    tmp_path: Path, units: int, shape: list[tuple[float, float]], way: str
+) -> None:
+    path = saved(tmp_path, units, shape)
+    asked = ("post", path, "--thickness", "3", "--sheet", "2000x1500", "-o", tmp_path / "a.ngc")
+    done = run(*asked)
+    assert done.exit_code == 1
+    assert f"{FOUND}{way}" in done.stderr, done.stderr
+    assert run(*asked, *way.split()).exit_code == 0
+
+
+def test_a_machine_that_keeps_no_kerf_off_is_no_way_out(tmp_path: Path) -> None:
+    """A slit between two parts is as wide as no kerf; a table without one would cut both edges."""
+    path = saved(tmp_path, 4, ring(80, 60), [(81, 0), (150, 0), (150, 60), (81, 60), (81, 0)])
+    asked = ("post", path, "--thickness", "3", "-o", tmp_path / "a")
+    done = run(*asked, "--machine", "plate-linuxcnc")
+    assert done.exit_code == 1
+    for name in ("table-simotion", "laser-stepper", "laser-grbl"):
+        assert name not in done.stderr
+
+
+def test_star_in_the_map_is_everything_else() -> None:
+    asked = ("post", SAMPLES / "dxf" / "plate.dxf", "--thickness", "3", "--allow-open", "-o", "-")
+    done = run(*asked, "--map", "*=cut")
+    assert done.exit_code == 0, done.stderr
+    assert done.output == run(*asked, "--map", "CUT=cut", "--map", "ETCH=cut").output
+    mixed = run(*asked, "--map", "*=cut", "--map", "ETCH=mark")
+    assert mixed.output == run(*asked, "--map", "CUT=cut", "--map", "ETCH=mark").output
 
 
 def test_other_machines_are_tried_with_the_options_of_the_job() -> None:

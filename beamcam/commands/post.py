@@ -1,6 +1,6 @@
 """`beamcam post`: parts in, a program out."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import click
@@ -130,7 +130,7 @@ def command(
     except StrictError as error:
         voice.stop((*said, *error.diagnostics))
     except PlanError as error:
-        way = () if request is None else (_way_out(request, machines, config),)
+        way = () if request is None else (_way_out(request, machines, config, asked),)
         voice.stop((*said, *error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.pipeline import read_file
@@ -144,16 +144,22 @@ def command(
         raise SystemExit(exit_left_out)
 
 
-def _way_out(request: Request, tried: Sequence[Machine], config: Config) -> Diagnostic:
+def _way_out(
+    request: Request, tried: Sequence[Machine], config: Config, asked: Mapping[str, Any]
+) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
+    from beamcam.commands.sheets import drawing_choice
     from beamcam.machine import shipped
+    from beamcam.pipeline import read_file
     from beamcam.ways_out import ways_out
 
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
     stocks = (tried[0].stock, stock_of(request.parts))
     alike = [one for one in others if one is not None and one.stock in stocks]
-    return ways_out(request, tried, alike)
+    how = drawing_choice(asked, config.map)
+    read = None if how.get("units") else lambda path, **other: read_file(path, **{**how, **other})
+    return ways_out(request, tried, alike, read)
 
 
 def _rest(made: Sequence[tuple[str, Posted]], first: int) -> Posted:

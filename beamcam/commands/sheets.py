@@ -95,7 +95,7 @@ thickness = click.option("--thickness", type=Number(), help="Thickness of a draw
 #: Settings of a sheet and its cuts, which override the machine file.
 torch_options = group(
     click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
-                 help="Process of a colour or layer: cut, mark, engrave or ignore."),
+                 help="Process of a colour, a layer or all others (*): cut, mark, engrave, ignore"),
     thickness,
     click.option("--material", help="Material of the sheet, as named in the machine file."),
     click.option("--amps", type=Number(), help="Rows of the cut chart for this current, A."),

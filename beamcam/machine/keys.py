@@ -63,6 +63,8 @@ def _kind(hint: object) -> str:
 
 def _limits(meta: Meta) -> str:
     """The limits of a number, in words."""
+    if meta.le is not None and meta.gt is not None:
+        return f", above {meta.gt:g}, {meta.le:g} at most"
     if meta.le is not None:
         return f", {meta.ge:g} to {meta.le:g}"
     if meta.gt is not None:

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from beamcam.conversion import Fault, converted
 from beamcam.machine.faults import KERF_STEPS, TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import LookSettings, Torch, TorchRow
+from beamcam.machine.torch import OTHERS, LookSettings, Torch, TorchRow
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
@@ -52,7 +52,8 @@ def with_torch(
         given["length"], given["width"] = sheet_size
     if colours:
         given["colours"] = {
-            **colours,
+            **{k: v for k, v in colours.items() if k != OTHERS},
+            **{k: v for k, v in colours.items() if k == OTHERS},  # what none of them names
             **{k: v for k, v in torch.colours.items() if k not in colours},
         }
         kept = {k: v for k, v in torch.settings.items() if k not in colours}

@@ -8,6 +8,7 @@ from msgspec import Meta, field
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
 Degrees = Annotated[float, Meta(ge=-360, le=360)]
+Share = Annotated[float, Meta(gt=0, le=1)]
 TorchProcess = Literal["cut", "mark", "engrave"]
 
 
@@ -30,6 +31,20 @@ class TorchRow(Keys, frozen=True):
     nozzle: str = ""  #: nozzle or gas that the row is for
     number: Count = 0  #: of the row in the controller's own table of materials; 0: none
     passes: PositiveCount = 1  #: how often a contour is followed
+    #: inner contours whose way round is shorter than that of a circle so wide are small holes
+    hole_diameter: NotNegative = 0.0
+    hole_feed_share: Share = 1.0  #: of the feed, in small holes
+    corner_angle: Annotated[float, Meta(ge=0, le=180)] = 45.0  #: what a corner turns more than
+    corner_distance: NotNegative = 0.0  #: along the path, before and behind a corner
+    corner_share: Share = 1.0  #: of the feed, within that distance
+
+    @property
+    def slows_corners(self) -> bool:
+        return self.corner_share < 1.0 and self.corner_distance > 0.0
+
+    @property
+    def slows_holes(self) -> bool:
+        return self.hole_feed_share < 1.0 and self.hole_diameter > 0.0
 
     @property
     def pierce_radius(self) -> float:
@@ -56,6 +71,7 @@ class LookSettings(Keys, frozen=True):
         return tuple(k for k in self.__struct_fields__ if getattr(self, k) != getattr(default, k))
 
 
+OTHERS = "*"  #: key of `colours` for all lines that no key before it names
 CORNER_DEG = 20.0  #: what a corner turns more than, for bridges: `min_tab_to_corner`
 #: Origin of the work as a share of its length and width, from its lower left corner.
 ORIGINS = {
@@ -73,7 +89,8 @@ class Torch(Keys, frozen=True):
     length: Positive  #: of the work area, along X
     width: Positive  #: along Y
     rows: tuple[TorchRow, ...]
-    colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]  #: of lines, or their layers
+    #: of lines, or their layers; "*" is all that no key before it names
+    colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]
     more_rows: tuple[TorchRow, ...] = ()  #: added to the rows of a base, by their thickness
     settings: Mapping[str, LookSettings] = field(default_factory=dict)  #: by keys of `colours`
     thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to
@@ -128,6 +145,7 @@ class Torch(Keys, frozen=True):
     #: which of them holds the torch at its height by the voltage of the arc: the controller by
     #: itself, or the program, which switches that on in each cut
     thc: Literal["controller", "program"] = "controller"
+    thc_slow: bool = True  #: whether it is held there in small holes and near corners too
     clearance: NotNegative = 0.0  #: lowest height over the sheet for traverses, of z = "program"
     #: when the program has the torch touch the sheet: never, as Z counts from it already; before
     #: the first start; before each

@@ -5,10 +5,12 @@ red into #ed3237 and black into #1f1a17, so a table that says "red" is matched b
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from colorsys import rgb_to_hsv
+from itertools import takewhile
 from math import inf
 
+from beamcam.machine.torch import OTHERS
 from beamcam.model.part import Contour, Process
 
 # --- colour names ---------------------------------------------------------------------------------
@@ -175,12 +177,19 @@ def process_of(contour: Contour, table: Mapping[str, Process]) -> Process | None
     return None if key is None else table[key]
 
 
-def key_of(contour: Contour, table: Iterable[str]) -> str | None:
+def key_of(contour: Contour, table: Collection[str]) -> str | None:
     """The key of `table` that stands for `contour`; None if there is none.
 
     The keys are layer names (any case) and colours ("red", "#0000FF"). The layer decides before
-    the colour, an equal colour before one that is only near in hue.
+    the colour, an equal colour before one that is only near in hue. `OTHERS` stands for what none
+    of the keys before it does, so that no key behind it counts.
     """
+    named = list(takewhile(lambda key: key != OTHERS, table))
+    found = _named(contour, named)
+    return OTHERS if found is None and OTHERS in table else found
+
+
+def _named(contour: Contour, table: Sequence[str]) -> str | None:
     if contour.layer is not None:
         wanted = contour.layer.casefold()
         for key in table:

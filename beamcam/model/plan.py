@@ -181,7 +181,7 @@ class Pass(Struct, frozen=True, gc=False):
 
     lead_in: tuple[Curve, ...]  #: from the pierced hole to the contour
     curves: tuple[Curve, ...]  #: along it
-    lead_out: tuple[Curve, ...]
+    lead_out: tuple[Curve, ...]  #: the overcut beyond its start, and the way off it
 
 
 class ContourOp(Struct, frozen=True, gc=False):
@@ -195,6 +195,7 @@ class ContourOp(Struct, frozen=True, gc=False):
     kerf: float  #: what is compensated, by whomever
     features: tuple[FeatureRef, ...]
     source: Source
+    feed_share: float = 1.0  #: of the row's feed, all along it
 
     @property
     def start(self) -> Point:

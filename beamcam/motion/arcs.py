@@ -38,6 +38,7 @@ class ChainMoves(Struct, frozen=True):
 
     start: Point
     moves: list[Movement]
+    curve: list[int]  #: of each move, the number of its curve in the chain
 
 
 #: The moves along a curve that is neither a line nor an arc, from a written place.
@@ -71,9 +72,11 @@ def paths_along(
         moves += own
     order = np.lexsort((begin, owner))
     moves = [moves[k] for k in order.tolist()]
-    bounds = np.searchsorted(owner[order], np.concatenate((firsts, lasts[-1:]))).tolist()
+    owner = owner[order]
+    bounds = np.searchsorted(owner, np.concatenate((firsts, lasts[-1:]))).tolist()
     for k, (x, y) in enumerate(written[firsts, :2].tolist()):
-        yield ChainMoves((x, y), moves[bounds[k] : bounds[k + 1]])
+        a, b = bounds[k], bounds[k + 1]
+        yield ChainMoves((x, y), moves[a:b], (owner[a:b] - firsts[k]).tolist())
 
 
 def _moves(

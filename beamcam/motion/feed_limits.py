@@ -8,7 +8,9 @@ smallest arc as fast as commanded. So the feed is lowered where a move asks for 
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby, repeat
 from math import cbrt, cos, hypot, inf, radians, sin, sqrt
+from operator import itemgetter
 
 from beamcam.geometry.plane import Point, cross
 from beamcam.machine.path_limits import PathLimits
@@ -53,14 +55,36 @@ WORTH_LOWERING = 1e-3
 
 
 def paced(
-    start: Point, moves: Sequence[Movement], feed_mm_min: float, limits: PathLimits
+    start: Point,
+    moves: Sequence[Movement],
+    feed_mm_min: float,
+    shares: Sequence[float],
+    limits: PathLimits | None,
 ) -> Iterator[Movement | Pace]:
-    """The moves from `start`, and before each whose feed differs from the last one its own."""
-    asked = feed_mm_min / SECONDS_PER_MINUTE
+    """The moves from `start`, and before each whose feed differs from the last one its own.
+
+    `shares` are those of the feed that are asked of each move; without `limits` that is its feed.
+    """
+    now = feed_mm_min / SECONDS_PER_MINUTE
+    for share, group in groupby(zip(moves, shares, strict=True), key=itemgetter(1)):
+        stretch = [move for move, _ in group]
+        asked = feed_mm_min * share / SECONDS_PER_MINUTE
+        feeds = repeat(asked) if limits is None else _feeds(start, stretch, asked, limits)
+        for move, feed in zip(stretch, feeds, strict=False):
+            if feed != now:
+                yield Pace(feed * SECONDS_PER_MINUTE)
+                now = feed
+            yield move
+        start = stretch[-1].x, stretch[-1].y
+
+
+def _feeds(
+    start: Point, moves: Sequence[Movement], asked: float, limits: PathLimits
+) -> Iterator[float]:
+    """The speed of each move, at most what is asked."""
     worth = asked * (1.0 - WORTH_LOWERING)
     calm = calm_radius(asked, limits)
     unbounded = asked <= limits.speed_mm_s
-    now = asked
     here = start
     for move in moves:
         if unbounded and (
@@ -71,10 +95,7 @@ def paced(
         else:
             feed = min(asked, feasible_mm_s(here, move, limits))
             feed = asked if feed > worth else feed
-        if feed != now:
-            yield Pace(feed * SECONDS_PER_MINUTE)
-            now = feed
-        yield move
+        yield feed
         here = move.x, move.y
 
 

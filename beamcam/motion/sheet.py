@@ -7,12 +7,13 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from typing import NamedTuple
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.path_limits import path_limits
-from beamcam.machine.torch import TorchProcess
+from beamcam.machine.path_limits import PathLimits, path_limits
+from beamcam.machine.torch import TorchProcess, TorchRow
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
 from beamcam.model.description import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
@@ -31,9 +32,18 @@ from beamcam.model.program import (
     Traverse,
 )
 from beamcam.motion.arcs import ChainMoves, paths_along
+from beamcam.motion.corner_feeds import near_corners
 from beamcam.motion.curve_words import ROUND_RATIO, ellipse_feeds, is_parabola, parabola_feed
 from beamcam.motion.feed_limits import paced
 from beamcam.motion.numbers import Numbers
+
+
+class Path(NamedTuple):
+    """A pass as it is written."""
+
+    moves: ChainMoves
+    near: Sequence[bool]  #: of each of its curves, whether it is near a corner
+
 
 #: What the fitting of arcs may take of the machine's tolerance; rounding takes the rest.
 FIT_SHARE = 0.5
@@ -46,7 +56,8 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
     pen = Pen(machine)
     passes = [one for op in plan.operations for one in op.passes]
-    paths = pen.along([(*p.lead_in, *p.curves, *p.lead_out) for p in passes])
+    rows = [op.row for op in plan.operations for _ in op.passes]
+    paths = pen.along([(p.lead_in, p.curves, p.lead_out) for p in passes], rows)
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
     chooses, chosen = bool(machine.words.material), None
@@ -67,22 +78,30 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
-def _pass(op: ContourOp, path: ChainMoves, pen: "Pen") -> Iterator[Command]:
+def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
     row = op.row
-    yield Traverse(*path.start)
+    yield Traverse(*path.moves.start)
     if op.side != "on":
         yield Compensate(op.side, op.kerf)
     yield ToolOn(
         row.process, row.feed_mm_min, row.power, row.pierce_s, op.source, row.pierce_height,
         row.cut_height, row.preheat_s, row.amps, row.volts, row.number,
     )  # fmt: skip
-    if pen.limits is None:
-        yield from path.moves
-    else:
-        yield from paced(path.start, path.moves, row.feed_mm_min, pen.limits)
+    yield from _fed(op, path, pen.limits)
     yield ToolOff(row.process)
     if op.side != "on":
         yield Compensate("on", 0.0)
+
+
+def _fed(op: ContourOp, path: Path, limits: PathLimits | None) -> Iterator[Command]:
+    """The moves of a pass, each with its feed: slower in a small hole and near corners."""
+    row, moves = op.row, path.moves.moves
+    if limits is None and op.feed_share == 1.0 and not any(path.near):
+        yield from moves
+        return
+    near = min(op.feed_share, row.corner_share)
+    shares = [near if path.near[k] else op.feed_share for k in path.moves.curve]
+    yield from paced(path.moves.start, moves, row.feed_mm_min, shares, limits)
 
 
 class Pen:
@@ -107,19 +126,29 @@ class Pen:
             torch.max_radius if self._arcs else 0.0,
         )
 
-    def along(self, chains: Sequence[Sequence[Curve]]) -> Iterator[ChainMoves]:
-        """The moves along each chain."""
-        return paths_along(self._prepared(chains), self.numbers, self._by_word)
+    def along(
+        self, chains: Sequence[Sequence[Sequence[Curve]]], rows: Sequence[TorchRow]
+    ) -> Iterator[Path]:
+        """The moves along each chain of several parts, by the row that it is worked with.
 
-    def _prepared(self, chains: Sequence[Sequence[Curve]]) -> list[Sequence[Curve]]:
+        Where a part begins, a move begins.
+        """
+        each = [
+            near_corners(chain, row)
+            for chain, row in zip(self._prepared(chains), rows, strict=True)
+        ]
+        moves = paths_along([curves for curves, _ in each], self.numbers, self._by_word)
+        return (Path(one, near) for one, (_, near) in zip(moves, each, strict=True))
+
+    def _prepared(self, chains: Sequence[Sequence[Sequence[Curve]]]) -> list[Sequence[Curve]]:
         """The chains with arcs for the free curves that the controller has no word for.
 
         All of them are fitted together, since a drawing has thousands.
         """
-        each = [self._stretches(chain) for chain in chains]
+        each = [[s for part in chain for s in self._stretches(part)] for chain in chains]
         free = [curves for chain in each for has_word, curves in chain if not has_word]
         if not free:
-            return list(chains)
+            return [[c for _, curves in chain for c in curves] for chain in each]
         from beamcam.geometry.arc_fitting import fit_chains
 
         fits = iter(fit_chains(free, self._fit))
@@ -129,7 +158,9 @@ class Pen:
         ]
 
     def _stretches(self, chain: Sequence[Curve]) -> list[tuple[bool, Sequence[Curve]]]:
-        """The stretches of a chain, each with whether the controller may have words for it."""
+        """The stretches of a part, each with whether the controller may have words for it."""
+        if not chain:
+            return []
         if _ALWAYS_WRITTEN.issuperset(map(type, chain)):
             return [(True, chain)]
         return [(has_word, tuple(group)) for has_word, group in groupby(chain, self._has_word)]

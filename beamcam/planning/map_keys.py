@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.machine.torch import OTHERS
 from beamcam.model.colour import colour_name, key_of
 from beamcam.model.part import Contour, Part
 
@@ -48,7 +49,7 @@ def unmatched(
     """An error for each requested key that matches no curve of the parts."""
     used = curves_by_key(parts, table)
     for key, process in asked.items():
-        if key not in used:
+        if key not in used and key != OTHERS:
             source = parts[0].source if parts else Source("--map")
             expected = ", ".join(_looks(parts)) or "none, no curve has a colour or a layer"
             yield UNMATCHED.at(source, found=f"{key}={process}", expected=expected)
@@ -57,7 +58,7 @@ def unmatched(
 def idle(keys: Iterable[str], used: Iterable[str], source: Source) -> Iterator[Diagnostic]:
     """A note for each key that nothing of a whole run matched."""
     known = set(used)
-    return (IDLE.at(source, found=key) for key in keys if key not in known)
+    return (IDLE.at(source, found=key) for key in keys if key not in known and key != OTHERS)
 
 
 def _looks(parts: Iterable[Part]) -> list[str]:

@@ -14,6 +14,7 @@ from tests.conftest import CORPUS
 FOLDER = CORPUS / "dxf"
 TRUTH = json.loads((FOLDER / "truth.json").read_text())["files"] if FOLDER.exists() else {}
 USABLE = sorted(name for name, truth in TRUTH.items() if truth["usable"])
+UNMARKED = "trimesh_spline_1.dxf"  #: ezdxf refuses it
 UNUSABLE = sorted(name for name, truth in TRUTH.items() if not truth["usable"])
 
 #: The reference counts these as visible; here they are hidden, since nothing plots on them.
@@ -66,7 +67,30 @@ def test_a_missing_unit_is_said(name: str) -> None:
     assert missing == TRUTH[name]["unit_source"].startswith("missing")
 
 
-@pytest.mark.parametrize("name", UNUSABLE)
+def test_polylines_without_subclass_markers_are_read_and_told() -> None:
+    """Lengths are those of the vertices of its three polylines, a line and an arc, in inches."""
+    reading = read(UNMARKED)
+    assert "dxf-subclasses" in [d.code for d in reading.diagnostics]
+    rows = [row.strip() for row in (CORPUS / "dxf" / UNMARKED).read_text("latin-1").splitlines()]
+    tags = list(zip(rows[::2], rows[1::2], strict=True))
+    chains: list[list[complex]] = []
+    for k, (code, value) in enumerate(tags):
+        if code == "0":
+            chains.append([])
+            inside = value == "LWPOLYLINE"
+        elif code == "10" and inside:
+            chains[-1].append(complex(float(value), float(tags[k + 1][1])))
+    straight = [
+        sum(abs(b - a) for a, b in pairwise(chain)) * 25.4 for chain in chains if len(chain) > 1
+    ]
+    (part,) = reading.parts
+    found = [total_length(c.curves) for c in part.contours if len(c.curves) > 1]
+    assert len(found) == 3
+    for length, expected in zip(sorted(found), sorted(straight), strict=True):
+        assert length == pytest.approx(expected, rel=0.25)  # one of them closes
+
+
+@pytest.mark.parametrize("name", [n for n in UNUSABLE if n != UNMARKED])
 def test_what_cannot_be_used_is_refused_with_a_reason(name: str) -> None:
     reading = read(name)
     assert reading.refused

@@ -73,7 +73,7 @@ def bends(move):
 @given(points, st.lists(moves, min_size=1, max_size=8), st.floats(1, 120), limits_of_tables)
 def test_every_move_has_the_feed_that_the_read_back_expects(start, chain, asked, limits):
     assume(all(map(bends, chain)))
-    found = list(paced(start, chain, asked * SECONDS_PER_MINUTE, limits))
+    found = list(paced(start, chain, asked * SECONDS_PER_MINUTE, [1.0] * len(chain), limits))
     assert [step for step in found if not isinstance(step, Pace)] == chain
     feed, here = asked * SECONDS_PER_MINUTE, start
     for before, step in zip([None, *found], found, strict=False):

@@ -9,8 +9,8 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.curves import Bezier, BSpline, Curve
-from beamcam.geometry.plane import Point
+from beamcam.geometry.curves import Bezier, BSpline, Curve, Line
+from beamcam.geometry.plane import Point, dot
 from beamcam.geometry.polylines import polylines
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
@@ -32,6 +32,7 @@ BESIDE = 0.4
 STEP = 0.25  #: mm between places of a needle
 NO_STEP = 1e-6  #: mm
 MOST_LENGTH = 100.0  #: of a needle, in mm, that is looked at
+SHORT = 1e-3  #: mm that a contour may run back along itself; what writes drawings rounds so
 
 
 class Doubling(Struct, frozen=True):
@@ -40,6 +41,41 @@ class Doubling(Struct, frozen=True):
     curve: int
     place: Point  #: where it turns round
     length: float
+
+
+def without_steps_back(curves: tuple[Curve, ...]) -> tuple[Curve, ...]:
+    """A closed contour without lines shorter than `SHORT` that run back along their neighbour.
+
+    The line behind one begins where it began, or the line before it ends where it ended; between
+    two curves that are no lines it stays.
+    """
+    ring = list(curves)
+    k = 0
+    while k < len(ring) > 2:
+        one, before, behind = ring[k], ring[k - 1], ring[(k + 1) % len(ring)]
+        if (
+            isinstance(one, Line)
+            and one.length < SHORT
+            and (_turns_back(before, one) or _turns_back(one, behind))
+        ):
+            if isinstance(behind, Line):
+                ring[(k + 1) % len(ring)] = Line(one.start, behind.end)
+            elif isinstance(before, Line):
+                ring[k - 1] = Line(before.start, one.end)
+            else:
+                k += 1
+                continue
+            del ring[k]
+            k = max(k - 2, 0)  # what is before it may run back now
+        else:
+            k += 1
+    return curves if len(ring) == len(curves) else tuple(ring)
+
+
+def _turns_back(one: Curve, other: Curve) -> bool:
+    if one.length == 0.0 or other.length == 0.0:
+        return True
+    return dot(one.tangent(1.0), other.tangent(0.0)) < BACK
 
 
 def doublings(curves: Sequence[Curve], which: Sequence[int]) -> Iterator[Doubling]:

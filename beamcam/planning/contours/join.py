@@ -18,7 +18,7 @@ from beamcam.geometry.near import near_pairs
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rounds, rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.doubling import told
+from beamcam.planning.contours.doubling import told, without_steps_back
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
 from beamcam.planning.contours.shape import Shape, entity
 
@@ -86,6 +86,13 @@ def join(
     if may_repeat:
         kept = contours_once(found.shapes, torch.gap, found.repeats, kerf)
         found.shapes = list(chained.from_iterable(kept))
+    if kerf:
+        found.shapes = [
+            replace(s, curves=without_steps_back(s.curves))
+            if s.closed and s.process == "cut"
+            else s
+            for s in found.shapes
+        ]
     _tell_small(found, torch.gap)
     found.remarks += found.repeats.remarks()
     found.refusals += found.repeats.refusals

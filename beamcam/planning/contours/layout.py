@@ -1,10 +1,10 @@
 """A sheet's part as it is laid on the table: mirrored, turned, and copied in rows and columns."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
 
-from beamcam.errors import PlanError, Source
+from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import (
@@ -17,10 +17,22 @@ from beamcam.geometry.plane import (
     unit_vector,
 )
 from beamcam.machine.torch import Torch
+from beamcam.model.colour import key_of
 from beamcam.model.drawing import extent
 from beamcam.model.hatch import hatched, not_filled
-from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Notch, Part, Slot, TextMark
+from beamcam.model.part import (
+    PLATE_FACES,
+    Contour,
+    Feature,
+    Hole,
+    Notch,
+    Part,
+    Slot,
+    TextMark,
+)
 from beamcam.planning.contours import rules
+
+QUARTER = 90.0  #: degrees by which a part is turned that fits so only
 
 
 def is_laid_otherwise(torch: Torch) -> bool:
@@ -31,10 +43,14 @@ def is_laid_otherwise(torch: Torch) -> bool:
 def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     """Parts of a sheet as the job wants them: mirrored, turned, copied, and hatched.
 
-    Raises PlanError for a feature that cannot be, a sheet that is too small, or a hatch that fills
-    nothing.
+    One that fits turned only is turned. Raises PlanError for a feature that cannot be laid so, a
+    sheet that is too small, or a hatch that fills nothing.
     """
-    if torch is None or not (torch.settings or is_laid_otherwise(torch)):
+    if torch is None:
+        return parts
+    if fits_turned(parts, torch):
+        torch = replace(torch, rotate=QUARTER)
+    if not (torch.settings or is_laid_otherwise(torch)):
         return parts
     if is_laid_otherwise(torch):
         said = [
@@ -59,6 +75,43 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     if said:
         raise PlanError(said)
     return tuple([hatched(part, torch) for part in parts])
+
+
+def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
+    """Whether one part is too large for the sheet as it is drawn, and not if it is turned by 90
+    degrees. What is asked for as it is drawn, or laid by an option, stays as it is."""
+    if len(parts) != 1 or is_laid_otherwise(torch):
+        return False
+    if torch.place == "drawn" and torch.origin == "table":
+        return False
+    (part,) = parts
+    curves = [
+        curve
+        for feature in _with_outline(part).features
+        if not (isinstance(feature, Contour) and _is_ignored(feature, torch))
+        for curve in _curves(feature)
+    ]
+    box = extent(curves)
+    if box is None or next(cannot_lie(part, torch), None) is not None:
+        return False
+    length, width = box[2] - box[0], box[3] - box[1]
+    long, wide = torch.length + torch.gap, torch.width + torch.gap
+    return (length > long or width > wide) and width <= long and length <= wide
+
+
+def _is_ignored(contour: Contour, torch: Torch) -> bool:
+    key = key_of(contour, torch.colours)
+    return key is not None and torch.colours[key] == "ignore"
+
+
+def turned_to_fit(parts: Sequence[Part], torch: Torch | None) -> list[Diagnostic]:
+    """A note on a part that was turned because it fits so only."""
+    if torch is None or not fits_turned(parts, torch):
+        return []
+    (part,) = parts
+    x0, y0, x1, y1 = _box(_with_outline(part))
+    found, expected = f"{x1 - x0:.1f} x {y1 - y0:.1f}", f"{torch.length:g} x {torch.width:g}"
+    return [rules.TURNED.at(part.source, found=found, expected=expected)]
 
 
 def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:

@@ -4,7 +4,7 @@ shapes -> half a kerf off the part -> in order -> turned and begun -> led into -
 """
 
 from collections.abc import Iterator, Sequence
-from math import ceil, hypot
+from math import ceil, hypot, pi
 from typing import Literal
 
 from msgspec.structs import replace
@@ -12,6 +12,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
+from beamcam.model.lengths import total_length
 from beamcam.model.plan import ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
@@ -42,6 +43,7 @@ def operations_of(
     `share` says that contours share edges, which are cut once.
     """
     kerfs = [material.kerf(s.process) if s.is_ring else 0.0 for s in shapes]
+    shapes = [replace(s, is_small=True) if _is_small(s, material) else s for s in shapes]
     ready, said = compensated(shapes, kerfs, torch)
     said += _open_cuts(shapes, 0.0 if torch.allow_open else material.kerf("cut"))
     if errors_in(said):
@@ -139,19 +141,29 @@ def _operation(
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     last = len(stretches) - 1
-    if side == "on":
-        stretches[last] = (*stretches[last], *overcut(shape, kerf, torch))
+    beyond = (*overcut(shape, kerf, torch), *lead[1]) if side == "on" else lead[1]
     passes = tuple(
         [
-            Pass(lead[0] if k == 0 else (), curves, lead[1] if k == last else ())
+            Pass(lead[0] if k == 0 else (), curves, beyond if k == last else ())
             for k, curves in enumerate(stretches)
             for _ in range(row.passes)
         ]
     )
     features = tuple([(0, f) for f in shape.features if f != OUTLINE])
     return ContourOp(
-        row, passes, shape.closed, shape.depth, side, kerf, features, shape.source
+        row, passes, shape.closed, shape.depth, side, kerf, features, shape.source,
+        row.hole_feed_share if shape.is_small else 1.0,
     )  # fmt: skip
+
+
+def _is_small(shape: Shape, material: Material) -> bool:
+    """Whether a contour as it is drawn is a small hole of its row."""
+    if shape.process != "cut" or not (shape.is_ring and shape.is_hole):
+        return False
+    row = material.row_for("cut", shape.look)
+    if row is None or not row.slows_holes:
+        return False
+    return total_length(shape.curves) < pi * row.hole_diameter
 
 
 def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:

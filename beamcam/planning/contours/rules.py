@@ -93,6 +93,14 @@ LAYOUT = Rule(
     "sheet.copies is asked for",
     "What cannot be turned or mirrored with its part would come to lie elsewhere.",
 )
+TURNED = Rule(
+    "plan-sheet-turned",
+    _N,
+    "found a part of {found} mm, larger as it is drawn than the sheet of {expected} mm; turned it "
+    "by 90 degrees",
+    "It lies on the table so that it fits. `sheet.rotate` says how a part lies, `sheet.place` "
+    "leaves it where it is drawn.",
+)
 HATCH = Rule(
     "plan-map-hatch",
     _E,
@@ -389,6 +397,6 @@ RULES = (
     NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, GAPS, OPEN_CUT,
     OPEN_KERF, MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, COPIES, CROSSING,
     MORE_CROSSINGS, CROSSED, MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED,
-    MACHINE_TABS,
+    MACHINE_TABS, TURNED,
     NO_TABS, OVERCUT,
 )  # fmt: skip

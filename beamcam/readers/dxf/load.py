@@ -10,6 +10,7 @@ from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.bulk import Run, Taken, take_plain
 from beamcam.readers.dxf.layers import Document
+from beamcam.readers.dxf.subclasses import with_subclasses
 
 #: Without a handler, Python would print what ezdxf logs.
 _SILENT = logging.NullHandler()
@@ -63,8 +64,8 @@ def load(data: bytes, source: Source) -> Loaded:
     except Exception as error:
         if is_binary(data):
             raise ReadError(rules.STRUCTURE.at(source, found=_said(error))) from error
-        document, repair = _recover(data, source, error)
-        remarks, runs = (*remarks, repair), ()
+        document, runs, repairs = _repaired(data, handles, source, error)
+        remarks = (*remarks, *repairs)
     return Loaded(document, handles, runs, remarks)
 
 
@@ -122,6 +123,24 @@ def _load_binary(data: bytes) -> tuple[Document, tuple[Run, ...]]:
     from ezdxf.lldxf.tagger import binary_tags_loader
 
     return Drawing.load(binary_tags_loader(data)), ()
+
+
+def _repaired(
+    data: bytes, handles: bool, source: Source, first: Exception
+) -> tuple[Document, tuple[Run, ...], tuple[Diagnostic, ...]]:
+    """The document of a file that ezdxf does not read as it stands, and what was done to it.
+
+    Raises ReadError if nothing helps.
+    """
+    marked, count = with_subclasses(data)
+    told = (rules.SUBCLASSES.at(source, count=count),) if count else ()
+    if count:
+        try:
+            return *_load_text(marked, handles), told
+        except Exception as error:  # as above: any kind of error means that it is damaged besides
+            first = error
+    document, repair = _recover(marked if count else data, source, first)
+    return document, (), (*told, repair)
 
 
 def _recover(data: bytes, source: Source, first: Exception) -> tuple[Document, Diagnostic]:

@@ -18,7 +18,7 @@ NOT_DXF = _error(
 STRUCTURE = _error(
     "structure",
     "found a file that is damaged beyond repair ({found}), expected a DXF file",
-    "Entities without their subclass markers (group 100) or cut-off sections cannot be trusted.",
+    "Sections that are cut off and groups without a value cannot be trusted.",
 )
 TRUNCATED = _error(
     "truncated",
@@ -34,6 +34,13 @@ RECOVERED = _warning(
     "recovered",
     "found a damaged file and repaired it: {count} corrections, the first: {found}",
     "Look whether the drawing is complete; saving it again in the program that made it helps.",
+)
+SUBCLASSES = _warning(
+    "subclasses",
+    "found {count} polylines or splines without their subclass marker (group 100); expected one, "
+    "read them by their group codes",
+    "Programs that write DXF by hand leave the markers out, and most that read it do not look for "
+    "them.",
 )
 
 # --- units ----------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from beamcam.readers.drawing import MM_PER_UNIT, split_length
 from beamcam.readers.drawing.rules import UNITS_OPTION, WIDTH_OPTION
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import declarations
+from beamcam.readers.svg.transform import fit_of
 from beamcam.readers.svg.tree import Document
 
 #: CSS fixes the px at 1/96 inch; lengths with units inside a drawing are counted in these.
@@ -91,6 +92,7 @@ class _Finder:
         self.width = self._size("width", style)
         self.height = self._size("height", style)
         self.box = self._view_box()
+        self.fit = fit_of(document.root.get("preserveAspectRatio"))
 
     def _refuse(self, found: str, expected: str) -> ReadError:
         return ReadError(rules.SIZE.at(self.source, found=found, expected=expected))
@@ -153,26 +155,20 @@ class _Finder:
             raise ReadError(rules.NO_SIZE.at(self.source, found=missing))
         sides = [side for side in (self.width, self.height) if side is not None]
         if self.box is None:
-            return self._by_pixels("no viewBox", 1.0)
+            return self._by_pixels("no viewBox", 1.0, 1.0)
         if any(side.mm is None for side in sides):
             if any(side.mm is not None for side in sides):
                 both = " and ".join(side.text for side in sides)
                 raise self._refuse(f"the size {both}", "one kind of unit for both")
             ratios = self._ratios([side.number for side in sides])
-            return self._by_pixels(sides[0].text, min(ratios))
+            return self._by_pixels(sides[0].text, *self.fit.scales(ratios[0], ratios[-1]))
         ratios = self._ratios([side.mm or 0.0 for side in sides])
-        if self._stretched and len(ratios) == 2:
-            return self._page(ratios[0], ratios[1], CSS_PX)
-        return self._uniform(min(ratios), CSS_PX)
-
-    @property
-    def _stretched(self) -> bool:
-        return (self.document.root.get("preserveAspectRatio") or "").strip() == "none"
+        return self._page(*self.fit.scales(ratios[0], ratios[-1]), CSS_PX)
 
     def _ratios(self, lengths: list[float]) -> list[float]:
         """Length of a unit by width and by height; one of them where the file has one.
 
-        Raises ReadError if they deny each other.
+        Raises ReadError if they deny each other, and the file does not say what then.
         """
         assert self.box is not None
         by = [("width", self.box.width), ("height", self.box.height)]
@@ -182,7 +178,7 @@ class _Finder:
         if not all(1.0 / MAX_COORDINATE <= ratio <= MAX_COORDINATE for ratio in ratios):
             expected = f"between {1.0 / MAX_COORDINATE:g} and {MAX_COORDINATE:g} mm"
             raise self._refuse(f"a unit of {min(ratios):g} mm", expected)
-        if len(ratios) == 2 and not self._stretched:
+        if len(ratios) == 2 and not self.fit.said:
             slack = SCALE_SLACK
             if all(side == round(side) for _, side in by):
                 slack += 0.5 / self.box.width + 0.5 / self.box.height  # rounded to whole units
@@ -198,19 +194,18 @@ class _Finder:
                 )
         return ratios
 
-    def _by_pixels(self, found: str, pixels: float) -> Page:
-        """The page where a unit is `pixels` px, if something says how long a px is."""
+    def _by_pixels(self, found: str, across: float, down: float) -> Page:
+        """The page where a unit is so many px, if something says how long a px is."""
         known = _writer(self.document)
         if known is None:
             raise ReadError(rules.PIXELS.at(self.source, found=found))
         writer, dpi = known
         said = rules.PIXELS_BY_WRITER.at(self.source, found=found, dpi=dpi, writer=writer)
-        return self._uniform(pixels * 25.4 / dpi, 25.4 / dpi, (said,))
+        px = 25.4 / dpi
+        return self._page(across * px, down * px, px, (said,))
 
-    def _uniform(
-        self, unit: float, px: float | None = None, remarks: tuple[Diagnostic, ...] = ()
-    ) -> Page:
-        return self._page(unit, unit, px, remarks)
+    def _uniform(self, unit: float) -> Page:
+        return self._page(unit, unit, None)
 
     def _page(
         self, sx: float, sy: float, px: float | None, remarks: tuple[Diagnostic, ...] = ()
@@ -219,7 +214,6 @@ class _Finder:
 
         `px` is the length of a px in mm that the page's own size counts by; with None the page is
         as large as the viewBox, since the user gave the scale. What sticks out of it stays.
-        Source: SVG 1.1, section 7.8: preserveAspectRatio is xMidYMid meet unless said otherwise.
         """
         box = self.box
         if box is None:
@@ -230,9 +224,8 @@ class _Finder:
         if px is not None:
             width = self._pixels(self.width) * px or width
             height = self._pixels(self.height) * px or height
-        share_x, share_y = _alignment(self.document.root.get("preserveAspectRatio") or "")
-        left = share_x * (width - box.width * sx) - box.x * sx
-        top = share_y * (height - box.height * sy) - box.y * sy
+        left = self.fit.share_x * (width - box.width * sx) - box.x * sx
+        top = self.fit.share_y * (height - box.height * sy) - box.y * sy
         matrix = ((sx, 0.0, left), (0.0, -sy, height - top))
         return Page(matrix, min(sx, sy), (box.width, box.height), remarks)
 
@@ -241,13 +234,6 @@ class _Finder:
         if side is None or side.unit == "%":
             return 0.0
         return side.number if side.mm is None else side.mm / CSS_PX
-
-
-def _alignment(text: str) -> tuple[float, float]:
-    """Share of the free space that lies left of and above the drawing."""
-    found = re.match(r"\s*(?:defer\s+)?x(Min|Mid|Max)Y(Min|Mid|Max)", text)
-    shares = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
-    return (shares[found[1]], shares[found[2]]) if found else (0.5, 0.5)
 
 
 def _writer(document: Document) -> tuple[str, int] | None:

@@ -1,11 +1,17 @@
-"""The attribute `transform` as an affine map of the plane."""
+"""The attributes `transform` and `preserveAspectRatio` as affine maps of the plane."""
 
 import re
 from collections.abc import Callable
 from math import radians, tan
+from typing import Literal, NamedTuple
 
 from beamcam.geometry.plane import IDENTITY, MAX_COORDINATE, Matrix, unit_vector
 
+_ASPECT = re.compile(
+    r"(?:defer\s+)?(?:(?P<none>none)|x(?P<x>Min|Mid|Max)Y(?P<y>Min|Mid|Max))"
+    r"(?:\s+(?P<how>meet|slice))?"
+)
+_SHARES = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
 _CALL = re.compile(r"[\s,]*(\w+)\s*\(([^()]*)\)\s*")
 
 
@@ -69,3 +75,30 @@ def parse_transform(text: str) -> Matrix:
         result = product(result, build(*numbers))
         position = call.end()
     return result
+
+
+class Fit(NamedTuple):
+    """How a viewBox lies in its page. Source: SVG 1.1, section 7.8, preserveAspectRatio."""
+
+    how: Literal["meet", "slice", "none"] = "meet"  #: seen whole, page filled, or stretched
+    share_x: float = 0.5  #: of the free space that lies left of the drawing
+    share_y: float = 0.5  #: above it
+    said: bool = False  #: whether the file says it
+
+    def scales(self, across: float, down: float) -> tuple[float, float]:
+        """The scales of x and y, of those by width and by height."""
+        if self.how == "none":
+            return across, down
+        one = max(across, down) if self.how == "slice" else min(across, down)
+        return one, one
+
+
+def fit_of(text: str | None) -> Fit:
+    """What preserveAspectRatio says; xMidYMid meet where it says nothing that is known."""
+    found = _ASPECT.fullmatch((text or "").strip())
+    if found is None:
+        return Fit()
+    if found["none"]:
+        return Fit("none", said=True)
+    how: Literal["meet", "slice"] = "slice" if found["how"] == "slice" else "meet"
+    return Fit(how, _SHARES[found["x"]], _SHARES[found["y"]], True)

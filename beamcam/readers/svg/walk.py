@@ -26,7 +26,7 @@ from beamcam.readers.svg.layers import layer_of
 from beamcam.readers.svg.page import Page
 from beamcam.readers.svg.path import PathError, Subpath, decimals
 from beamcam.readers.svg.shapes import SHAPES, NumberError, length_of, subpaths_of, view_box
-from beamcam.readers.svg.transform import parse_transform, product, scale, shift
+from beamcam.readers.svg.transform import fit_of, parse_transform, product, scale, shift
 from beamcam.readers.svg.tree import MOST_DEEP, Document, Element
 
 _GROUPS = ("g", "a")
@@ -48,6 +48,9 @@ class Collected(Struct):
     layers: set[str] = field(default_factory=set)  #: names of those with shapes, "" for none
     decimals: int = 0  #: the most digits behind a point in coordinates
     said: list[Diagnostic] = field(default_factory=list)
+
+
+_OF_SYMBOL = ("viewBox", "preserveAspectRatio", "style", "class")
 
 
 class Context(Struct, frozen=True):
@@ -134,10 +137,11 @@ class Walk(Struct):
         if text is None or not width or not height:
             return shift(x, y)
         left, top, across, down = view_box(text)
-        unit = min(width / across, height / down)
-        x += (width - across * unit) / 2 - left * unit
-        y += (height - down * unit) / 2 - top * unit
-        return product(shift(x, y), scale(unit, unit))
+        fit = fit_of(element.get("preserveAspectRatio"))
+        sx, sy = fit.scales(width / across, height / down)
+        x += (width - across * sx) * fit.share_x - left * sx
+        y += (height - down * sy) * fit.share_y - top * sy
+        return product(shift(x, y), scale(sx, sy))
 
     def _length(self, element: Element, side: str) -> float:
         """A side of an element in units of the drawing; 0 if it is not given.
@@ -166,7 +170,7 @@ class Walk(Struct):
         moved = replace(context, matrix=product(context.matrix, shift(x, y)))
         if target.tag == "symbol":
             size = {k: v for k in ("width", "height") if (v := element.get(k))}
-            view = {k: v for k in ("viewBox", "style", "class") if (v := target.get(k))}
+            view = {k: v for k in _OF_SYMBOL if (v := target.get(k))}
             self.element(Element("svg", {**size, **view}, target.line, target.children), moved)
         else:
             self.element(target, moved)

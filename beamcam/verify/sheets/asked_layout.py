@@ -4,6 +4,9 @@
 
 with m the middle of the part's box, M the mirror and then the turn, w and h the size of the box
 around what comes out, s the spacing. Nothing is taken from the planner's layout.
+
+A part by itself that is longer or wider than the sheet, and would not be if its length lay across,
+lies so: M is a quarter turn, unless it was asked to lie in some way.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,6 +17,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve, Line
 from beamcam.machine.torch import Torch
+from beamcam.model.colour import key_of
 from beamcam.model.hatch import hatched
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.verify.sheets import rules
@@ -34,6 +38,8 @@ def as_asked(
         return tuple(parts), []
     said: list[Diagnostic] = []
     laid: list[Part] = []
+    if len(parts) == 1 and _lies_turned(parts[0], torch):
+        torch = replace(torch, rotate=90.0)
     for part in parts:
         if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
             whole = _outlined(part)
@@ -41,6 +47,29 @@ def as_asked(
             part = whole if said else _copied(whole, torch)
         laid.append(hatched(part, torch) if torch.settings else part)
     return tuple(laid), said
+
+
+def _lies_turned(part: Part, torch: Torch) -> bool:
+    asked = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
+    where_drawn = torch.origin == "table" and torch.place != "corner"
+    whole = _outlined(part)
+    if asked or where_drawn or next(_faults(whole, torch), None) is not None:
+        return False
+    worked = [
+        feature for feature in whole.features
+        if not isinstance(feature, Contour)
+        or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
+    ]  # fmt: skip
+    boxes = [box for feature in worked for box in _boxes(feature)]
+    if not boxes:
+        return False
+    long = max(box[2] for box in boxes) - min(box[0] for box in boxes)
+    high = max(box[3] for box in boxes) - min(box[1] for box in boxes)
+
+    def lies(along: float, across: float) -> bool:
+        return along <= torch.length + torch.gap and across <= torch.width + torch.gap
+
+    return lies(high, long) and not lies(long, high)
 
 
 def _faults(part: Part, torch: Torch) -> Iterator[Diagnostic]:

@@ -1,6 +1,6 @@
 """Contours with bridges: several strokes go round one, with a gap between each and the next."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -9,9 +9,11 @@ from beamcam.verify.sheets.work import MITRE, Traced, Work
 
 Bounds = Sequence[tuple[int, int]]
 Beside = tuple[float, float]  #: how far along a curve, and how far away
+Stretch = tuple[int, float, float]  #: of a curve of the part: which, from where, to where along it
 
 MOST_ALONG = 1.75  #: of the contour in a bridge, by the distance of its ends
 WIDEST = 1.5  #: of a bridge that is told to be too wide, by the width of one
+SAMPLED = (0.25, 0.5, 0.75)  #: shares of a stretch of contour where it is asked whether it is cut
 
 
 def join_bridged(work: Work, bounds: Bounds, traced: Sequence[Traced]) -> None:
@@ -75,18 +77,21 @@ def _goes_on(work: Work, traced: Sequence[Traced], k: int) -> bool:
 def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
     """Whether a stroke begins about a bridge's width behind another one, on the same contour.
 
-    That goes on from the one to the other, over corners as well.
+    That goes on from the one to the other, over corners as well, and no stroke runs along it there.
     """
     end, start = work.path.ends[t.last - 1], work.path.starts[following.first]
     width = float(np.hypot(*(start - end)))
     if width > WIDEST * work.tab_width(t.half_kerf):
         return False
     reach = MITRE * t.half_kerf + 2 * work.tolerance
-    return _is_along_contour(work, end, start, reach, MOST_ALONG * width + 2 * reach)
+    routes = _routes(work, end, start, reach, MOST_ALONG * width + 2 * reach)
+    return any(not _is_cut(work, route, t.half_kerf) for route in routes)
 
 
-def _is_along_contour(work: Work, end: Floats, start: Floats, reach: float, most: float) -> bool:
-    """Whether the way along the curves of the part from one place to another is at most `most`.
+def _routes(
+    work: Work, end: Floats, start: Floats, reach: float, most: float
+) -> Iterator[list[Stretch]]:
+    """The ways along the curves of the part from one place to another, each at most `most` long.
 
     Both places are no farther from the curves than `reach`. From curve to curve it goes on where
     ends are no farther apart than the machine's gap.
@@ -102,28 +107,44 @@ def _is_along_contour(work: Work, end: Floats, start: Floats, reach: float, most
         beside = places[int(point)]
         if way not in beside or away < beside[way][1]:
             beside[way] = at, float(away)
-    waiting = [(away, way, at) for way, (at, away) in places[0].items()]
+    waiting: list[tuple[float, int, float, list[Stretch]]] = [
+        (away, way, at, []) for way, (at, away) in places[0].items()
+    ]
     reached: dict[tuple[int, bool], float] = {}
-    found = [np.inf]
     while waiting:
-        done, way, at = waiting.pop()
+        done, way, at, route = waiting.pop()
         if way in places[1]:
             to, away = places[1][way]
-            found.append(done + abs(to - at) + away)
+            if done + abs(to - at) + away <= most:
+                yield [*route, (way, at, to)]
         for is_end, left in ((False, at), (True, float(need.lengths[way]) - at)):
             far = done + left
             if far > most or reached.get((way, is_end), np.inf) <= far:
                 continue
             reached[way, is_end] = far
             place = (need.ends if is_end else need.starts)[way]
+            gone = [*route, (way, at, float(need.lengths[way]) if is_end else 0.0)]
             for ends, other_at in ((need.starts, 0.0 * need.lengths), (need.ends, need.lengths)):
                 near = np.flatnonzero(np.hypot(*(ends - place).T) <= work.torch.gap)
                 waiting += [
-                    (far, int(k), float(other_at[k]))
+                    (far, int(k), float(other_at[k]), gone)
                     for k in near.tolist()
                     if k != way or need.lengths[k] > most
                 ]
-    return min(found) <= most
+
+
+def _is_cut(work: Work, route: Sequence[Stretch], half_kerf: float) -> bool:
+    """Whether nothing holds on a way along the contour: it is cut, or has no length."""
+    if sum(abs(to - at) for _, at, to in route) <= 4 * work.tolerance:
+        return True
+    parts = [(way, at, to) for way, at, to in route if abs(to - at) > work.tolerance / 8]
+    rows = [(way, at + share * (to - at)) for way, at, to in parts for share in SAMPLED]
+    if not rows:
+        return False
+    way, along = np.array(rows).T
+    points = work.need.point(way.astype(np.int64), along)
+    cut = np.unique(work.path.near(points, half_kerf + work.tolerance).point)
+    return len(cut) == len(rows)
 
 
 def _close(work: Work, bounds: Bounds, traced: Sequence[Traced], first: int, last: int) -> bool:

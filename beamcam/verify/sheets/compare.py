@@ -17,6 +17,7 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.sheets.contours import cover
 from beamcam.verify.sheets.direction import direction_faults
+from beamcam.verify.sheets.hole_feeds import hole_faults
 from beamcam.verify.sheets.look_settings import OrderPlace, settings_faults, turn_faults
 from beamcam.verify.sheets.need import Need, shift_of
 from beamcam.verify.sheets.order import order_faults
@@ -106,6 +107,7 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
     said += cover(work, traced)
     said += overcut_faults(work, traced)
     said += direction_faults(work, traced)
+    said += hole_faults(work, traced)
     if work.bridged:
         from beamcam.verify.sheets.tabs import tab_faults
 

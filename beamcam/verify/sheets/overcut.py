@@ -34,7 +34,7 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
             limits = _beside(work, t)
         elif t.members:
             limits = _along(work, t)
-            said += _beyond(work, t.members[-1])
+            said += _beyond(work, t.members[-1], slack)
         elif t.joined or t.closed or not (over := _retraced(work, t)):
             continue
         else:
@@ -51,9 +51,9 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return said[:SHOWN]
 
 
-def _beyond(work: Work, t: Traced) -> list[Diagnostic]:
+def _beyond(work: Work, t: Traced, slack: float) -> list[Diagnostic]:
     """That a stroke runs on from its contour for longer than a lead-out."""
-    if t.beyond <= work.most_lead + 2 * work.tolerance:
+    if t.beyond <= work.most_lead + slack:
         return []
     last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right")) - 1
     place, line = work.path.ends[last], int(work.moves.line[last])

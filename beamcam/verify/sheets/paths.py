@@ -205,6 +205,7 @@ def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
     rows = np.array(kept, dtype=np.int64).reshape(-1, 2)
     starts, ends = work.path.starts[rows[:, 0]], work.path.ends[rows[:, 1] - 1]
     closed = np.hypot(*(ends - starts).T) <= 2 * work.tolerance
+    closed &= ~_gaping(work, starts, ends, closed & (radii == 0.0))
     sizes = np.array([s.last - s.first for s in work.strokes], dtype=np.int64)
     middles = work.moves.end[np.cumsum(sizes) - sizes + sizes // 2]
     boxes = _boxes(work, rows).tolist()
@@ -216,6 +217,30 @@ def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
         )
         for stroke, (first, last), half_kerf, is_closed, (x, y), box in zip(*columns, strict=True)
     ]  # fmt: skip
+
+
+def _gaping(work: Work, starts: Floats, ends: Floats, asked: Flags) -> Flags:
+    """Strokes that end beside their start because the contour has a gap there, wider than `gap`."""
+    found = np.zeros(len(starts), dtype=bool)
+    asked = asked & (np.hypot(*(ends - starts).T) > 2 * work.step)
+    if not asked.any():
+        return found
+    import shapely
+
+    stops = shapely.points(np.concatenate((work.need.starts, work.need.ends)))
+    tree = shapely.STRtree(stops)
+    first, second = tree.query(stops, "dwithin", distance=work.torch.gap)
+    free = np.ones(len(stops), dtype=bool)
+    free[first[first != second]] = False
+    open_ends = stops[free]
+    tree = shapely.STRtree(open_ends)
+    for k in np.flatnonzero(asked).tolist():
+        near = [
+            set(tree.query(shapely.Point(place), "dwithin", distance=2 * work.tolerance).tolist())
+            for place in (starts[k], ends[k])
+        ]
+        found[k] = len(near[0] | near[1]) > 1 and all(near)
+    return found
 
 
 def _round_contours(

@@ -11,6 +11,13 @@ FEED = Rule(
     "found a feed of {found} mm/min to {process}; expected {expected}",
     "The feed is not that of the machine's file for this sheet.",
 )
+HOLE_FEED = Rule(
+    "verify-sheet-hole-feed",
+    _E,
+    "found the contour of {contour} cut at {found} of its feed; expected {expected}",
+    "Small holes are cut slower, by `hole_diameter` and `hole_feed_share` of the row; nothing else "
+    "is.",
+)
 RAMP = Rule(
     "verify-sheet-ramp",
     _E,
@@ -241,6 +248,6 @@ LAID = Rule(
 RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, HEIGHT, THC, OUTPUT, MATERIAL, CORNER, TOOL,
     RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN,
-    RESTART, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, ORDER, SETTINGS,
+    RESTART, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT, HOLE_FEED, LEAD, PIERCE, ORDER, SETTINGS,
     TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

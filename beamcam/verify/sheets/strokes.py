@@ -23,7 +23,7 @@ from beamcam.controllers.moves import Moves, TableRun
 from beamcam.controllers.rules import SHEET_END
 from beamcam.controllers.table_words import IDLE_SWITCHES, STOPS, tool_words
 from beamcam.errors import Diagnostic, Rule, Source
-from beamcam.geometry.array_types import Counts
+from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import key_for
@@ -33,6 +33,7 @@ from beamcam.model.description import PART_DATA
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.ability import expected_feeds
 from beamcam.verify.sheets.controller_state import ControllerState, Setting
+from beamcam.verify.sheets.corner_feeds import NearCorners, near_corners
 
 ENDS = (2, 30)
 _TURNING = (3, 4, 5)  #: M words of a spindle or a tool
@@ -58,6 +59,7 @@ class HeadStroke(Struct):
     passes: int = 1
     waits_s: float = 0.0  #: that the controller waits by itself until it is through
     alike: tuple[TorchRow, ...] = ()  #: rows that its words and its feed stand for as well
+    in_hole: bool | None = None  #: whether its feed is that of a small hole; None: of either
 
     @property
     def process(self) -> TorchProcess:
@@ -143,6 +145,7 @@ class _Head:
             for said in words.on:
                 self._starting.setdefault(said, []).append(words)
         self._name = name
+        self._step = machine.format.resolution
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
         self._started: list[_Started] = []
@@ -294,18 +297,50 @@ class _Head:
                 )  # fmt: skip
 
     def _check_feeds(self, moves: Moves, owner: Counts) -> None:
-        """Whether each move has the feed of its row, or the one that the axes can follow."""
+        """Whether each move has the feed of its row, or the one that the axes can follow.
+
+        Near corners and in small holes that is a share of it; which contours are small holes is
+        looked at when these are known.
+        """
         rows = [one.stroke.row for one in self._started]
         asked = np.array([row.feed_mm_min for row in rows])[owner] if rows else np.zeros(0)
-        feeds = asked
-        if self._state.limits is not None:
-            feeds = expected_feeds(moves, asked, self._state.limits)
-        slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
-        for k in np.flatnonzero(np.abs(moves.feed_mm_min - feeds) > slack):
+        feeds, fits = self._fit(moves, asked)
+        wrong = ~fits
+        for number, row in enumerate(rows):
+            if row.slows_holes or row.slows_corners:
+                own = np.flatnonzero(owner == number)
+                feeds[own], wrong[own] = self._slowed(moves.take(own), row, number)
+        for k in np.flatnonzero(wrong):
             self._wrong(
                 rules.FEED, int(moves.line[k]), found=f"{moves.feed_mm_min[k]:g}",
                 process=rows[owner[k]].process, expected=f"{feeds[k]:g}",
             )  # fmt: skip
+
+    def _fit(self, moves: Moves, asked: Floats) -> tuple[Floats, Flags]:
+        """The feed of each move of which so much is asked, and whether it has that."""
+        feeds = asked.copy()
+        if self._state.limits is not None:
+            feeds = expected_feeds(moves, asked, self._state.limits)
+        slack = np.where(feeds < asked, LOWERED_SLACK, FEED_SLACK) * feeds + self._feed_step
+        return feeds, np.abs(moves.feed_mm_min - feeds) <= slack
+
+    def _slowed(self, moves: Moves, row: TorchRow, number: int) -> tuple[Floats, Flags]:
+        """The feeds of the moves of a stroke, and which are wrong: by the likelier of its feeds."""
+        full = np.full(len(moves), row.feed_mm_min)
+        near = NearCorners(np.zeros(len(moves), dtype=bool), np.ones(len(moves), dtype=bool))
+        if row.slows_corners:
+            near = near_corners(moves, row, self._step)
+        found = []
+        for share in (1.0, row.hole_feed_share) if row.slows_holes else (1.0,):
+            fast, is_fast = self._fit(moves, full * share)
+            slow, is_slow = self._fit(moves, full * min(share, row.corner_share))
+            wrong = (near.slow & ~is_slow) | (near.fast & ~is_fast) | ~(is_slow | is_fast)
+            found.append((np.where(near.slow, slow, fast), wrong))
+        stroke = self._started[number].stroke
+        counts = [int(wrong.sum()) for _, wrong in found]
+        if len(found) > 1 and counts[0] != counts[1]:
+            stroke.in_hole = counts[1] < counts[0]
+        return found[int(bool(stroke.in_hole))]
 
 
 def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[TableEvent]]) -> _Words:

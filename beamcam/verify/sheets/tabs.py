@@ -53,7 +53,7 @@ def tab_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     rings = [t for t in traced if t.members]
     polygons = [t.inside() for t in rings]
     said: list[Diagnostic] = []
-    depths = _depths(polygons)
+    depths = ring_depths(polygons)
     corners = _corners(work) if work.torch.min_tab_to_corner else np.zeros((0, 2))
     for t, polygon, depth in zip(rings, polygons, depths, strict=True):
         is_ring = polygon is not None and polygon.area > MIN_WIDTH * polygon.length
@@ -61,7 +61,7 @@ def tab_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return said[:SHOWN]
 
 
-def _depths(polygons: Sequence["shapely.Polygon | None"]) -> list[int | None]:
+def ring_depths(polygons: Sequence["shapely.Polygon | None"]) -> list[int | None]:
     """Number of larger rings around each; None where one crosses it."""
     shapes = np.array([shapely.Polygon() if p is None else p for p in polygons], dtype=object)
     tree = shapely.STRtree(shapes)

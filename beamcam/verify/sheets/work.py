@@ -225,7 +225,7 @@ def work_of(
         region = region_of(toolpaths, np.array(need.features[process]), torch.gap, fine)
         joined = region.apart
     else:
-        tolerance += _loose(toolpaths, torch.gap)
+        tolerance += widest_joint(toolpaths, torch.gap)
         joined = np.zeros(len(curves))
     slack = tolerance + joined
     return Work(
@@ -251,7 +251,7 @@ def _half_kerf(process: TorchProcess, strokes: Sequence[HeadStroke], torch: Torc
     return max((s.row.kerf / 2 for s in strokes), default=0.0)
 
 
-def _loose(need: Toolpaths, gap: float) -> float:
+def widest_joint(need: Toolpaths, gap: float) -> float:
     """The widest gap between two ends that had to be joined."""
     opened = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
     starts, ends = need.starts[opened], need.ends[opened]

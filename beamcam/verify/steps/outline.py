@@ -16,6 +16,7 @@ from beamcam.verify.polylines import DrawnPath, compare_polylines
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of
 from beamcam.verify.sheets.texts import text_process
 from beamcam.verify.sheets.toolpaths import Toolpaths
+from beamcam.verify.sheets.work import widest_joint
 from beamcam.verify.steps import rules
 from beamcam.verify.steps.speeds import (
     Observed,
@@ -153,6 +154,7 @@ class OutlineCheck:
             for process, curves in need.curves.items():
                 toolpaths = Toolpaths(list(curves), fine, shift)
                 most = rounding + self.torch.tolerance + beside(process, part, self.torch)
+                most += widest_joint(toolpaths, self.torch.gap)
                 self.tracks[process] = _Track(toolpaths, most, fine)
 
     def begin(self, line: int) -> None:

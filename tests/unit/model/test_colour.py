@@ -11,6 +11,7 @@ from beamcam.model.colour import (
     colour_name,
     hue_deg,
     hue_distance_deg,
+    key_of,
     nearest_colour,
     parse_colour,
     process_of,
@@ -112,3 +113,19 @@ def contour(layer: str | None, colour: str | None) -> Contour:
 def test_processes(layer: str | None, colour: str | None, process: str | None) -> None:
     table = {"score": "mark", "red": "cut", "Blue": "punch", "#000": "engrave"}
     assert process_of(contour(layer, colour), table) == process  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("layer", "colour", "key"),
+    [
+        ("score", "#ff0000", "score"), ("0", "#ed3237", "red"), ("0", "#123456", "*"),
+        ("late", "#123456", "*"), (None, "#00ff00", "*"), ("any", None, "*"), (None, None, "*"),
+    ],
+)  # fmt: skip
+def test_a_star_stands_for_what_no_key_before_it_names(
+    layer: str | None, colour: str | None, key: str
+) -> None:
+    """So that keys behind it, those of the machine, do not count."""
+    table = ("score", "red", "*", "late", "lime")
+    assert key_of(contour(layer, colour), table) == key
+    assert key_of(contour("x", "#123456"), ()) is None

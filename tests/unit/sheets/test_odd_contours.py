@@ -1,12 +1,14 @@
 """Contours that cross one another or themselves, that double back, and needles."""
 
 import re
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from beamcam.errors import PlanError
+from beamcam.errors import PlanError, Severity
 from beamcam.geometry.curves import Bezier, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Part
@@ -193,3 +195,35 @@ def test_what_lies_beside_a_contour_drawn_twice_may_be_cut_after_it() -> None:
         contour(circle(50, 50, 50.8), line=4),
     )  # fmt: skip
     assert post((drawing(*features),), table("plate-codesys")).text
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    side=st.integers(0, 3), share=st.floats(0, 1), back=st.floats(1e-10, 9.9e-4),
+    kind=st.sampled_from(["step", "out", "in", "sharp"]), drawn=st.booleans(),
+)  # fmt: skip
+def test_a_step_back_of_a_micrometre_is_no_fault(
+    side: int, share: float, back: float, kind: str, drawn: bool
+) -> None:
+    """A contour that runs back along itself by less than 0.001 mm is cut as if it did not."""
+    corners = [(0.0, 0.0), (80.0, 0.0), (80.0, 60.0), (0.0, 60.0)]
+    (x0, y0), (x1, y1) = corners[side], corners[(side + 1) % 4]
+    ux, uy = (x1 - x0) / hypot(x1 - x0, y1 - y0), (y1 - y0) / hypot(x1 - x0, y1 - y0)
+    x, y = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
+    odd = {
+        "step": [(x, y), (x - back * ux, y - back * uy)],
+        "out": [(x, y), (x + back * uy, y - back * ux), (x, y)],
+        "in": [(x, y), (x - back * uy, y + back * ux), (x, y)],
+        "sharp": [(x, y), (x - back * ux, y - back * uy), (x + back / 10 * uy, y - back / 10 * ux)],
+    }[kind]
+    points = [*corners[: side + 1], *odd, *corners[side + 1 :]]
+    curves = lines(*points)
+    features = (
+        [contour((one,), line=k + 1) for k, one in enumerate(curves)]
+        if drawn
+        else [contour(curves)]
+    )
+    part = drawing(*features, thickness=3.0)
+    posted = post((part,), table("plate-linuxcnc", thickness=3.0))
+    assert len(posted.plan.operations) == 1
+    assert not [d for d in posted.remarks if d.severity is Severity.ERROR]

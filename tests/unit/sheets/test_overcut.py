@@ -18,7 +18,7 @@ from beamcam.machine.torch import LookSettings
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
-from tests.unit.sheets.parts import box, circle, contour, drawing
+from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 from tests.unit.sheets.test_tabs import PART, STROKE, WORD
 
 GRBL = load("laser-grbl")
@@ -190,3 +190,35 @@ def test_a_path_that_comes_by_its_start_is_no_overcut() -> None:
     posted = post(parts, machine)
     assert "plan-open-cut" in {d.code for d in posted.remarks}
     assert posted.text.count("M3 S1") == 1
+
+
+@pytest.mark.parametrize("tabs", [0, 2])
+@pytest.mark.parametrize("gap", [0.011, 0.02, 0.04])
+@pytest.mark.parametrize("name", ["laser-stepper", "laser-grbl"])
+def test_no_overcut_is_asked_of_a_contour_with_a_gap(name: str, gap: float, tabs: int) -> None:
+    """A gap wider than the machine closes, and narrower than what its paths may be off."""
+    points = [(0.0, 0.0), (20.0, 0.0), (20.0, 40.0 - gap)]
+    curves = (
+        *lines(*points, closed=False),
+        *lines((20.0, 40.0), (0.0, 40.0), (0.0, 0.0), closed=False),
+    )
+    part = drawing(*(contour((one,), line=k + 1) for k, one in enumerate(curves)), thickness=3.0)
+    machine = with_torch(
+        load(name), thickness=3.0, overcut=1.0, tabs=tabs, allow_open=True, gap=0.01
+    )
+    posted = post((part,), machine)
+    assert not any(op.closed for op in posted.plan.operations)
+
+
+@pytest.mark.parametrize("gap", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("name", ["laser-stepper", "laser-grbl", "table-simotion"])
+def test_a_gap_that_is_closed_moves_the_path(name: str, gap: float) -> None:
+    """Both ends may move by half of it; what the steps do there is no fault."""
+    curves = (
+        *lines((0.0, 0.0), (20.0, 0.0), (20.0, 40.0), closed=False),
+        *lines((20.0 - gap, 40.0), (0.0, 40.0), (0.0, 0.0), closed=False),
+    )
+    part = drawing(*(contour((one,), line=k + 1) for k, one in enumerate(curves)), thickness=3.0)
+    machine = with_torch(load(name), thickness=3.0, gap=1.01 * gap)
+    posted = post((part,), machine)
+    assert all(op.closed for op in posted.plan.operations)

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
-from beamcam.model.part import Part
+from beamcam.model.part import Contour, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import post, whole_job
 from beamcam.planning.contours.direction import stretch
@@ -175,3 +175,45 @@ def test_an_inner_contour_with_a_bridge_is_refused_unless_asked_for() -> None:
     for made, machine in ((both, outer), (outer, both)):
         said = verify_sheet(post((PART,), made).text, (PART,), machine)
         assert {one.code for one in said} == {"verify-sheet-tabs"}
+
+
+def open_line(*curves: Curve, line: int) -> Contour:
+    return replace(contour(curves, line=line), kind="open", closed=False)
+
+
+@pytest.mark.parametrize("overcut", [0.0, 1.0])
+@pytest.mark.parametrize(
+    "lines_cut",
+    [
+        (Line((100, 10), (100.6, 10)),),
+        (Line((100, 10), (100.6, 10)), Line((100.6, 10), (100, 10))),
+        (Arc((0.5, 59.625), 0.625, 36.86989764584402, 106.26020470831199),),
+    ],
+    ids=["short line", "there and back", "arc with both ends on an edge"],
+)
+def test_what_is_cut_is_no_bridge(lines_cut: tuple[Curve, ...], overcut: float) -> None:
+    """Open cuts whose ends are as far apart as a bridge is wide, by themselves or on a contour."""
+    part = drawing(contour(box(0, 0, 80, 60)), open_line(*lines_cut, line=2), thickness=3.0)
+    machine = asked(tabs=2, tab_width=1.0, overcut=overcut, allow_open=True)
+    text = post((part,), machine).text
+    assert not verify_sheet(text, (part,), machine)
+
+
+@pytest.mark.parametrize("overcut", [0.3, 0.6, 1.0])
+@pytest.mark.parametrize("tabs", [0, 1, 2])
+@pytest.mark.parametrize("radius", [0.7, 1.1, 3.0])
+def test_overcut_of_a_ring_of_cubics(radius: float, tabs: int, overcut: float) -> None:
+    """Where its overcut begins a move ends, whatever arcs are fitted to it."""
+    k = 0.5522847498 * radius
+    at = [(radius, 0), (0, radius), (-radius, 0), (0, -radius), (radius, 0)]
+    ring = tuple(
+        Bezier(
+            ((20 + x0, 20 + y0), (20 + x0 - k / radius * y0, 20 + y0 + k / radius * x0),
+             (20 + x1 + k / radius * y1, 20 + y1 - k / radius * x1), (20 + x1, 20 + y1))
+        )
+        for (x0, y0), (x1, y1) in pairwise(at)
+    )  # fmt: skip
+    part = drawing(contour(ring), thickness=3.0)
+    machine = asked(tabs=tabs, tab_width=0.8, overcut=overcut)
+    text = post((part,), machine).text
+    assert not verify_sheet(text, (part,), machine)

@@ -1,13 +1,16 @@
 """Text, binary, damaged and foreign files."""
 
+import re
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from beamcam import readers
 from beamcam.readers import dxf
 from beamcam.readers.dxf.load import looks_like
-from tests.dxf_text import codes, curves_of, drawing, length_of, line, tags
+from tests.dxf_text import codes, curves_of, drawing, length_of, line, polyline, spline, tags
 from tests.dxf_text import section as a_section
 
 SAMPLES = Path(__file__).parents[4] / "samples"
@@ -112,3 +115,49 @@ def test_options_reach_the_readers_that_take_them() -> None:
     assert readers.read(data, "a.dxf", width=3, layers=None).parts[0].length == 10
     plate = (SAMPLES / "dstv" / "plate.nc1").read_bytes()
     assert not readers.read(plate, "plate.nc1", units="in").refused
+
+
+places = st.tuples(*[st.integers(-900, 900).map(lambda n: n / 8)] * 2)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    rows=st.lists(
+        st.tuples(places, st.sampled_from([0.0, 0.5, -1.0])),
+        min_size=2,
+        max_size=6,
+        unique_by=lambda row: row[0],
+    ),
+    closed=st.booleans(),
+    control=st.lists(places, min_size=4, max_size=6, unique=True),
+    version=st.sampled_from(["AC1009", "AC1015", "AC1027"]),
+    ends=st.sampled_from(["\n", "\r\n"]),
+)
+def test_polylines_and_splines_without_subclass_markers_are_read(
+    rows: list[tuple[tuple[float, float], float]],
+    closed: bool,
+    control: list[tuple[float, float]],
+    version: str,
+    ends: str,
+) -> None:
+    """As if the markers were there, and told; those of other entities stay."""
+    n = len(control)
+    knots = [0.0] * 4 + [float(k) for k in range(1, n - 3)] + [n - 3.0] * 4
+    shapes = polyline([(x, y, bulge) for (x, y), bulge in rows], closed) + spline(control, knots)
+    bare = re.sub(r"100\nAcDb\w+\n", "", shapes).replace("8\n0\n", "8\nCUT\n62\n1\n")
+    marked = shapes.replace("8\n0\n", "8\nCUT\n62\n1\n")
+    other = line(-500, -500, -400, -500)
+    whole, without = (drawing(other + some, version=version) for some in (marked, bare))
+    without = without.replace(b"\n", ends.encode())
+    assert curves_of(without) == curves_of(whole)
+    assert sorted(codes(without)) == sorted([*codes(whole), "dxf-subclasses"])
+    (part,) = dxf.read(without, "a.dxf").parts
+    assert {(c.layer, c.colour) for c in part.contours} == {("0", "#ffffff"), ("CUT", "#ff0000")}
+
+
+def test_brackets_of_an_entity_without_markers_stay_together() -> None:
+    reactors = ((102, "{ACAD_REACTORS"), (330, "1F"), (102, "}"), (330, "2"))
+    bare = tags((0, "LWPOLYLINE"), (5, "A"), *reactors, (8, "0"), (90, 2), (70, 0),
+                (10, 0), (20, 0), (10, 5), (20, 0))  # fmt: skip
+    assert length_of(drawing(bare)) == 5
+    assert codes(drawing(bare)) == ["dxf-subclasses"]

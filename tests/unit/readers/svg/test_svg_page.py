@@ -162,6 +162,50 @@ def test_a_drawing_stands_where_the_page_says(aspect: str, low: float) -> None:
     assert box[1] == pytest.approx(low, abs=1e-9)
 
 
+#: What each value makes of a square of 100 on a page of 200 x 100 mm, y up: box of the square.
+FITS = [
+    ("xMinYMid meet", (0, 0, 100, 100)), ("xMidYMid", (50, 0, 150, 100)),
+    ("xMaxYMin meet", (100, 0, 200, 100)), ("defer xMaxYMax", (100, 0, 200, 100)),
+    ("xMidYMin slice", (0, -100, 200, 100)), ("xMinYMid slice", (0, -50, 200, 150)),
+    ("xMaxYMax slice", (0, 0, 200, 200)), ("none", (0, 0, 200, 100)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("aspect", "box"), FITS)
+@pytest.mark.parametrize("unit", ["mm", ""])
+def test_the_page_says_how_a_drawing_lies_in_it(
+    aspect: str, box: tuple[float, ...], unit: str
+) -> None:
+    """With it a page of other proportions than its viewBox contradicts nothing."""
+    size = (200, 100) if unit else (200 * 96 / 25.4, 100 * 96 / 25.4)
+    head = f'width="{size[0]}{unit}" height="{size[1]}{unit}" viewBox="0 0 100 100" '
+    made_by = "<!-- Creator: CorelDRAW X6 -->"
+    found = box_of(made_by + SQUARE.format(100), head + f'preserveAspectRatio="{aspect}"')
+    assert found == pytest.approx(box, abs=1e-9)
+
+
+@pytest.mark.parametrize(("aspect", "box"), FITS)
+@pytest.mark.parametrize("form", ["svg", "symbol"])
+def test_what_lies_inside_says_it_too(aspect: str, box: tuple[float, ...], form: str) -> None:
+    kept = f'viewBox="0 0 100 100" preserveAspectRatio="{aspect}"'
+    square, size = SQUARE.format(100), 'width="200" height="100"'
+    body = (
+        f"<svg {size} {kept}>{square}</svg>"
+        if form == "svg"
+        else f'<defs><symbol id="s" {kept}>{square}</symbol></defs><use href="#s" {size}/>'
+    )
+    x0, y0, x1, y1 = box
+    expected = x0, y0 + 100, x1, y1 + 100  # the upper half of the page
+    assert box_of(body, sizes(200, "mm", 200)) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("aspect", ["", "xMid", "xMidYMid meat", "stretch"])
+def test_what_says_nothing_leaves_the_contradiction(aspect: str) -> None:
+    head = 'width="200mm" height="100mm" viewBox="0 0 100 100" '
+    reading = read(SQUARE.format(100), head + f'preserveAspectRatio="{aspect}"')
+    assert [d.code for d in reading.diagnostics] == ["svg-size-contradict"]
+
+
 def test_a_stretched_page_has_two_scales() -> None:
     head = 'width="100mm" height="50mm" viewBox="0 0 100 100" preserveAspectRatio="none"'
     assert box_of(SQUARE.format(100), head) == pytest.approx((0, 0, 100, 50))
