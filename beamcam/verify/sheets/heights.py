@@ -24,6 +24,7 @@ from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
 SLACK = 0.001  #: mm, and half of what the program's numbers step by
+SECONDS_PER_MINUTE = 60.0
 SLOWER = 0.99  #: share of the row's feed below which a move is one in a small hole or at a corner
 
 
@@ -56,6 +57,8 @@ class _Watch:
         self._rapid, self._feeds = moves.rapid, moves.feed_mm_min
         self._torch, self._name = torch, name
         self._follows = torch.z == "program"
+        speeds = [axis.speed for axis in machine.axes if axis.moves == "Z"]
+        self._fastest = min(speeds, default=inf) * SECONDS_PER_MINUTE
         self._slack = SLACK + machine.format.resolution / 2
         self._height = nan
         self._touched = torch.touch == "none"  #: since the torch was traversed, or ever
@@ -133,8 +136,7 @@ class _Watch:
             self._height, self._touched, self._zeroed = event.height, True, False
             if self._stroke is not None:
                 yield self._fault(rules.HEIGHT, event.line, "a touch with the tool on", "it off")
-            if event.feed_mm_min == 0.0:
-                yield self._fault(rules.HEIGHT, event.line, "a touch without a feed", "F before")
+            yield from self._feed(event, "a touch")
         elif isinstance(event, Lift):
             yield from self._lift(event)
 
@@ -153,6 +155,8 @@ class _Watch:
     def _lift(self, event: Lift) -> Iterator[Diagnostic]:
         """What is wrong with a move up or down."""
         self._height = event.end
+        if not event.rapid:
+            yield from self._feed(event, "a move in Z")
         found = f"a move in Z to where the torch is {_shown(event.end)}"
         expected = ""
         if not self._zeroed:
@@ -161,8 +165,6 @@ class _Watch:
             expected = "a Z that counts from the sheet, or the machine's top (torch.top)"
         elif event.end < -self._slack:
             expected = "0 or more, as only a touch goes farther"
-        elif not event.rapid and event.feed_mm_min == 0.0:
-            found, expected = "a move in Z without a feed", "F before"
         elif self._stroke is not None:
             row = self._stroke.row
             least, most = sorted((row.cut_height, row.pierce_height or row.cut_height))
@@ -174,6 +176,13 @@ class _Watch:
                 expected = f"{least:g} to {most:g} mm with the tool on"
         if expected:
             yield self._fault(rules.HEIGHT, event.line, found, expected)
+
+    def _feed(self, event: Lift | Touch, what: str) -> Iterator[Diagnostic]:
+        """Whether Z is fed, and no faster than its axis goes; a macro's feed is its own."""
+        feed = event.feed_mm_min
+        if feed <= 0.0 or feed > self._fastest:
+            expected = f"up to {self._fastest:g} mm/min" if self._fastest < inf else "F before"
+            yield self._fault(rules.HEIGHT, event.line, f"{what} at a feed of {feed:g}", expected)
 
     def ends(self, line: int) -> Iterator[Diagnostic]:
         """What is wrong when the program ends."""
