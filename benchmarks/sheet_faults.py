@@ -1,14 +1,16 @@
 """Ways to make a table's program wrong that leave its contours where they are, all to be refused.
 
 By classes: the order of cuts, the state of tool and controller, the limits of the machine, leads,
-and the direction of cuts. Each changes one place of a program at random, or gives None where the
-program has nothing of the kind.
+the direction of cuts, the height of the torch and what holds it there, and what is switched
+besides. Each changes one place of a program at random, or gives None where the program has nothing
+of the kind.
 """
 
 import random
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 
 from beamcam.errors import Severity, errors_in
 from beamcam.geometry.curves import Arc
@@ -29,10 +31,11 @@ Fault = Callable[[Lines, random.Random], Lines | None]
 TABLES: tuple[tuple[str, dict[str, object]], ...] = (
     ("plate-linuxcnc", {}), ("plate-linuxcnc", {"kerf_by": "machine", "lead": "line"}),
     ("plate-linuxcnc", {"tabs": 2}), ("plate-codesys", {}), ("plate-oxyfuel", {"thickness": 10.0}),
-    ("laser-grbl", {"material": "wood", "kerf_by": "offset"}),
+    ("laser-grbl", {"material": "wood", "kerf_by": "offset"}), ("plate-mach3", {}),
+    ("plate-qtplasmac", {}),
 )  # fmt: skip
-TOOL_ON = re.compile(r"^(?:N\d+ )?(?:M0?3(?: S1)?|M4 S\S+(?: F\S+)?)$")
-TOOL_OFF = re.compile(r"^(?:N\d+ )?M0?5$")
+TOOL_ON = re.compile(r"^(?:N\d+ )?(?:M0?3(?: \$0)?(?: S1)?|M4 S\S+(?: F\S+)?)$")
+TOOL_OFF = re.compile(r"^(?:N\d+ )?M0?5(?: \$0)?$")
 MOVE = re.compile(r"^(?:N\d+ )?G0?([123]) X\S+ Y\S+")
 
 
@@ -172,12 +175,182 @@ def _place(line: str) -> tuple[float, float]:
     return float(found[1]), float(found[2])
 
 
+def _one(program: Lines, chance: random.Random, pattern: str) -> int | None:
+    """The number of a line of the pattern; None if there is none."""
+    found = [k for k, line in enumerate(program) if re.fullmatch(pattern, line)]
+    return chance.choice(found) if found else None
+
+
+def _changed(
+    program: Lines, chance: random.Random, pattern: str, *blocks: str, more: int = 1
+) -> Lines | None:
+    """Other blocks in the place of one of a pattern, and of those behind it up to `more`."""
+    at = _one(program, chance, pattern)
+    return None if at is None else [*program[:at], *blocks, *program[at + more :]]
+
+
+def _turned_round(program: Lines, chance: random.Random, first: str, last: str) -> Lines | None:
+    """Two blocks, one right behind the other, in the other order."""
+    pairs = [
+        k for k, (a, b) in enumerate(pairwise(program))
+        if re.fullmatch(first, a) and re.fullmatch(last, b)
+    ]  # fmt: skip
+    if not pairs:
+        return None
+    at = chance.choice(pairs)
+    return [*program[:at], program[at + 1], program[at], *program[at + 2 :]]
+
+
+def pierced_at_another_height(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"G0 Z3\.8", f"G0 Z{chance.choice((0.5, 2.8, 5, 12))}")
+
+
+def cut_at_another_height(program: Lines, chance: random.Random) -> Lines | None:
+    height = chance.choice((0.4, 1.2, 2, 3.8, 6))
+    return _changed(program, chance, r"G1 Z1\.5 F1500", f"G1 Z{height} F1500")
+
+
+def down_as_a_traverse(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"G1 Z1\.5 F1500", "G0 Z1.5")
+
+
+def never_down_to_the_cut(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"G1 Z1\.5 F1500")
+
+
+def traverse_between_the_heights(program: Lines, chance: random.Random) -> Lines | None:
+    low = chance.choice(([], ["G0 Z5"], ["G0 Z19"]))
+    return _changed(program, chance, r"G0 Z20", *low)
+
+
+def no_touch(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"G31 Z-150 F600")
+
+
+def no_zero_behind_the_touch(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"G92 Z-3")
+
+
+def another_zero(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"G92 Z-3", f"G92 Z{chance.choice((-2.5, 0, 3, -30))}")
+
+
+def up_before_the_tool_is_off(program: Lines, chance: random.Random) -> Lines | None:
+    at = _one(program, chance, r"M121")
+    return None if at is None else [*program[:at], "M121", "G0 Z20", "M5", *program[at + 4 :]]
+
+
+def zero_left_for_the_next_program(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"G92\.1")
+
+
+def never_up_at_first(program: Lines, chance: random.Random) -> Lines | None:
+    at = next((k for k, line in enumerate(program) if line == "G53 G0 Z0"), None)
+    return None if at is None else [*program[:at], *program[at + 1 :]]
+
+
+def held_as_it_pierces(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"M3", "M120", "M3") if "M120" in program else None
+
+
+def not_held(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"M120")
+
+
+def held_as_it_stops(program: Lines, chance: random.Random) -> Lines | None:
+    found = _turned_round(program, chance, r"M121", r"M5")
+    return _changed(program, chance, r"M121") if chance.random() < 0.5 else found
+
+
+def held_in_a_small_hole(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"M62 P2")
+
+
+def not_held_behind_a_small_hole(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"M63 P2")
+
+
+def share_left_behind_a_small_hole(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"M67 E3 Q0")
+
+
+def another_share(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"M67 E3 Q60", f"M67 E3 Q{chance.choice((30, 61, 90, 100))}")
+
+
+def share_left_for_the_next_program(program: Lines, chance: random.Random) -> Lines | None:
+    at = next((k for k in reversed(range(len(program))) if program[k] == "M68 E3 Q0"), None)
+    return None if at is None else [*program[:at], "M68 E3 Q50", *program[at + 1 :]]
+
+
+def another_material(program: Lines, chance: random.Random) -> Lines | None:
+    at = next((k for k, line in enumerate(program) if line.startswith("(o=0")), None)
+    if at is None:
+        return None
+    name = chance.choice(("ph", "pd", "ch", "fr", "kw", "ca", "cv"))
+    other = re.sub(rf"\b{name}=[\d.]+", f"{name}=7.7", program[at])
+    return [*program[:at], other, *program[at + 1 :]]
+
+
+def no_material(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"\(o=0.*")
+
+
+def places_of_the_scribe(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"T0 M6", more=2)
+
+
+def oxygen_without_the_flame(program: Lines, chance: random.Random) -> Lines | None:
+    return _changed(program, chance, r"M64 P0")
+
+
+def flame_too_short(program: Lines, chance: random.Random) -> Lines | None:
+    at = _one(program, chance, r"M64 P0")
+    seconds = ([], ["G4 P1"])
+    return None if at is None else [*program[: at + 1], *chance.choice(seconds), *program[at + 2 :]]
+
+
+def oxygen_before_the_flame(program: Lines, chance: random.Random) -> Lines | None:
+    at = _one(program, chance, r"M64 P0")
+    if at is None:
+        return None
+    flame, wait, oxygen = program[at : at + 3]
+    return [*program[:at], oxygen, flame, wait, *program[at + 3 :]]
+
+
+def flame_off_before_the_oxygen(program: Lines, chance: random.Random) -> Lines | None:
+    return _turned_round(program, chance, r"M5", r"M65 P0")
+
+
+def flame_left_on(program: Lines, chance: random.Random) -> Lines | None:
+    at = next((k for k in reversed(range(len(program))) if program[k] == "M65 P0"), None)
+    return None if at is None else [*program[:at], *program[at + 1 :]]
+
+
+def output_left_on(program: Lines, chance: random.Random) -> Lines | None:
+    """An output of which nothing is known is switched."""
+    if not any("M64" in line or "M62" in line for line in program):
+        return None
+    at = next(k for k, line in enumerate(program) if line.startswith("G0 X"))
+    return _put(program, at, "M64 P9")
+
+
 BY_CLASS: dict[str, tuple[Fault, ...]] = {
     "order": (outline_before_its_openings,),
     "state": (dwell_in_mid_cut, off_and_on_in_mid_cut, tool_left_on, compensation_not_asked,
               corners_rounded, inches),
     "limits": (off_the_table, faster_than_the_axes),
     "leads": (pierced_in_the_contour, pierced_in_the_part),
+    "heights": (pierced_at_another_height, cut_at_another_height, down_as_a_traverse,
+                never_down_to_the_cut, traverse_between_the_heights, no_touch,
+                no_zero_behind_the_touch, another_zero, up_before_the_tool_is_off,
+                zero_left_for_the_next_program, never_up_at_first),
+    "held": (held_as_it_pierces, not_held, held_as_it_stops, held_in_a_small_hole,
+             not_held_behind_a_small_hole),
+    "switched": (share_left_behind_a_small_hole, another_share, share_left_for_the_next_program,
+                 another_material, no_material, places_of_the_scribe, oxygen_without_the_flame,
+                 flame_too_short, oxygen_before_the_flame, flame_off_before_the_oxygen,
+                 flame_left_on, output_left_on),
 }  # fmt: skip
 
 
@@ -189,6 +362,7 @@ def sheet() -> Part:
         (
             contour(outline, "#ff0000"),
             contour((Arc((45.0, 40.0), 22.0, 0.0, 360.0),), "#ff0000"),
+            contour((Arc((80.0, 84.0), 8.0, 0.0, 360.0),), "#ff0000"),
             contour(window, "#ff0000"),
             contour(lines((105.0, 85.0), (135.0, 85.0), closed=False), "#0000ff"),
         ),

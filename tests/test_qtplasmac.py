@@ -115,12 +115,18 @@ MUTANTS = [
     ("T1 M6\nG43 H0\n", "", "verify-sheet-output"),
     ("T1 M6\nG43 H0\nG0 X{scribe}\nM3 $1", "G0 X{scribe}\nT1 M6\nG43 H0\nM3 $1",
      "verify-sheet-word"),
-    ("M3 $0 S1\n", "M3 $0 S1\nM62 P2\n", "verify-sheet-thc"),
+    ("M3 $0 S1\nF2300\nG", "M3 $0 S1\nF2300\nM62 P2\nG", "verify-sheet-thc"),
+    ("M67 E3 Q60\nM62 P2\n", "M67 E3 Q60\n", "verify-sheet-thc"),
+    ("M67 E3 Q60\nM62 P2\n", "M62 P2\n", "verify-sheet-hole-feed"),
+    ("M67 E3 Q60\nM62 P2\n", "M67 E3 Q40\nM62 P2\n", "verify-sheet-feed"),
+    ("M67 E3 Q0\nM63 P2\nM5 $0\n", "M67 E3 Q0\nM5 $0\n", "verify-sheet-thc"),
+    ("M67 E3 Q0\nM63 P2\nM5 $0\n", "M63 P2\nM5 $0\n", "verify-sheet-hole-feed"),
+    ("M67 E3 Q60\nM62 P2\n", "", "verify-sheet-hole-feed"),
     ("M68 E3 Q0\nM65 P2\nG0", "M68 E3 Q0\nM64 P2\nG0", "verify-sheet-thc"),
     ("M68 E3 Q0\nM65 P2\nG0", "M68 E3 Q60\nM65 P2\nG0", "verify-sheet-output"),
     ("M68 E3 Q0\nM52", "M68 E3 Q60\nM52", ""),
     ("M52 P1\nM68 E3 Q0", "M52 P1\nM68 E3 Q60", "verify-sheet-feed"),
-    ("M3 $0 S1\n", "M3 $0 S1\nM67 E3 Q50\n", "verify-sheet-feed"),
+    ("M3 $0 S1\nF2300\nG", "M3 $0 S1\nF2300\nM67 E3 Q50\nG", "verify-sheet-feed"),
     ("M3 $0 S1\n", "M3 $0 S1\nM64 P7\n", "verify-sheet-tool"),
     ("M3 $0 S1\n", "#<pierce-only>=1\nM3 $0 S1\n", "verify-sheet-word"),
     ("M3 $0 S1\n", "#<holes>=2\nM3 $0 S1\n", "verify-sheet-word"),
@@ -162,6 +168,24 @@ def test_what_means_the_same_is_taken(old: str, new: str) -> None:
     assert isinstance(text, str)
     assert old in text
     assert not verify_sheet(text.replace(old, new), (NESTED,), machine)
+
+
+def test_corners_are_slow_without_the_height_control(tmp_path: Path) -> None:
+    """The words of the share stand within the contour, before and behind each corner."""
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'base = "plate-qtplasmac"\n[torch]\n'
+        "rows = [{process = 'cut', material = 'mild steel', up_to = 12, feed_mm_min = 2000, "
+        "kerf = 1.5, corner_share = 0.5, corner_distance = 4}, "
+        "{process = 'mark', up_to = 12, feed_mm_min = 3000}]\n"
+    )
+    machine = load(str(path))
+    text = post((NESTED,), machine).text
+    assert isinstance(text, str)
+    assert text.count("M67 E3 Q50\nM62 P2\n") == text.count("M67 E3 Q0\nM63 P2\n") == 8
+    slow = text.index("M67 E3 Q50\nM62 P2\n")
+    held = text[:slow] + text[slow:].replace("M62 P2\n", "", 1)
+    assert "verify-sheet-thc" in {one.code for one in verify_sheet(held, (NESTED,), machine)}
 
 
 def test_a_material_may_be_chosen_by_its_number(tmp_path: Path) -> None:

@@ -50,8 +50,8 @@ _FIGURES = {
     "station": "1", "diameter": "20", "pitch": "2", "angle": "30", "tilt": "0", "feed": "600",
     "speed": "300", "peck": "5", "power": "1", "pierce": "0.5", "kerf": "1.5", "half_kerf": "0.75",
     "pierce_height": "4", "cut_height": "2", "preheat": "5", "amps": "45", "volts": "120",
-    "number": "1", "clearance": "20", "touch_height": "-1", "material_name": "mild steel",
-    "thickness": "6", "nozzle": "45 A",
+    "share": "60", "number": "1", "clearance": "20", "touch_height": "-1",
+    "material_name": "mild steel", "thickness": "6", "nozzle": "45 A",
     "acceleration": "100", "ratio": "0.5", "string": "A1", "face": "1",
     "tool_name": "drill 20",
 }  # fmt: skip
@@ -305,6 +305,8 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     for key, (x, y, i, j) in _CURVES.items():
         if getattr(words, key):
             lines += (*start, *_filled(machine, key, x=x, y=y, i=i, j=j, angle="0"))
+    for key in ("slow", "full"):
+        lines += _filled(machine, key)
     if words.modal:
         block = " ".join([feed[-1][2], *(block for _, _, block in _filled(machine, "modal"))])
         lines.append(("words.modal", "", block))

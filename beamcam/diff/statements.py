@@ -14,10 +14,17 @@ from beamcam.controllers.events import (
     Acceleration,
     Blending,
     Compensation,
+    FeedShare,
+    Lift,
+    Material,
     Move,
+    Output,
     Pause,
     Switch,
     TableEvent,
+    ToolOffset,
+    Touch,
+    Zero,
 )
 from beamcam.diff.pairing import Difference
 from beamcam.errors import Diagnostic, errors_in
@@ -112,6 +119,21 @@ def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
                 yield f"pass corners at {distance:g} mm"
             case Acceleration(braking=braking, mm_s2=mm_s2):
                 yield f"{'brake' if braking else 'run up'} at {mm_s2:g} mm/s2"
+            case Lift(rapid=rapid, end=height):
+                feed = "" if rapid else f" at {event.feed_mm_min:g} mm/min"
+                yield f"{'rapid' if rapid else 'feed'} to {height:g} mm over the sheet{feed}"
+            case Touch():
+                yield f"touch the sheet at {event.feed_mm_min:g} mm/min"
+            case Zero(shifted=shifted):
+                yield "Z counts from another place" if shifted else "Z counts from its own place"
+            case Output(name=name, on=on, with_move=with_move):
+                yield f"{name} {'on' if on else 'off'}{' with the next move' if with_move else ''}"
+            case FeedShare(share=share):
+                yield f"feed at {100 * share:g} %"
+            case ToolOffset(number=number):
+                yield f"places of tool {number}"
+            case Material(values=values):
+                yield " ".join(["material", *(f"{k} {v:g}" for k, v in values.items())])
 
 
 def _number(value: float, decimals: int) -> str:

@@ -73,6 +73,7 @@ class _Writer:
             "touch_height": number(torch.touch_height if torch else 0.0, 3),
         }
         self._feed = "0"
+        self._row_feed, self._slow = 0.0, False  #: of the row, and whether the tool is slower
         self._carried: tuple[str, ...] = ()  #: words of `modal` as they were written last
         self._wanted: tuple[str, ...] = ()
         self._of_part = _texts(program.about)
@@ -138,6 +139,7 @@ class _Writer:
             case ToolOn():
                 self._carried = ()  # said again for every contour, where an operator may start anew
                 self._want(command.feed_mm_min)
+                self._row_feed = command.feed_mm_min
                 return _filled(
                     getattr(words, f"{command.process}_on"),
                     feed=self._feed,
@@ -147,10 +149,18 @@ class _Writer:
                 )
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)
-                return _filled(words.pace, feed=self._feed)
+                if not words.slow:
+                    return _filled(words.pace, feed=self._feed)
+                self._slow = feed_mm_min < self._row_feed
+                share = number(100.0 * feed_mm_min / self._row_feed, 3)
+                return _filled(
+                    words.slow if self._slow else words.full, feed=self._feed, share=share
+                )
             case ToolOff():
                 off = getattr(words, f"{command.process}_off")
-                return _filled(off, **self._of_torch, **self._of_part)
+                full = _filled(words.full, feed=self._feed) if self._slow else []
+                self._slow = False
+                return [*full, *_filled(off, **self._of_torch, **self._of_part)]
             case ChooseTool(process):
                 return list(getattr(words, f"choose_{process}"))
             case ChooseMaterial(row):

@@ -122,6 +122,9 @@ def _table_code_faults(machine: Machine, code: str, meaning: CodeMeaning) -> Ite
     if meaning not in _OF_TABLES and meaning != "none":
         yield key, meaning, "what a word of a table does; a table does not drill"
         return
+    if meaning in ("height", "touch off") and (torch is None or torch.z != "program"):
+        yield key, meaning, 'another meaning, or torch.z = "program", as the controller moves Z'
+        return
     if _NAMED.fullmatch(code):
         if of != "linuxcnc":
             yield key, code, f"a G or M word; {of} has no names"

@@ -165,7 +165,12 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     for name in _TORCH_WORDS if worded else ():
         if not getattr(words, name):
             yield f"words.{name}", [], "a template, since there is a torch"
-    for one, other in (("arc_cw", "arc_ccw"), ("ellipse_cw", "ellipse_ccw"), ("left", "right")):
+    for one, other in (
+        ("slow", "full"),
+        ("arc_cw", "arc_ccw"),
+        ("ellipse_cw", "ellipse_ccw"),
+        ("left", "right"),
+    ):
         if bool(getattr(words, one)) != bool(getattr(words, other)):
             yield f"words.{one}", list(getattr(words, one)), f"both {one} and {other}, or neither"
     step = machine.format.resolution
@@ -177,7 +182,8 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
             expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
             yield f"torch.rows.{index}.kerf", row.kerf, expected
         slow = "hole_feed_share" if row.slows_holes else "corner_share" if row.slows_corners else ""
-        if slow and not (worded and (words.pace or _names(words.modal, "feed"))):
+        paces = words.pace or (words.slow and words.full) or _names(words.modal, "feed")
+        if slow and not (worded and paces):
             expected = "1, as there are no words for another feed in a contour (`words.pace`)"
             yield f"torch.rows.{index}.{slow}", getattr(row, slow), expected
     if not torch.rows:
@@ -223,6 +229,9 @@ def _height_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
     if by_program and torch.touch != "none" and torch.top is None:
         expected = "Z of the machine at the top, as nothing else is known before the first touch"
         yield "torch.top", torch.top, expected
+    if not torch.thc_slow and not (machine.words.slow and machine.words.full):
+        expected = "true, as no words of slow and full switch the height control"
+        yield "torch.thc_slow", torch.thc_slow, expected
     if torch.thc == "program" and not meanings >= {"thc on", "thc off"}:
         expected = "controller, or words of codes that are thc on and thc off"
         yield "torch.thc", torch.thc, expected

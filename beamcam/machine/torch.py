@@ -145,6 +145,7 @@ class Torch(Keys, frozen=True):
     #: which of them holds the torch at its height by the voltage of the arc: the controller by
     #: itself, or the program, which switches that on in each cut
     thc: Literal["controller", "program"] = "controller"
+    thc_slow: bool = True  #: whether it is held there in small holes and near corners too
     clearance: NotNegative = 0.0  #: lowest height over the sheet for traverses, of z = "program"
     #: when the program has the torch touch the sheet: never, as Z counts from it already; before
     #: the first start; before each

@@ -50,6 +50,8 @@ class Words(Keys, frozen=True):
     right: tuple[str, ...] = ()  #: tool right of the contour
     straight: tuple[str, ...] = ()  #: kerf compensation off
     modal: tuple[str, ...] = ()  #: words of a move, each written when its value changes
+    slow: tuple[str, ...] = ()  #: from the next move on slower than the row, as near a corner
+    full: tuple[str, ...] = ()  #: and again at the feed of the row
     pace: tuple[str, ...] = ()  #: another feed from the next move on, where moves do not say it
 
 
@@ -136,6 +138,8 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "right": _SIDE_NAMES,
     "straight": frozenset(),
     "modal": frozenset({"feed", "acceleration"}),
+    "slow": frozenset({"feed", "share"}),
+    "full": frozenset({"feed"}),
     "pace": frozenset({"feed"}),
     "comment": frozenset({"text"}),
 }

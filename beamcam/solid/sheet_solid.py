@@ -29,7 +29,7 @@ AROUND = 20.0  #: mm of sheet round all cuts
 HAIR = 0.01  #: mm of width of a cut whose kerf no one makes up for
 PROCESSES = ("cut", "mark", "engrave")
 ENDS = (2, 30)
-_M_WORD = re.compile(r"\s*M0*(\d+)\b(.*)")
+_M_WORD = re.compile(r"\s*M0*(\d+)(?!\d)(.*)")
 _ADDRESS = re.compile(r"([A-Z$])(?:\{(\w+)\}|(-?\d+(?:\.\d+)?))")
 
 
@@ -62,19 +62,35 @@ class Stroke(Struct):
 
 
 def starting_words(machine: Machine) -> tuple[Starting, ...]:
-    """The words that start each tool, by the machine's templates."""
+    """The words that start each tool, by the machine's templates.
+
+    Of several M words it is the one that the file calls so, else M3 or M4, else one that it says
+    nothing of; M7 to M9 only where there is no other.
+    """
     found = []
     for process in PROCESSES:
+        several = []
         for line in getattr(machine.words, f"{process}_on"):
             match = _M_WORD.match(line)
-            if match is None:
-                continue
+            place = None if match is None else _place(int(match[1]), match[2], machine)
+            if match is not None and place is not None:
+                several.append((place, match))
+        for _, match in sorted(several, key=lambda one: one[0])[:1]:
             addresses = _ADDRESS.findall(match[2])
             fixed = frozenset((a, float(value)) for a, name, value in addresses if not name)
             carried = tuple((a, name) for a, name, _ in addresses if name and name != "feed")
             found.append(Starting(process, int(match[1]), fixed, carried))
-            break
     return tuple(found)
+
+
+def _place(number: int, carried: str, machine: Machine) -> int | None:
+    """How likely an M word is to start a tool, 0 first; None of one that does something else."""
+    said = {f"{letter}{float(value):g}" for letter, _, value in _ADDRESS.findall(carried) if value}
+    for key, meaning in machine.codes.items():
+        match = _M_WORD.match(key)
+        if match and int(match[1]) == number and (not match[2] or match[2].strip() in said):
+            return 0 if meaning in ("torch on", "cutting oxygen on") else None
+    return 1 if number in (3, 4) else 3 if number in (7, 8, 9) else 2
 
 
 def strokes_of(

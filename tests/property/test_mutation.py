@@ -76,7 +76,7 @@ def test_what_a_smaller_machine_cannot_run_is_refused(programs: list[Case]) -> N
 
 
 def test_faults_of_tables_are_refused() -> None:
-    """Of each class: order, state, limits, leads, direction."""
+    """Of each class: order, state, limits, leads, direction, heights, what is switched."""
     result = faults_of_tables(1, 7)
     assert result.missed == []
     classes = {kind.split(" ")[0] for kind in result.made}

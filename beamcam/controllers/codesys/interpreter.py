@@ -20,6 +20,7 @@ from collections.abc import Callable
 from math import sqrt
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import rules
@@ -31,13 +32,15 @@ from beamcam.controllers.events import (
     Blending,
     Compensation,
     Curve,
+    FeedShare,
     Pause,
     Side,
     Switch,
 )
 from beamcam.controllers.interpreter import Interpreter, Words
+from beamcam.controllers.table_words import event_of, with_number
 from beamcam.geometry.plane import Point
-from beamcam.machine.codes import shown_code
+from beamcam.machine.codes import meaning_of, shown_code
 from beamcam.machine.machine import CodeMeaning
 from beamcam.model import drill_cycle
 
@@ -65,6 +68,7 @@ _LETTERS = {
 _SIDES: dict[int, Side] = {40: "on", 41: "left", 42: "right"}
 _HERE = 56  #: places count from where the axes stand
 _SUBPROGRAMS = (98, 99)  #: M words of a call and of a subprogram's end
+_NUMBERED = re.compile(r"[GM](\d+)(?![.\d])")  #: a key of [codes]
 _LINE_BEGINS = re.compile(r"\nN[0-9]+ |\n")
 
 
@@ -89,9 +93,9 @@ class _Language(Struct, frozen=True):
 
 def _language(dialect: Dialect) -> _Language:
     own = {
-        (code[0], int(code[1:])): meaning
+        (code[0], int(match[1])): meaning
         for code, meaning in dialect.codes.items()
-        if code[1:].isdigit()
+        if (match := _NUMBERED.match(code))
     }
     return _Language(
         Lexer(dialect.letters),
@@ -184,10 +188,23 @@ class Codesys(Interpreter):
         self._event(Switch(line, number, words))
 
     def _own_m_word(self, line: int, number: int, words: Words) -> None:
-        """An M word of the machine's own, which carries nothing."""
+        """An M word of the machine's own, which does what its file says."""
+        known = meaning_of(self._dialect.codes, f"M{number}", words)
+        if known is None:  # another one is known by what it carries
+            self._m_word(line, number, words)
+            return
         self._wait(line)
-        if words:
-            self._wrong(line, f"{min(words)} behind M{number:02}", "no word there")
+        value = with_number(known[1], words)
+        if value is None:
+            self._wrong(line, f"M{number:02} without a number", "P or Q, as codes says")
+        elif known[1] == "none":
+            if words and known[0] == f"M{number}":
+                self._wrong(line, f"{min(words)} behind M{number:02}", "no word there")
+        else:
+            event = event_of(number, known[1], dict(words), value)
+            if isinstance(event, FeedShare):
+                self._share = event.share
+            self._event(replace(event, line=line))
 
     def _last_block(self, line: int, number: int, words: Words) -> None:
         self._wait(line)

@@ -127,6 +127,7 @@ class _Words:
         self._is_table = dialect.stock == "sheet"
         self._lifts = dialect.lifting is not None  #: whether its programs move Z
         self._actions: list[Action] = []
+        self._foreign = False  #: whether a G or M word is not known
         self._faults: list[tuple[str, str]] = []
         self._unknown: list[tuple[str, str]] = []
         self._values: dict[str, float] = {}
@@ -147,6 +148,7 @@ class _Words:
         if word in SHIFTS:
             expected = "none, it shifts the places of all that follows"
         shown = f"{word} {key.removeprefix(word)}".strip()
+        self._foreign = self._foreign or (self._is_table and word not in OTHER_LETTERS)
         self._unknown.append((f"{shown}, which beamcam does not know", expected))
 
     def _take(self, place: int, letter: str, digits: str) -> None:
@@ -193,6 +195,8 @@ class _Words:
                 expected = "places on the sheet; where those of the machine are is not known"
                 self._wrong("G53 with X or Y", expected)
         motions = [known[code] for code in self._codes if code in known]
+        if self._foreign and not motions and not probes:
+            self._values.clear()  # they belong to the word that is not known
         if len(motions) + len(probes) > 1:
             self._wrong("two motions in a block", "one")
         ends = [number for number in self._m_words if number in ENDS]

@@ -4,7 +4,8 @@ traverse       clear of the sheet
 touch, zero    before the first height that counts on them, and before each start if so asked
 start          at the pierce height of the row, the height control off
 down           at a feed to the cut height, before the first move along the contour
-cut            at the cut height, the height control on
+cut            at the cut height, the height control on; off in small holes and near corners
+               where the file says so
 stop           the height control off first, then the tool, then up
 end            clear, and Z counts as it did before
 """
@@ -12,23 +13,26 @@ end            clear, and Z counts as it did before
 from collections.abc import Iterator
 from math import inf, isnan, nan
 
+import numpy as np
+
 from beamcam.controllers.events import Lift, Other, Output, Touch, Zero
-from beamcam.controllers.moves import TableRun
+from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic, Rule, Source
-from beamcam.geometry.array_types import Flags
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
 SLACK = 0.001  #: mm, and half of what the program's numbers step by
+SECONDS_PER_MINUTE = 60.0
+SLOWER = 0.99  #: share of the row's feed below which a move is one in a small hole or at a corner
 
 
 def height_faults(
     run: TableRun, strokes: Strokes, machine: Machine, torch: Torch, name: str
 ) -> list[Diagnostic]:
     """What is wrong with where the torch stands over the sheet, and what holds it there."""
-    watch = _Watch(run.moves.rapid, machine, torch, name)
+    watch = _Watch(run.moves, machine, torch, name)
     starts = {stroke.on: stroke for stroke in strokes.each}
     stops = {stroke.off: stroke for stroke in strokes.each}
     done, line = 0, 1
@@ -48,10 +52,13 @@ def height_faults(
 class _Watch:
     """The torch over the sheet while its program runs."""
 
-    def __init__(self, rapid: Flags, machine: Machine, torch: Torch, name: str) -> None:
+    def __init__(self, moves: Moves, machine: Machine, torch: Torch, name: str) -> None:
         self.said: list[Diagnostic] = []
-        self._rapid, self._torch, self._name = rapid, torch, name
+        self._rapid, self._feeds = moves.rapid, moves.feed_mm_min
+        self._torch, self._name = torch, name
         self._follows = torch.z == "program"
+        speeds = [axis.speed for axis in machine.axes if axis.moves == "Z"]
+        self._fastest = min(speeds, default=inf) * SECONDS_PER_MINUTE
         self._slack = SLACK + machine.format.resolution / 2
         self._height = nan
         self._touched = torch.touch == "none"  #: since the torch was traversed, or ever
@@ -87,8 +94,14 @@ class _Watch:
         if self._follows and asked and self._off(asked):
             found, process = f"a feed {_shown(self._height)}", self._stroke.process
             yield self._fault(rules.HEIGHT, line, found, f"{asked:g} mm to {process}")
-        if self._stroke.process == "cut" and not self._thc:
-            yield self._fault(rules.THC, line, "a cut with the height control off", "it on")
+        if self._stroke.process == "cut":
+            feeds = self._feeds[first:last][~self._rapid[first:last]]
+            slow = feeds < SLOWER * self._stroke.row.feed_mm_min
+            held = ~slow if not self._torch.thc_slow else np.ones(len(feeds), dtype=bool)
+            if (held != self._thc).any():
+                found = f"a cut with the height control {'on' if self._thc else 'off'}"
+                expected = "it off in small holes and near corners" if self._thc else "it on"
+                yield self._fault(rules.THC, line, found, expected)
         self._moved = True
 
     def starts(self, line: int, stroke: HeadStroke) -> Iterator[Diagnostic]:
@@ -123,8 +136,7 @@ class _Watch:
             self._height, self._touched, self._zeroed = event.height, True, False
             if self._stroke is not None:
                 yield self._fault(rules.HEIGHT, event.line, "a touch with the tool on", "it off")
-            if event.feed_mm_min == 0.0:
-                yield self._fault(rules.HEIGHT, event.line, "a touch without a feed", "F before")
+            yield from self._feed(event, "a touch")
         elif isinstance(event, Lift):
             yield from self._lift(event)
 
@@ -143,6 +155,8 @@ class _Watch:
     def _lift(self, event: Lift) -> Iterator[Diagnostic]:
         """What is wrong with a move up or down."""
         self._height = event.end
+        if not event.rapid:
+            yield from self._feed(event, "a move in Z")
         found = f"a move in Z to where the torch is {_shown(event.end)}"
         expected = ""
         if not self._zeroed:
@@ -151,8 +165,6 @@ class _Watch:
             expected = "a Z that counts from the sheet, or the machine's top (torch.top)"
         elif event.end < -self._slack:
             expected = "0 or more, as only a touch goes farther"
-        elif not event.rapid and event.feed_mm_min == 0.0:
-            found, expected = "a move in Z without a feed", "F before"
         elif self._stroke is not None:
             row = self._stroke.row
             least, most = sorted((row.cut_height, row.pierce_height or row.cut_height))
@@ -164,6 +176,13 @@ class _Watch:
                 expected = f"{least:g} to {most:g} mm with the tool on"
         if expected:
             yield self._fault(rules.HEIGHT, event.line, found, expected)
+
+    def _feed(self, event: Lift | Touch, what: str) -> Iterator[Diagnostic]:
+        """Whether Z is fed, and no faster than its axis goes; a macro's feed is its own."""
+        feed = event.feed_mm_min
+        if feed <= 0.0 or feed > self._fastest:
+            expected = f"up to {self._fastest:g} mm/min" if self._fastest < inf else "F before"
+            yield self._fault(rules.HEIGHT, event.line, f"{what} at a feed of {feed:g}", expected)
 
     def ends(self, line: int) -> Iterator[Diagnostic]:
         """What is wrong when the program ends."""

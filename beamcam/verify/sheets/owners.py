@@ -93,6 +93,7 @@ _LINUXCNC = (
     Owner(("G59.1", "G59.2", "G59.3"), (), (*_WORD, "verify-sheet-end"),
         "one offset holds for the whole program"),
     Owner(("M62", "M63", "M64", "M65"), (), _TOOL),
+    Owner(("other",), ("{share}",), ("verify-sheet-feed", "verify-sheet-hole-feed")),
     Owner(("M62", "M63", "M64", "M65"), ("P",), _TOOL, "[codes] says what it does, and that says "
         "again what holds already"),
     Owner(("other",), (), _TOOL),
@@ -120,7 +121,11 @@ _MACH3 = (
 )  # fmt: skip
 
 #: Words of a table's own, by what its file says that they do.
-_HELD = (Owner(("codes: thc on", "codes: thc off"), (), _SWITCHED, _AGAIN),)
+_HELD = (
+    Owner(("codes: thc on", "codes: thc off"), (), _SWITCHED, _AGAIN),
+    Owner(("codes: output on", "codes: output off"), (), _SWITCHED, "an output may be on on the "
+        "way, and is off at the end"),
+)  # fmt: skip
 _OF_CODES = (
     *_HELD,
     Owner(("codes: none",), (), (*_WORD, "verify-sheet-end"), "the machine's file says that it "

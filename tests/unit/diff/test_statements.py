@@ -137,3 +137,31 @@ def test_all_golden_programs_are_checked(tmp_path: Path, monkeypatch: pytest.Mon
     count, _, total, *_ = result.stdout.splitlines()[-1].split()
     assert count == total
     assert int(count) > 20
+
+
+#: A shipped table, a block of its golden program, another in its place, and the difference.
+OF_TABLES = [
+    ("plate-mach3", "gusset.tap", "G1 Z1.5 F1500", "G1 Z1.4 F1500",
+     "feed to 1.5 mm over the sheet at 1500 mm/min became feed to 1.4 mm"),
+    ("plate-mach3", "gusset.tap", "M120\n", "", "thc on, only in A"),
+    ("plate-mach3", "gusset.tap", "G31 Z-150 F600", "G31 Z-150 F700",
+     "touch the sheet at 600 mm/min became touch the sheet at 700 mm/min"),
+    ("plate-mach3", "gusset.tap", "G92.1\n", "", "Z counts from its own place, only in A"),
+    ("plate-qtplasmac", "gusset.ngc", "ph=3.8", "ph=3.9", "pierce_height 3.8"),
+    ("plate-qtplasmac", "gusset.ngc", "Q60", "Q70", "feed at 60 % became feed at 70 %"),
+    ("plate-qtplasmac", "gusset.ngc", "M62 P2", "M64 P2", "thc off with the next move became"),
+    ("plate-qtplasmac", "gusset.ngc", "T1 M6", "T2 M6", "places of tool 1 became"),
+    ("plate-oxyfuel", "gusset.ngc", "M64 P0\n", "", "preheat on, only in A"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "file", "old", "new", "told"), OF_TABLES)
+def test_what_a_torch_does_otherwise_is_told(
+    name: str, file: str, old: str, new: str, told: str, tmp_path: Path
+) -> None:
+    text = (GOLDEN / name / file).read_text()
+    assert old in text
+    (tmp_path / file).write_text(text.replace(old, new, 1))
+    result = run("diff", GOLDEN / name / file, tmp_path / file, "--machine", name)
+    assert result.exit_code == 1
+    assert told in result.stdout, result.stdout
