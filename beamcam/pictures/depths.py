@@ -12,7 +12,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import Profile
 from beamcam.verify.bars.machined_features import Bore, MachinedPath
-from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.tools import ToolCatalogue
 
 SAME_PLACE = 0.5  #: mm between a sink and its pilot hole
 
@@ -21,7 +21,7 @@ class SteelDepths:
     """Depths of what a program makes on a bar."""
 
     def __init__(self, machine: Machine, profile: Profile, bores: Iterable[Bore]) -> None:
-        self._shop = Shop(machine, machine.drill) if machine.drill is not None else None
+        self._tools = ToolCatalogue(machine, machine.drill) if machine.drill is not None else None
         self._profile, self._noise = profile, 2 * machine.format.resolution
         self._pilots: dict[tuple[str, int, int], float] = {}
         for bore in bores:
@@ -37,11 +37,11 @@ class SteelDepths:
         return None if is_through and depth > thickness - self._noise else depth
 
     def _bore(self, bore: Bore) -> float:
-        if self._shop is None or bore.kind not in ("drill", "countersink"):
+        if self._tools is None or bore.kind not in ("drill", "countersink"):
             return bore.tip_depth
         if bore.kind == "drill":
-            return bore.tip_depth - self._shop.tip("drill", bore.diameter, bore.face)
-        angle = self._shop.point_deg("countersink", bore.diameter, bore.face)
+            return bore.tip_depth - self._tools.tip("drill", bore.diameter, bore.face)
+        angle = self._tools.point_deg("countersink", bore.diameter, bore.face)
         if angle >= FLAT_DEG:
             return bore.tip_depth
         pilot = self._pilots.get(_place(bore), 0.0)

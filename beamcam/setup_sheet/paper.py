@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any
 
-from beamcam.model.work_time import clock
+from beamcam.model.plan import clock
 from beamcam.pictures.pdf import (
     A4,
     MARGIN,

@@ -31,7 +31,7 @@ from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.table import TableMade
 from beamcam.solid.kernel import facets
 from beamcam.solid.mesh import Mesh, bar_meshes, sheet_meshes
-from beamcam.solid.plate_pieces import thickness_of
+from beamcam.solid.plates import thickness_of
 from beamcam.solid.sheet_solid import Stroke, rows_for, strokes_of
 
 LIMIT = 280_000  #: characters of a page that a solid may take
