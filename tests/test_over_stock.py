@@ -147,6 +147,21 @@ def test_a_page_has_a_setup_sheet_of_each_bar_and_sheet(tmp_path: Path) -> None:
     assert all(mark in pages["UPN200_S235JR.gcode.html"] for mark in ("C1", "T1"))
 
 
+def test_the_bars_are_those_of_list(tmp_path: Path) -> None:
+    folder, out = order(tmp_path / "in"), tmp_path / "out"
+    for words in ((), ("--turn", "--order", "best")):
+        assert run("batch", folder, "--bar", 6500, *words, "-o", out).exit_code == 0
+        cuts = tmp_path / "cuts.csv"
+        done = run("list", folder, "--bar", 6500, *words, "-o", cuts, "--table", "cuts")
+        assert done.exit_code == 0
+        listed = rows(tmp_path, "cuts.csv")
+        assert listed
+        keys = [key for key in listed[0] if key != "bar"]
+        by_name = [sorted([row[key] for key in keys] for row in table)
+                   for table in (listed, rows(out, "cuts.csv"))]  # fmt: skip
+        assert by_name[0] == by_name[1]
+
+
 def test_workers_make_the_same(tmp_path: Path) -> None:
     folder = order(tmp_path / "in")
     for jobs in (1, 2):
