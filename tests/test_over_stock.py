@@ -12,11 +12,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.batch import over_stock, work
+from beamcam.batch import Here, Input, Shop, over_stock, work
+from beamcam.batch import run as run_files
 from beamcam.batch.pool import Result as Outcome
 from beamcam.batch.pool import driven
 from beamcam.batch.shares import Look
 from beamcam.cli import main
+from beamcam.machine import load
 from beamcam.pipeline import read_file
 from beamcam.readers.content import Reading
 from beamcam.verify.head import Head, head_of
@@ -404,3 +406,18 @@ def test_a_file_with_two_parts_of_one_mark_is_refused(
         assert done.exit_code == status, done.stderr
         assert ("list-mark-twice" in done.stderr) == bool(status)
         assert len(heads(tmp_path / f"out{status}")) == 1  # equal members are one part
+
+
+def test_marks_are_kept_over_the_runs_of_a_watch(tmp_path: Path) -> None:
+    """Files that come one after the other are parts of one order all the same."""
+    folder = order(tmp_path / "in", "channel")
+    text = (folder / "channel.nc1").read_text().replace("3000.00", "2990.00")
+    (folder / "later.nc1").write_text(text)
+    shop, known = Shop(load("beamline")), dict[Any, str]()
+    found = []
+    for name in ("channel.nc1", "later.nc1"):
+        inputs = [Input(str(folder / name), name)]
+        found += run_files(inputs, str(tmp_path / "out"), shop, Here(shop), marks=known)
+    assert [row["status"] for row in found] == ["posted", "refused"]
+    assert [m["code"] for m in found[1]["messages"]] == ["list-mark-twice"]
+    assert [*heads(tmp_path / "out")] == ["channel.gcode"]
