@@ -1,9 +1,11 @@
 """Programs whose heads say otherwise than what was asked for, all to be refused by `post`.
 
-A head is removed, allows kinds that nobody named, allows none of those that were named, or was made
-by another form or for another machine file; on every machine whose programs have a head.
+A head is removed, allows kinds that nobody named, allows none of those that were named, was made
+by another form or for another machine file, says another stock, or a part elsewhere, larger or not
+at all; on every machine whose programs have a head.
 """
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -54,8 +56,27 @@ def for_another_machine(text: str, machine: Machine) -> str:
     return text.replace(machine.checksum, "00000000")
 
 
+def of_no_stock(text: str, machine: Machine) -> str:
+    """Without the bar, or for a sheet of another thickness."""
+    changed = "".join(line for line in text.splitlines(True) if "BAR " not in line)
+    return re.sub(r"SHEET [0-9.]+", "SHEET 77", changed)
+
+
+def with_a_part_elsewhere(text: str, machine: Machine) -> str:
+    return re.sub(r"PART 1 AT -?[0-9.]+", "PART 1 AT 7777", text)
+
+
+def with_a_larger_part(text: str, machine: Machine) -> str:
+    return re.sub(r"(LENGTH|SIZE) [0-9.]+", r"\1 7777", text)
+
+
+def without_parts(text: str, machine: Machine) -> str:
+    return "".join(line for line in text.splitlines(True) if "PART 1 AT" not in line)
+
+
 CHANGES: tuple[Change, ...] = (
-    removed, allowing_more, allowing_none, of_another_form, for_another_machine,
+    removed, allowing_more, allowing_none, of_another_form, for_another_machine, of_no_stock,
+    with_a_part_elsewhere, with_a_larger_part, without_parts,
 )  # fmt: skip
 
 

@@ -245,7 +245,7 @@ def test_bars_sheets_and_models_go_to_their_machines(tmp_path: Path) -> None:
         assert CliRunner().invoke(main, args).exit_code == 0
         assert made[f"{source.stem}{suffix}"] == target.read_bytes()
         assert machines[source.name] == ("beamline" if suffix == ".gcode" else "plate-linuxcnc")
-    assert counts(batch(folder, "-o", tmp_path / "out", *how)) == (0, 6, 0, 0)
+    assert counts(batch(folder, "-o", tmp_path / "out", *how, "--each")) == (0, 6, 0, 0)
     # An option for sheets where no machine of the run cuts any is a mistake.
     result = batch(folder, "-o", tmp_path / "no", "--machine", "beamline", "--kerf", "1")
     assert result.exit_code == 1

@@ -200,7 +200,7 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     from beamcam.readers import read
     from beamcam.readers.content import Reading
 
-    texts = (part("M 1"), BAD, part("M 1"), part("M2"), part("M2", 2500.0))
+    texts = (part("M 1"), BAD, part("M_1", 2500.0), part("M2"), part("M2", 2500.0))
     parts = tuple(read(text.encode(), f"{k}.nc1").parts[0] for k, text in enumerate(texts))
     monkeypatch.setattr(work, "read", lambda data, name: Reading("ifc", parts))
     shop = Shop(load("beamline"))

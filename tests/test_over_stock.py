@@ -12,11 +12,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.batch import over_stock, work
+from beamcam.batch import Here, Input, Shop, over_stock, work
+from beamcam.batch import run as run_files
 from beamcam.batch.pool import Result as Outcome
 from beamcam.batch.pool import driven
 from beamcam.batch.shares import Look
 from beamcam.cli import main
+from beamcam.machine import load
 from beamcam.pipeline import read_file
 from beamcam.readers.content import Reading
 from beamcam.verify.head import Head, head_of
@@ -145,6 +147,21 @@ def test_a_page_has_a_setup_sheet_of_each_bar_and_sheet(tmp_path: Path) -> None:
     pages = {p.name: p.read_text() for p in (tmp_path / "r.sheets").iterdir()}
     assert {name.removesuffix(".html") for name in pages} == {*heads(tmp_path / "out")}
     assert all(mark in pages["UPN200_S235JR.gcode.html"] for mark in ("C1", "T1"))
+
+
+def test_the_bars_are_those_of_list(tmp_path: Path) -> None:
+    folder, out = order(tmp_path / "in"), tmp_path / "out"
+    for words in ((), ("--turn", "--order", "best")):
+        assert run("batch", folder, "--bar", 6500, *words, "-o", out).exit_code == 0
+        cuts = tmp_path / "cuts.csv"
+        done = run("list", folder, "--bar", 6500, *words, "-o", cuts, "--table", "cuts")
+        assert done.exit_code == 0
+        listed = rows(tmp_path, "cuts.csv")
+        assert listed
+        keys = [key for key in listed[0] if key != "bar"]
+        by_name = [sorted([row[key] for key in keys] for row in table)
+                   for table in (listed, rows(out, "cuts.csv"))]  # fmt: skip
+        assert by_name[0] == by_name[1]
 
 
 def test_workers_make_the_same(tmp_path: Path) -> None:
@@ -389,3 +406,18 @@ def test_a_file_with_two_parts_of_one_mark_is_refused(
         assert done.exit_code == status, done.stderr
         assert ("list-mark-twice" in done.stderr) == bool(status)
         assert len(heads(tmp_path / f"out{status}")) == 1  # equal members are one part
+
+
+def test_marks_are_kept_over_the_runs_of_a_watch(tmp_path: Path) -> None:
+    """Files that come one after the other are parts of one order all the same."""
+    folder = order(tmp_path / "in", "channel")
+    text = (folder / "channel.nc1").read_text().replace("3000.00", "2990.00")
+    (folder / "later.nc1").write_text(text)
+    shop, known = Shop(load("beamline")), dict[Any, str]()
+    found = []
+    for name in ("channel.nc1", "later.nc1"):
+        inputs = [Input(str(folder / name), name)]
+        found += run_files(inputs, str(tmp_path / "out"), shop, Here(shop), marks=known)
+    assert [row["status"] for row in found] == ["posted", "refused"]
+    assert [m["code"] for m in found[1]["messages"]] == ["list-mark-twice"]
+    assert [*heads(tmp_path / "out")] == ["channel.gcode"]

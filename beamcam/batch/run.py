@@ -71,19 +71,21 @@ def run(
     recipe: Recipe | None = None,
     dry: bool = False,
     asked: Asked = NEVER,
+    marks: dict[MarkKey, str] | None = None,
 ) -> Generator[Row, None, None]:
     """Post every input into `folder` and give its row, in the order of the inputs.
 
     `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
     what is unchanged, and writes over what is not as a batch made it. `claims` keeps names apart
-    over several runs: it holds which input has which, and is added to. None of the files `read`,
+    over several runs: it holds which input has which, and is added to; so does `marks` with the
+    first input that has a mark of an order. None of the files `read`,
     by default the inputs, is written over. `recipe` is what the record says that was asked for. A
     `dry` run writes nothing. Once it is `asked` to end no further row comes. Raises BatchError if
     the folder cannot be used; closes the workers.
     """
     with recorded(folder, workers, recipe, dry) as record:
         yield from Run(
-            inputs, folder, shop, workers, record, flat, force, claims, read, dry, asked
+            inputs, folder, shop, workers, record, flat, force, claims, read, dry, asked, marks
         ).rows()
 
 
@@ -126,6 +128,7 @@ class Run:
         read: FilesRead | None,
         dry: bool,
         asked: Asked,
+        marks: dict[MarkKey, str] | None = None,
     ) -> None:
         self._asked = asked
         self._inputs, self._folder, self._shop = inputs, folder, shop
@@ -140,7 +143,7 @@ class Run:
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
         self._read_files = read or FilesRead(found.path for found in inputs)
         self._dry = dry
-        self._marks: dict[MarkKey, str] = {}  #: file of the first part with a mark of an order
+        self._marks = {} if marks is None else marks
         self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
 

@@ -154,6 +154,12 @@ bar = click.option(
 )  # fmt: skip
 
 
+bar_of_program = click.option(
+    "--bar", type=Number(above=0), metavar="MM",
+    help="Length of the bar; by default as the head of PROGRAM says.",
+)  # fmt: skip
+
+
 def remnant_of(text: str) -> Remnant:
     """`4300`, `UPN200=4300` or `UPN200/S235JR=4300`. Raises ValueError."""
     of, equals, length = text.rpartition("=")

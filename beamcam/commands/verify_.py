@@ -43,7 +43,7 @@ NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 @click.argument("parts", nargs=-1, metavar="[PART]...", type=options.FILE)
 @options.machine
 @options.config
-@options.bar
+@options.bar_of_program
 @options.order
 @options.turn
 @from_operation("PROGRAM is the remainder of one, from operation N of `plan`.")

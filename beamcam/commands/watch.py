@@ -10,6 +10,7 @@ from beamcam.batch import BatchError, Input, find_inputs, run
 from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
 from beamcam.batch.rules import NO_END, NOTHING, WRITE
+from beamcam.batch.same_marks import MarkKey
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, say_lines
 from beamcam.commands.grouped import Grouped
@@ -80,6 +81,7 @@ def command(
     recipe = recipe_of(config, asked, output)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims = claims_of(output, folder)
+    marks: dict[MarkKey, str] = {}
     told: tuple[Diagnostic, ...] = ()
     if not (voice.quiet or voice.as_json):
         ending = "" if once else "; Ctrl-C ends it"
@@ -106,7 +108,7 @@ def command(
                     read = files_read(config, (one.path for one in ready))
                     rows = run(
                         ready, output, shop, workers, config.flat, claims=claims, read=read,
-                        recipe=recipe, asked=interrupted,
+                        recipe=recipe, asked=interrupted, marks=marks,
                     )  # fmt: skip
                     try:
                         for one, row in zip(ready, rows, strict=False):

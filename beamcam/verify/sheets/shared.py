@@ -77,7 +77,10 @@ def told_faults(
         head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
     )
     if len(parts) == 1:
-        places = [shift_of(need_of(parts[0], machine, machine.torch, skips), machine.torch)]
+        need = need_of(parts[0], machine, machine.torch, skips)
+        places: list[tuple[float, ...]] = [shift_of(need, machine.torch)]
+        if not need.curves and head.parts:  # texts alone are found wherever the program has them
+            places = [head.parts[0].at]
     else:
         places = [place for place, _ in places_of(parts, machine, machine.torch, skips)]
     lie = [*zip(parts, places, strict=True)]
