@@ -342,10 +342,13 @@ def _strokes(
         placed = ((size, labels.place(at, gap, str(number), size, 2)) for size in NUMBER_SIZES)
         size, found = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
         yield Text("number order", found or at, str(number), size, line=line)
+    left, top = frame.at(0.0, view.top)  # figures stand beyond, and the title
     for angle, at in angles:
         text = f"{round(abs(angle), 2):g}\N{DEGREE SIGN}"
-        place = labels.place(at, 2.0, text, MITRE_SIZE, 4) or at
-        yield Text("figure mitre", place, text, MITRE_SIZE)
+        place = labels.place(
+            at, 2.0, text, MITRE_SIZE, 5, lambda box: box[0] >= left and box[1] > top - 14.0
+        )
+        yield Text("figure mitre", place or at, text, MITRE_SIZE)
 
 
 def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:

@@ -7,7 +7,7 @@ o  oA        o   oB    oA  oA        letters where a part has holes of several s
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import hypot
+from math import dist, hypot
 from typing import Literal
 
 from msgspec import Struct
@@ -23,12 +23,13 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.pictures.labels import CAPITAL, LETTER, Box, Labels
+from beamcam.pictures.labels import CAPITAL, LETTER, Box, Labels, is_in
 from beamcam.pictures.scene import Frame, Pieces, Point, Polyline, Shape, Text, Unit, said
 
 SIZE = 10.0  #: of a callout's letters
 ROW = 13.0  #: from row to row above a face
 LETTER_SIZES = (8.0, 6.0)  #: of the letter beside a hole
+CLEAR = 2.0  #: pixels that a letter is nearer to its own hole than to another
 MAX_CURVES = 16  #: of a contour whose radii are said
 MAX_SIZES = 24  #: different sizes on a face that are said; a drawing may have hundreds
 ROOM = 70.0  #: pixels that a face is high at least that has callouts on it
@@ -214,6 +215,8 @@ def callouts(
     """
     drawn: list[Shape] = []
     standing: list[_Standing] = []
+    holes = [(frame.at(*p.at), p.radius * frame.scale)
+             for size in sizes if size.is_hole for p in size.places]  # fmt: skip
     roomy = face[3] - face[1] >= ROOM
     for size in sizes[:MAX_SIZES]:
         # Above a face the topmost place has the shortest leader, of a row the first.
@@ -232,8 +235,7 @@ def callouts(
             standing.append(_Standing(words, x, (x, y - radius)))
         letter = letters.get(size.words)
         if letter:
-            for place, edge in order[1:]:
-                drawn.append(_lettered(letter, place, edge, labels))
+            drawn += [_lettered(letter, one, holes, labels) for one in order[1:]]
     shapes, rows = _rows(standing, face[1], right, unit)
     return Callouts((*drawn, *shapes), rows * ROW, max(0, len(sizes) - MAX_SIZES))
 
@@ -244,10 +246,19 @@ def _counted(size: Size, letter: str) -> Pieces:
     return (lead, *size.words) if lead else size.words
 
 
-def _lettered(letter: str, at: Point, radius: float, labels: Labels) -> Text:
-    """The letter of a hole beside it, and on it where there is no room."""
+def _lettered(
+    letter: str, hole: tuple[Point, float], holes: Sequence[tuple[Point, float]], labels: Labels
+) -> Text:
+    """The letter of a hole, nearer to it than to any other; on it where there is no room beside."""
+    at, radius = hole
+
+    def is_nearest(box: Box) -> bool:
+        middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
+        own = dist(middle, at) - radius
+        return all(own + CLEAR < dist(middle, p) - r for p, r in holes if p != at)
+
     for size in LETTER_SIZES:
-        place = labels.place(at, 0.8 * radius + 1.5, letter, size, 2)
+        place = labels.place(at, 0.8 * radius + 1.5, letter, size, 2, is_nearest)
         if place is not None:
             return Text("figure letter", place, letter, size)
     size = LETTER_SIZES[-1]
@@ -261,7 +272,7 @@ def _beside(
     """A callout on the face itself beside its hole; None where there is no room."""
     text = said(words, unit)
     gap = 1.0 if is_open else 0.75 * radius + 6.0
-    place = labels.place(at, gap, text, SIZE, 6, face, is_open)
+    place = labels.place(at, gap, text, SIZE, 6, lambda box: is_in(box, face), is_open)
     if place is None:
         return None
     x, y = place
@@ -274,8 +285,10 @@ def _beside(
     shapes: list[Shape] = [
         Text("label callout", start, text, SIZE, anchor, pieces=words, unit=unit)
     ]
+    if not is_open and abs(x + wide / 2 - at[0]) < 1.0:  # right above or below it
+        tail = (at[0], y + 2.0 if y < at[1] else y - CAPITAL * SIZE - 2.0)
     way = hypot(tail[0] - at[0], tail[1] - at[1])
-    if radius + 2.0 < way and abs(x + wide / 2 - at[0]) > 1.0:
+    if radius + 2.0 < way and not (is_open and abs(x + wide / 2 - at[0]) < 1.0):
         share = radius / way
         edge = (at[0] + (tail[0] - at[0]) * share, at[1] + (tail[1] - at[1]) * share)
         shapes.append(Polyline("dim leader", (edge, tail)))

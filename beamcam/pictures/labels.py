@@ -1,6 +1,6 @@
 """Places for small texts beside what they name, so that none lies over another."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import product
 from math import ceil, dist
 
@@ -38,12 +38,12 @@ class Labels:
 
     def place(
         self, at: Point, gap: float, text: str, size: float, rings: int = 3,
-        within: Box | None = None, is_open: bool = False,
+        suits: Callable[[Box], bool] = lambda _: True, is_open: bool = False,
     ) -> Point | None:  # fmt: skip
         """The base line's beginning of a text near a place, which is taken from then on.
 
         The first free one of the sides, `gap` away, then further off; None where none is free.
-        `within` is where the text has to lie. The place itself is tried first if it is open.
+        `suits` is asked of the box of the text. The place itself is tried first if it is open.
         """
         wide, high = LETTER * size * len(text), CAPITAL * size
         # Level with a place run the ways from hole to hole, so that it is tried last.
@@ -53,8 +53,7 @@ class Labels:
                 x = at[0] + right * off - wide * (1 - right) / 2
                 y = at[1] + down * off + high * (1 + down) / 2
                 box = (x, y - high, x + wide, y)
-                is_in = within is None or _is_in(box, within)
-                if is_in and self._is_free(box):
+                if suits(box) and self._is_free(box):
                     self.block(box)
                     return x, y
         return None
@@ -69,7 +68,8 @@ def _cells(box: Box) -> Iterator[tuple[int, int]]:
     return product(range(x0, x1 + 1), range(y0, y1 + 1))
 
 
-def _is_in(a: Box, b: Box) -> bool:
+def is_in(a: Box, b: Box) -> bool:
+    """Whether a box lies in another."""
     return b[0] <= a[0] and b[1] <= a[1] and a[2] <= b[2] and a[3] <= b[3]
 
 

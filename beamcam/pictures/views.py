@@ -22,8 +22,10 @@ FIGURES = 52.0  #: below a view, for the figures of its places
 GAP = 14.0
 TWO_ROWS_SIZE = 6.0  #: from figure to figure where they stand in two rows
 TWO_ROWS = 30.0  #: how much deeper the second row stands
-#: Height of a view by itself, and of several together: a page on its side has room for them.
-MAX_VIEW_HEIGHT, MAX_VIEWS_HEIGHT = 520.0, 300.0
+MAX_VIEW_HEIGHT = 520.0  #: of a view by itself
+#: Of several views together with what stands about each, and at least: a page on its side has room
+#: for them.
+MAX_VIEWS_HEIGHT, MIN_VIEWS_HEIGHT = 600.0, 160.0
 FIGURE_SIZE = 10.0
 
 #: Figures along x that stand in one row, and at most in two.
@@ -84,7 +86,9 @@ def laid_out(views: Sequence[View], top: float) -> Paper:
     length = max(v.box[2] for v in views) - min(v.box[0] for v in views)
     heights = sum(v.box[3] - v.box[1] for v in views)
     scale = (WIDTH - 2 * SIDE) / (length or 1.0)
-    most = MAX_VIEWS_HEIGHT if len(views) > 1 else MAX_VIEW_HEIGHT
+    about = TITLE + FIGURES + GAP
+    most = max(MIN_VIEWS_HEIGHT, MAX_VIEWS_HEIGHT - about * len(views))
+    most = most if len(views) > 1 else MAX_VIEW_HEIGHT
     if heights * scale > most:
         scale = most / heights
     first = min(v.box[0] for v in views)

@@ -261,7 +261,7 @@ def playback_section(axes: Any, views: dict[str, str], listing: bool, whole: boo
 
 def _space(solids: Solids) -> Iterator[str]:
     """The solid, or why there is none."""
-    yield '<section class="in-space"><h2>In space</h2>\n'
+    yield '<section class="in-space"><h2>The pieces in space</h2>\n'
     if not solids.pieces:
         yield f"<p>No solid: {shown(solids.without)}.</p></section>\n"
         return

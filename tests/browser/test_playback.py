@@ -237,3 +237,36 @@ def test_what_is_drawn_piece_by_piece_is_what_is_drawn_at_once(
 def pixels(url: str) -> Any:
     picture = Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))).convert("RGB")
     return np.array(picture).astype(int)
+
+
+def touch(browser: Browser, kind: str, *points: tuple[float, float]) -> None:
+    browser.driver.execute_cdp_cmd(
+        "Input.dispatchTouchEvent",
+        {"type": kind, "touchPoints": [{"x": x, "y": y, "id": k}
+                                       for k, (x, y) in enumerate(points)]},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("selector", "scale"),
+    [("canvas[data-view=table]", "Sheet.views[0].view.zoom"), ("#solid-view", "Sheet.solid.scale")],
+)
+def test_two_fingers_zoom(browser: Browser, folder: Path, selector: str, scale: str) -> None:
+    browser.open(folder / "plate.html", 800, 900)
+    browser.run("document.querySelector(arguments[0]).scrollIntoView({block: 'center'})", selector)
+    frame = box(browser, selector)
+    x, y = frame["left"] + frame["width"] / 2, frame["top"] + frame["height"] / 2
+    enabled = {"enabled": True, "maxTouchPoints": 2}
+    browser.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", enabled)
+    try:
+        touch(browser, "touchStart", (x, y))
+        touch(browser, "touchEnd")
+        before = number(browser, scale)
+        touch(browser, "touchStart", (x - 40, y), (x + 40, y))
+        for way in (50, 60, 70, 80):
+            touch(browser, "touchMove", (x - way, y), (x + way, y))
+        touch(browser, "touchEnd")
+        assert number(browser, scale) == pytest.approx(2 * before, rel=0.1)
+    finally:
+        enabled = {"enabled": False, "maxTouchPoints": 1}
+        browser.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", enabled)

@@ -14,6 +14,7 @@ class Listing {
       const row = event.target.closest("[data-line]");
       if (row) onPick(Number(row.dataset.line));
     });
+    this.draw();
     box.addEventListener("keydown", (event) => {
       const way = { ArrowDown: 1, ArrowUp: -1 }[event.key];
       if (!way) return;
