@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.controllers import table_events
 from beamcam.errors import Severity
 from beamcam.geometry.curves import Arc, Line
-from beamcam.machine import load, Machine, load
+from beamcam.machine import Machine, load
 from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_file
