@@ -12,10 +12,10 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan, WorkTime
-from beamcam.model.program import Comment, Program
+from beamcam.model.program import Comment, Program, ToolOff, ToolOn
 from beamcam.model.request import Job
 
 #: A program as it is written: its text, or bytes piece by piece where it may be of any length.
@@ -87,9 +87,29 @@ def sheet_post() -> Post:
     def time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
         from beamcam.motion.sheet_times import program_time
 
-        return program_time(plan, program, machine)
+        lifts = machine.torch is not None and machine.torch.z == "program"
+        return program_time(plan, program, machine, _standing(machine) if lifts else None)
 
     return Post(_plan_sheet, sheet_program, emit, read_back, _with_comments, time)
+
+
+def _standing(machine: Machine) -> Callable[[ToolOn], float]:
+    """How long the head stands while a tool is started and stopped, its torch moved in Z."""
+    from beamcam.controllers import table_events
+    from beamcam.emitters import cutting
+    from beamcam.motion.lift_times import standing_seconds
+
+    bare = replace(machine, words=replace(machine.words, footer=()))
+    known: dict[ToolOn, float] = {}
+
+    def seconds(start: ToolOn) -> float:
+        alike = replace(start, source=Source(machine.name))
+        if alike not in known:
+            text = cutting.emit(Program("", (start, ToolOff(start.process))), bare)
+            known[alike] = standing_seconds(table_events(text, machine)[0], machine)
+        return known[alike]
+
+    return seconds
 
 
 def trigger_post() -> Post:

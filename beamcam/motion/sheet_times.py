@@ -9,7 +9,7 @@ axes can follow and a junction to the next. Where the machine's file has no axes
 full speed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import atan2, cbrt, cos, degrees, dist, hypot, inf, radians, sin, sqrt
 
 from msgspec import Struct
@@ -53,9 +53,18 @@ class Segment(Struct, frozen=True):
     leaves: Point
 
 
-def program_time(plan: SheetPlan, program: Program, machine: Machine) -> WorkTime:
-    """Run time of a plan's program by operation, each with the traverse to it."""
-    return by_operation(plan, _passes(program, machine))
+def program_time(
+    plan: SheetPlan,
+    program: Program,
+    machine: Machine,
+    standing: Callable[[ToolOn], float] | None = None,
+) -> WorkTime:
+    """Run time of a plan's program by operation, each with the traverse to it.
+
+    `standing` says how long the head stands while a tool is started and stopped, where that is more
+    than its waits to preheat and to pierce.
+    """
+    return by_operation(plan, _passes(program, machine, standing))
 
 
 def by_operation(plan: SheetPlan, passes: Iterator[float]) -> WorkTime:
@@ -64,7 +73,9 @@ def by_operation(plan: SheetPlan, passes: Iterator[float]) -> WorkTime:
     return WorkTime(operations, 0.0, sum(passes))
 
 
-def _passes(program: Program, machine: Machine) -> Iterator[float]:
+def _passes(
+    program: Program, machine: Machine, standing: Callable[[ToolOn], float] | None = None
+) -> Iterator[float]:
     """Seconds of each pass with the traverse before it, and of the return home."""
     limits = path_limits(machine)
     rapid = machine.needed(machine.torch, "torch").traverse_mm_min / SECONDS_PER_MINUTE
@@ -77,7 +88,8 @@ def _passes(program: Program, machine: Machine) -> Iterator[float]:
                 here = command.x, command.y
             case ToolOn():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
-                seconds += command.preheat_s + command.pierce_s
+                waits = command.preheat_s + command.pierce_s
+                seconds += waits if standing is None else standing(command)
             case Pace():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
             case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():

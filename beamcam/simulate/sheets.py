@@ -7,7 +7,7 @@ the top of its axis, it counts as clear of the sheet by `torch.clearance`.
 """
 
 from collections.abc import Mapping, Sequence
-from math import inf, isfinite, isnan
+from math import isnan
 
 import numpy as np
 from msgspec import Struct
@@ -17,10 +17,10 @@ from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
-from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
+from beamcam.motion.lift_times import LiftTimes
 from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, speeds_along
 from beamcam.motion.speed_sections import SpeedSection
 from beamcam.simulate.phases import Chords, Phases, phases_of
@@ -100,8 +100,7 @@ class _HeadPath:
         self.steps: list[_Wait | _Path | _Up] = []
         torch = machine.needed(machine.torch, "torch")
         self.lifts, self.clearance = torch.z == "program", torch.clearance
-        self.height = self.clearance
-        self.z_axis = next((axis for axis in machine.axes if axis.moves == "Z"), None)
+        self.lifting = LiftTimes(machine)
 
     def follow(self, legs: Sequence[HeadMove]) -> None:
         """Moves from rest to rest."""
@@ -121,19 +120,8 @@ class _HeadPath:
 
     def lift(self, event: Lift | Touch) -> None:
         """The torch up or down, or to the sheet; one axis from rest to rest."""
-        height = event.height if isinstance(event, Touch) else event.end
-        height = height if isfinite(height) else self.clearance
-        rapid = isinstance(event, Lift) and event.rapid
-        feed = event.feed_mm_min
-        wanted = self.rapid_mm_min if rapid or not feed > 0.0 else feed
-        speed, way = wanted / SECONDS_PER_MINUTE, abs(height - self.height)
-        axis = self.z_axis
-        seconds = way / speed
-        if axis is not None:
-            jerk = inf if axis.jerk is None else axis.jerk
-            seconds = move_seconds(way, min(speed, axis.speed), axis.acceleration, jerk)
-        self.height = height
-        self.steps.append(_Up(seconds, height, event.line, self.state))
+        seconds = self.lifting.seconds(event)
+        self.steps.append(_Up(seconds, self.lifting.height, event.line, self.state))
 
     def trace(self) -> Trace:
         """All of it."""

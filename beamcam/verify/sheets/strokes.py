@@ -276,7 +276,7 @@ class _Head:
         """
         if len(one.rows) > 1:
             fed = float(moves.feed_mm_min[own].max())
-            one.rows = sorted(one.rows, key=lambda words: abs(words.row.feed_mm_min - fed))
+            one.rows = sorted(one.rows, key=lambda words: _off_feed(words.row, fed))
         words, *others = one.rows
         one.stroke.waits_s = 0.0 if words.pierce_s else words.row.pierce_s
         feed, row = words.row.feed_mm_min, int(own[0])
@@ -341,6 +341,12 @@ class _Head:
         if len(found) > 1 and counts[0] != counts[1]:
             stroke.in_hole = counts[1] < counts[0]
         return found[int(bool(stroke.in_hole))]
+
+
+def _off_feed(row: TorchRow, feed_mm_min: float) -> float:
+    """How far a feed is from that of a row, in a small hole or elsewhere."""
+    slow = row.hole_feed_share if row.slows_holes else 1.0
+    return min(abs(row.feed_mm_min - feed_mm_min), abs(row.feed_mm_min * slow - feed_mm_min))
 
 
 def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[TableEvent]]) -> _Words:

@@ -281,7 +281,7 @@ def test_keys_of_heights_that_contradict_each_other(
         ("plate-mach3", '[codes]\nG33 = "thc on"\n', "a G word switches nothing"),
         ("plate-mach3", '[codes]\nM120 = "drill-cycle"\n', "a table does not drill"),
         ("plate-mach3", '[codes]\n"#<a>" = "none"\n', "mach3 has no names"),
-        ("plate-linuxcnc", '[codes]\n"o<a>" = "height"\n', "a meaning without a number"),
+        ("plate-linuxcnc", '[codes]\n"o<a>" = "feed share"\n', "a meaning without a number"),
     ],
 )  # fmt: skip
 def test_words_and_keys_that_a_table_cannot_have(
@@ -308,3 +308,17 @@ def test_simulate_has_the_height_as_an_axis() -> None:
     moved = (abs(trace.positions[1:, :2] - trace.positions[:-1, :2]).max(axis=1) > 0).tolist()
     cut_at = {h for h, on, xy in zip(heights[1:], cutting, moved, strict=True) if on and xy}
     assert {round(float(height), 6) for height in cut_at} == {CUT}
+
+
+@pytest.mark.parametrize("words", ["", '[words]\ncut_off = ["M121", "M5", "G53 G0 Z0"]\n'])
+def test_plan_and_simulate_count_the_moves_of_the_torch(words: str, tmp_path: Path) -> None:
+    from beamcam.simulate.program import simulate_program
+
+    machine = own(tmp_path, words)
+    made = post((NESTED,), machine)
+    time = made.time(machine)
+    duration_s = simulate_program(str(made.text), machine, parts=(NESTED,)).trace.duration_s
+    assert duration_s == pytest.approx(sum(time.operations) + time.home_s, rel=2e-4)
+    # Four cuts and a mark: 23 mm down at 600 mm/min for each alone take 11 s.
+    flat = post((NESTED,), load("plate-qtplasmac"))
+    assert sum(time.operations) > sum(flat.time(load("plate-qtplasmac")).operations) + 11.0

@@ -22,6 +22,8 @@ SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 TABLES = [
     ("dstv/gusset.nc1", "plate-codesys"),
     ("dstv/gusset.nc1", "plate-linuxcnc"),
+    ("dstv/gusset.nc1", "plate-oxyfuel"),
+    ("dstv/gusset.nc1", "plate-qtplasmac"),
     ("json/curves.json", "laser-grbl"),
     ("json/shield.json", "table-simotion"),
     ("json/shield.json", "table-plcopen"),
