@@ -127,6 +127,8 @@ class Torch(Keys, frozen=True):
     min_bevel: NotNegative = 0.0  #: degrees; an edge with a smaller bevel is cut square
     unrolled: bool = False  #: whether a pipe that is written as a plate is cut flat
     spacing: NotNegative = 10.0  #: between the boxes of parts or copies that share a sheet
+    #: whether parts and copies lie a kerf apart instead: straight edges side by side are cut once
+    common_cuts: bool = False
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
     min_radius: Positive = 0.01  #: smallest arc that the controller takes
     max_radius: Positive = 10000.0  #: an arc beyond is written as lines

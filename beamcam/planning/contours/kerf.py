@@ -9,6 +9,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.common_cuts import begun_off_common, in_levels
 from beamcam.planning.contours.entry import uncompensated
 from beamcam.planning.contours.narrow import (
     left_in,
@@ -138,6 +139,8 @@ def common_cuts(
         )
         for n, (_, shape) in enumerate(found)
     ]
+    if any(kerfs):
+        shapes = in_levels(begun_off_common(shapes, paths, first, torch), torch)
     return shapes, [kerfs[k] for k, _ in found], list(repeats.remarks())
 
 

@@ -31,6 +31,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.material import Material
 
 QUARTER = 90.0  #: degrees by which a part is turned that fits so only
 
@@ -48,6 +49,7 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     """
     if torch is None:
         return parts
+    torch = spaced(parts[0], torch) if parts else torch
     if fits_turned(parts, torch):
         torch = replace(torch, rotate=QUARTER)
     if not (torch.settings or is_laid_otherwise(torch)):
@@ -75,6 +77,14 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     if said:
         raise PlanError(said)
     return tuple([hatched(part, torch) for part in parts])
+
+
+def spaced(part: Part, torch: Torch) -> Torch:
+    """The torch with the spacing of its parts: for common cuts that is the kerf of the sheet."""
+    if not torch.common_cuts:
+        return torch
+    kerf = 0.0 if torch.kerf_by == "none" else Material(part, torch).kerf("cut")
+    return replace(torch, spacing=kerf)
 
 
 def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:

@@ -21,6 +21,7 @@ from beamcam.model.colour import key_of
 from beamcam.model.hatch import hatched
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.need import rows_on
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 Box = tuple[float, float, float, float]
@@ -38,6 +39,7 @@ def as_asked(
         return tuple(parts), []
     said: list[Diagnostic] = []
     laid: list[Part] = []
+    torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
     if len(parts) == 1 and _lies_turned(parts[0], torch):
         torch = replace(torch, rotate=90.0)
     for part in parts:
@@ -47,6 +49,14 @@ def as_asked(
             part = whole if said else _copied(whole, torch)
         laid.append(hatched(part, torch) if torch.settings else part)
     return tuple(laid), said
+
+
+def between(part: Part, torch: Torch) -> float:
+    """The distance between two parts or copies: with common cuts what one cut takes."""
+    if not torch.common_cuts:
+        return torch.spacing
+    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
+    return taken[0] if taken and torch.kerf_by != "none" else 0.0
 
 
 def _lies_turned(part: Part, torch: Torch) -> bool:

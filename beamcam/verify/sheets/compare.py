@@ -118,7 +118,8 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         said += band_faults(work, traced)
     led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
     if work.half_kerf and led and not work.stepped:
-        from beamcam.verify.sheets.pierces import pierce_faults
+        from beamcam.verify.sheets.pierces import edge_faults, pierce_faults
 
         said += pierce_faults(work, traced)
+        said += edge_faults(work, traced)
     return traced, said

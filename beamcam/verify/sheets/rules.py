@@ -31,6 +31,14 @@ REST = Rule(
     "The rest of a program makes the last strokes of the whole as they are, and says so; what "
     "is cut is not looked at again.",
 )
+EDGE = Rule(
+    "verify-sheet-edge",
+    _E,
+    "found the torch piercing on the edge of the contour of {contour} at X {x}, Y {y}; expected it "
+    "in a kerf that was cut before",
+    "What is left of a contour that shares an edge begins where the other was cut; anywhere else "
+    "the hole of the pierce stays in the part.",
+)
 RAMP = Rule(
     "verify-sheet-ramp",
     _E,
@@ -237,6 +245,6 @@ RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING,
     EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN, RESTART, TABS, TAB_WIDTH, TAB_PLACE,
     OVERCUT,
-    HOLE_FEED, NO_CONTOUR, REST,
+    HOLE_FEED, NO_CONTOUR, REST, EDGE,
     LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

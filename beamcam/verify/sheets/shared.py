@@ -16,6 +16,7 @@ from beamcam.model.drawing import Measures, extent
 from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.asked_layout import between
 from beamcam.verify.sheets.need import OUTLINE, need_of, thickness_of
 
 
@@ -37,12 +38,13 @@ def as_one(
         for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
     ]  # fmt: skip
     left = bottom = torch.margin
+    spacing = between(parts[0], torch)
     top = bottom
     for part in parts:
         need = need_of(part, machine, torch, skips)
         x0, y0, x1, y1 = extent(c for some in need.curves.values() for c in some) or (0, 0, 0, 0)
         if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
-            left, bottom = torch.margin, top + torch.spacing
+            left, bottom = torch.margin, top + spacing
             top = bottom
         here = left - x0, bottom - y0
         features += [moved_feature(feature, here) for feature in part.features]
@@ -52,7 +54,7 @@ def as_one(
             if (curves := [c for c, f in zip(some, need.features[process], strict=True)
                            if f == OUTLINE])
         ]  # fmt: skip
-        left, top = left + (x1 - x0) + torch.spacing, max(top, bottom + (y1 - y0))
+        left, top = left + (x1 - x0) + spacing, max(top, bottom + (y1 - y0))
     whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
     return whole, replace(machine, torch=replace(torch, place="drawn")), said
 
