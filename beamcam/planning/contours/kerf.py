@@ -60,7 +60,13 @@ def compensated(
         paths[k] = path
     near = too_near(shapes, paths, kerfs, torch)
     # There may be room for the kerf, but not for a mitre that stands out from it.
-    rounded = {n.shape for n in near if n.width >= kerfs[n.shape] - torch.tolerance}
+    rounded = {
+        k
+        for n in near
+        if n.width >= kerfs[n.shape] - torch.tolerance
+        for k in (n.shape, n.other)
+        if kerfs[k]
+    }
     if rounded and not by_machine:
         for k, path in _moved(found, sorted(rounded), kerfs, torch, [], mitre_limit=0.0):
             paths[k] = path

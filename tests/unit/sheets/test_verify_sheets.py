@@ -361,7 +361,7 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-tab-place", "verify-sheet-hatch-way", "verify-sheet-radius",
         "verify-sheet-corner", "verify-sheet-direction", "verify-sheet-restart",
         "verify-sheet-laid", "verify-sheet-pierce", "verify-sheet-hole-feed",
-        "verify-sheet-contour", "verify-sheet-rest",
+        "verify-sheet-contour", "verify-sheet-rest", "verify-sheet-edge",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
