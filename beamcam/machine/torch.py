@@ -134,6 +134,7 @@ class Torch(Keys, frozen=True):
     max_radius: Positive = 10000.0  #: an arc beyond is written as lines
     arc_limit: Positive = 0.005  #: radii at both ends of an arc may differ by this
     traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
+    frame_mm_min: Positive = 6000.0  #: of the head round the work, its tool off: `post --frame`
     acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
     #: whether the tool works in feeds alone, with the last S, and traverses are dark ($32 of grbl)
     laser_mode: bool = False

@@ -34,12 +34,12 @@ def begun_off_common(
     pairs = overlapping(CurveTable(curves), [paths[k].process for k, _ in owners])
     common: dict[int, set[int]] = {}
     for pair in pairs:
-        for at in pair:
-            k, n = owners[at]
+        for number in pair:
+            k, n = owners[number]
             common.setdefault(k, set()).add(n)
     for k, shared in common.items():
-        at = first.get(k)
-        if at is None or not shapes[at].closed or shapes[at].curves != paths[k].curves:
+        at = first.get(k, -1)
+        if at < 0 or not shapes[at].closed or shapes[at].curves != paths[k].curves:
             continue
         own = [n for n in range(len(paths[k].curves)) if n not in shared]
         if own:

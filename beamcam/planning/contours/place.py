@@ -50,13 +50,17 @@ def refuse_large(box: Box, part: Part, torch: Torch) -> None:
     _refuse_extent(box, part, torch, torch.gap + torch.tolerance)
 
 
-def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
-    """Raises PlanError if the head would have to leave the work area."""
+def worked_box(operations: Sequence[ContourOp]) -> Box:
+    """The box around all that the tool does, leads included."""
     passes = [one for op in operations for one in op.passes]
     ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
-    curves = CurveTable([curve for way in ways for curve in way])
+    return box_of(CurveTable([curve for way in ways for curve in way]))
+
+
+def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
+    """Raises PlanError if the head would have to leave the work area."""
     low_x, low_y, high_x, high_y = torch.area
-    box = box_of(curves)
+    box = worked_box(operations)
     slack = torch.tolerance
     _refuse_extent(box, part, torch, slack)
     if (

@@ -39,6 +39,12 @@ EDGE = Rule(
     "What is left of a contour that shares an edge begins where the other was cut; anywhere else "
     "the hole of the pierce stays in the part.",
 )
+FRAME = Rule(
+    "verify-sheet-frame",
+    _E,
+    "found {found}; expected {expected}",
+    "A frame leads the head once round all of the work, slowly and with its tool off.",
+)
 RAMP = Rule(
     "verify-sheet-ramp",
     _E,
@@ -245,6 +251,6 @@ RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING,
     EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN, RESTART, TABS, TAB_WIDTH, TAB_PLACE,
     OVERCUT,
-    HOLE_FEED, NO_CONTOUR, REST, EDGE,
+    HOLE_FEED, NO_CONTOUR, REST, EDGE, FRAME,
     LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip
