@@ -25,9 +25,9 @@ def frame_of(posted: Posted) -> Posted:
     plan, whole, machine = posted.plan, posted.program, posted.job.machine
     if not isinstance(plan, SheetPlan) or not isinstance(whole, Program):
         raise TypeError(f"{machine.name} writes no program of contours")
-    x0, y0, x1, y1 = worked_box(plan.operations)
-    head = [c for c in whole.commands if isinstance(c, Comment)]
     torch = machine.needed(machine.torch, "torch")
+    x0, y0, x1, y1 = worked_box(plan.operations, torch.overscan)
+    head = [c for c in whole.commands if isinstance(c, Comment)]
     corners = ((x1, y0), (x1, y1), (x0, y1), (x0, y0))
     program = replace(
         whole,

@@ -20,6 +20,7 @@ from beamcam.model.program import (
     OfPart,
     Pace,
     ParabolaFeed,
+    Power,
     Program,
     StartSheet,
     ToolOff,
@@ -136,6 +137,8 @@ class _Writer:
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)
                 return _filled(words.pace, feed=self._feed)
+            case Power(power):
+                return _filled(words.power, power=number(power, 3))
             case ToolOff():
                 return _filled(getattr(words, f"{command.process}_off"), **self._of_part)
             case ParabolaFeed() | EllipseFeed():

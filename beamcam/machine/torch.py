@@ -138,6 +138,8 @@ class Torch(Keys, frozen=True):
     acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
     #: whether the tool works in feeds alone, with the last S, and traverses are dark ($32 of grbl)
     laser_mode: bool = False
+    #: in laser mode, how far the head goes on dark, at its feed, before and behind lines of a hatch
+    overscan: NotNegative = 0.0
     corner: NotNegative = 0.0  #: distance from a corner of a circle passed as fast; 0 stops there
 
     @property

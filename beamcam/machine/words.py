@@ -44,6 +44,7 @@ class Words(Keys, frozen=True):
     right: tuple[str, ...] = ()  #: tool right of the contour
     straight: tuple[str, ...] = ()  #: kerf compensation off
     modal: tuple[str, ...] = ()  #: words of a move, each written when its value changes
+    power: tuple[str, ...] = ()  #: another power from the next move on, in laser mode
     pace: tuple[str, ...] = ()  #: another feed from the next move on, where moves do not say it
 
 
@@ -119,5 +120,6 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "straight": frozenset(),
     "modal": frozenset({"feed", "acceleration"}),
     "pace": frozenset({"feed"}),
+    "power": frozenset({"power"}),
     "comment": frozenset({"text"}),
 }

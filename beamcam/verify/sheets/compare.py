@@ -72,6 +72,10 @@ def compare(
             from beamcam.verify.sheets.hatch import one_way_faults
 
             said += one_way_faults(work)
+        if torch.overscan and not stepped:
+            from beamcam.verify.sheets.hatch import overscan_faults
+
+            said += overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
         said += _settings(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):

@@ -45,6 +45,12 @@ FRAME = Rule(
     "found {found}; expected {expected}",
     "A frame leads the head once round all of the work, slowly and with its tool off.",
 )
+OVERSCAN = Rule(
+    "verify-sheet-overscan",
+    _E,
+    "found {found} mm dark before and behind a stroke at X {x}, Y {y}; expected {expected} mm",
+    "The lines of a hatch begin and end at full speed, and nothing else is followed dark.",
+)
 RAMP = Rule(
     "verify-sheet-ramp",
     _E,
@@ -251,6 +257,6 @@ RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, RAMP, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING,
     EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION, OPEN, RESTART, TABS, TAB_WIDTH, TAB_PLACE,
     OVERCUT,
-    HOLE_FEED, NO_CONTOUR, REST, EDGE, FRAME,
+    HOLE_FEED, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN,
     LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

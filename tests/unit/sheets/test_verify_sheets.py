@@ -362,7 +362,7 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-corner", "verify-sheet-direction", "verify-sheet-restart",
         "verify-sheet-laid", "verify-sheet-pierce", "verify-sheet-hole-feed",
         "verify-sheet-contour", "verify-sheet-rest", "verify-sheet-edge",
-        "verify-sheet-frame",
+        "verify-sheet-frame", "verify-sheet-overscan",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
