@@ -98,8 +98,7 @@ def test_no_hatch_is_refused(
     machine = asked(laser(overscan), distance, angle, one_way=one_way)
     try:
         posted = post((part,), machine)
-    except PlanError as error:
-        assert "plan-map-hatch" in str(error) or "plan-" in str(error)
+    except PlanError:  # contours that cross, or a hatch that fills nothing
         return
     assert posted.time(machine).total_s > 0.0
     assert len(posted.time(machine).operations) == len(posted.plan.operations)
@@ -112,7 +111,8 @@ WRONG = [
     ("no run-up", r"G0 X24 Y24\n\2\4\5\6\7"), ("no run-out", r"\1\2\3\4\5\6"),
     ("run-up too short", r"G0 X22 Y24\n\2\3\4\5\6\7"),
     ("run-up from the side", r"G0 X24 Y21\n\2\3\4\5\6\7"),
-    ("run-out too long", r"\1\2\3\4\5\6G1 X84 Y24\n"), ("line too short", r"\1\2\3\4G1 X70 Y24\n\6\7"),
+    ("run-out too long", r"\1\2\3\4\5\6G1 X84 Y24\n"),
+    ("line too short", r"\1\2\3\4G1 X70 Y24\n\6\7"),
     ("another dark feed", r"\1\2\3\4\5\6\7G1 X79 Y28\n"),
 ]  # fmt: skip
 
