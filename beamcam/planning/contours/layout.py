@@ -32,6 +32,7 @@ from beamcam.model.part import (
 )
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.spread import spread
 
 QUARTER = 90.0  #: degrees by which a part is turned that fits so only
 
@@ -49,6 +50,8 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     """
     if torch is None:
         return parts
+    if len(parts) == 1:
+        parts = (apart(parts[0], torch)[0],)
     torch = spaced(parts[0], torch) if parts else torch
     if fits_turned(parts, torch):
         torch = replace(torch, rotate=QUARTER)
@@ -77,6 +80,13 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     if said:
         raise PlanError(said)
     return tuple([hatched(part, torch) for part in parts])
+
+
+def apart(part: Part, torch: Torch) -> tuple[Part, list[Diagnostic]]:
+    """A drawing for common cuts with its parts a kerf apart where they touch, and a note."""
+    if not torch.common_cuts or torch.kerf_by == "none":
+        return part, []
+    return spread(part, torch, Material(part, torch).kerf("cut"))
 
 
 def spaced(part: Part, torch: Torch) -> Torch:
@@ -114,14 +124,16 @@ def _is_ignored(contour: Contour, torch: Torch) -> bool:
     return key is not None and torch.colours[key] == "ignore"
 
 
-def turned_to_fit(parts: Sequence[Part], torch: Torch | None) -> list[Diagnostic]:
-    """A note on a part that was turned because it fits so only."""
-    if torch is None or not fits_turned(parts, torch):
+def laid_otherwise(parts: Sequence[Part], torch: Torch | None) -> list[Diagnostic]:
+    """Notes on a part that was turned because it fits so only, or whose parts were moved apart."""
+    if torch is None or len(parts) != 1:
         return []
-    (part,) = parts
+    part, said = apart(parts[0], torch)
+    if not fits_turned((part,), torch):
+        return said
     x0, y0, x1, y1 = _box(_with_outline(part))
     found, expected = f"{x1 - x0:.1f} x {y1 - y0:.1f}", f"{torch.length:g} x {torch.width:g}"
-    return [rules.TURNED.at(part.source, found=found, expected=expected)]
+    return [*said, rules.TURNED.at(part.source, found=found, expected=expected)]
 
 
 def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:

@@ -9,6 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.errors import PlanError
 from beamcam.geometry.curves import Curve
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
@@ -200,3 +201,70 @@ def test_without_a_kerf_they_touch() -> None:
     machine = with_torch(load("laser-grbl"), thickness=3.0, common_cuts=True, copies=(3, 1))
     text = post((part,), machine).text
     assert max(float(x) for x in re.findall(r"X([\d.]+)", text)) == pytest.approx(120 + 2)
+
+
+def touching(seed: int) -> tuple[Part, list[shapely.Polygon]]:
+    """A drawing of parts that touch: rows of boxes, some with holes or a side in two lines."""
+    chance = random.Random(seed)
+    features, found = [], []
+    y = 0.0
+    for row in range(chance.randint(1, 3)):
+        x, height = 0.0, chance.choice([30.0, 45.0])
+        for column in range(chance.randint(1, 4)):
+            width = chance.choice([40.0, 55.5])
+            ring = box(x, y, width, height)
+            if chance.random() < 0.3:
+                ring = lines(
+                    (x, y), (x + width, y), (x + width, y + height), (x, y + height),
+                    (x, y + height / 2),
+                )  # fmt: skip
+            number = 10 * row + column + 1
+            features.append(contour(ring, line=number))
+            shape = shapely.box(x, y, x + width, y + height)
+            if chance.random() < 0.5:
+                features.append(contour(circle(x + 20, y + 15, 10), line=100 + number))
+                shape = shape.difference(shapely.Point(x + 20, y + 15).buffer(5, quad_segs=64))
+            found.append(shape)
+            x += width
+        y += height
+    return drawing(*features, thickness=3.0), found
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_parts_of_a_drawing_that_touch_keep_their_size(seed: int) -> None:
+    part, shapes = touching(seed)
+    posted = post((part,), nested())
+    pieces = [p for p in left_of_sheet(posted.text) if p.area > 200 and p.area < SHEET.area / 2]
+    assert len(pieces) == len(shapes)
+    for shape in shapes:
+        fits = [
+            p for p in pieces
+            if abs(p.area - shape.area) < 3e-4 * shape.area
+            and _at_origin(p).symmetric_difference(_at_origin(shape)).buffer(-0.03).is_empty
+        ]  # fmt: skip
+        assert fits
+        pieces.remove(fits[0])
+    assert not read_back(posted.text, Request((part,), nested()))
+
+
+def _at_origin(shape: shapely.Polygon) -> shapely.Polygon:
+    x, y, _, _ = shape.bounds
+    return shapely.affinity.translate(shape, -x, -y)
+
+
+def test_they_are_told_and_refused_without_the_option() -> None:
+    part, _ = touching(1)
+    assert "plan-sheet-apart" in {d.code for d in post((part,), nested()).remarks}
+    with pytest.raises(PlanError, match="plan-shared-edge"):
+        post((part,), nested(common_cuts=False))
+
+
+def test_slanting_edges_stay_shared() -> None:
+    """Nobody says by how much along them two parts are moved."""
+    one, other = (
+        lines((0, 0), (60, 0), (40, 40), (0, 40)),
+        lines((60, 0), (100, 0), (100, 40), (40, 40)),
+    )
+    part = drawing(contour(one), contour(other, line=2), thickness=3.0)
+    with pytest.raises(PlanError, match="plan-shared-edge"):
+        post((part,), nested())
