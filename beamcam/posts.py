@@ -199,12 +199,12 @@ POSTS = {
 
 
 def _plan_sheet(job: Job) -> SheetPlan:
-    from beamcam.planning.contours.layout import laid, turned_to_fit
+    from beamcam.planning.contours.layout import laid, laid_otherwise
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine
     plan = plan_sheet(laid(job.parts, machine.torch), machine, job.request.skips)
-    told = turned_to_fit(job.parts, machine.torch)
+    told = laid_otherwise(job.parts, machine.torch)
     return replace(plan, remarks=(*told, *plan.remarks)) if told else plan
 
 

@@ -89,6 +89,7 @@ class SheetOptions(TypedDict, total=False):
     rotate: float
     copies: tuple[int, int]
     spacing: float
+    common_cuts: bool
     sheet_size: tuple[float, float]
     unrolled: bool
 

@@ -65,6 +65,12 @@ from beamcam.planning.left_out import by_hand_sources, left_out_sources
 @options.style
 @options.turn
 @from_operation("Write only the remainder of the program, from operation N of `plan`.")
+@click.option(
+    "--frame",
+    type=options.FILE,
+    metavar="FILE",
+    help="Write a program too that leads the head round the work, its tool off.",
+)
 @from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
 @part_options
 @options.no_verify
@@ -79,6 +85,7 @@ def command(
     turn: bool,
     first: int | None,
     contour: int | None,
+    frame: str | None,
     no_verify: bool,
     exit_left_out: int | None,
     as_json: bool,
@@ -109,6 +116,7 @@ def command(
     beamcam post model.ifc --mark B12 -o b12.gcode
     beamcam post M58.nc1 --from-operation 7 -o rest.gcode
     beamcam post gasket.dxf --thickness 3 --from-contour 4 -o rest.ngc
+    beamcam post gasket.dxf --thickness 3 -o gasket.ngc --frame frame.ngc
     """
     said: tuple[Diagnostic, ...] = ()
     request: Request | None = None
@@ -118,8 +126,13 @@ def command(
         strict = config.strict
         parts, said = read_parts(inputs, config, asked, voice)
         machines = machines_for(config, parts, output)
-        if contour is not None and not any(map(is_coded_sheet, machines)):
+        coded = any(map(is_coded_sheet, machines))
+        if contour is not None and not coded:
             raise click.UsageError(ONE_SHEET)
+        if frame is not None and frame == output:
+            raise click.UsageError("--frame and -o name one file; expected two.")
+        if frame is not None and not coded:
+            raise click.UsageError("--frame is for programs of sheets, in G-code.")
         said += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, order, turn)
         request = replace(request, verified=not no_verify, date=asked["date"] or "")
@@ -136,6 +149,7 @@ def command(
         made = [(name, finished(each, stage)) for name, each in begun]
         if first is not None or contour is not None:
             made = [(output, _rest(made, first, contour))]
+        frames = [] if frame is None else _frames(made, frame)
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))
@@ -150,7 +164,7 @@ def command(
 
         ways = tuple(ways_to_read(error.diagnostics, read_file, strict))
         voice.stop((*said, *error.diagnostics, *ways))
-    _write(made, files_read(config, inputs), voice)
+    _write(made, frames, files_read(config, inputs), voice)
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
     if not (voice.quiet or voice.as_json):
         for name, each in made:
@@ -199,12 +213,28 @@ def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | 
     return rest_of(made[0][1], first)
 
 
-def _write(made: Sequence[tuple[str, Posted]], read: FilesRead, voice: Voice) -> None:
-    """Write the programs and their lists of manual work, none if one would be written over."""
+def _frames(made: Sequence[tuple[str, Posted]], name: str) -> list[tuple[str, Posted]]:
+    """The frame of each program, by the name of its file. Raises RefusedProgram."""
+    from beamcam.frame import frame_of
+
+    return [
+        (path, frame_of(posted))
+        for path, (_, posted) in zip(program_names(name, len(made)), made, strict=True)
+    ]
+
+
+def _write(
+    made: Sequence[tuple[str, Posted]],
+    frames: Sequence[tuple[str, Posted]],
+    read: FilesRead,
+    voice: Voice,
+) -> None:
+    """Write programs, lists of manual work and frames, none if one would be written over."""
     files = [
         (name, posted, tuple(outputs(posted, posted.job.machine, name))) for name, posted in made
     ]
-    keep_apart((path for _, _, pieces in files for path, _ in pieces), read, voice)
+    paths = [path for _, _, pieces in files for path, _ in pieces]
+    keep_apart((*paths, *(path for path, _ in frames)), read, voice)
     for name, posted, pieces in files:
         if voice.verbose:
             from beamcam.report.ledger import ledger_of
@@ -213,6 +243,8 @@ def _write(made: Sequence[tuple[str, Posted]], read: FilesRead, voice: Voice) ->
         write_list(posted, name, voice, read)
         for path, content in pieces:
             write(path, content, voice, read)
+    for path, posted in frames:
+        write(path, posted.text.encode(), voice, read)
 
 
 # --- what is said of a program that is written ----------------------------------------------------

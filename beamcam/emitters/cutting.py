@@ -24,6 +24,7 @@ from beamcam.model.program import (
     OfPart,
     Pace,
     ParabolaFeed,
+    Power,
     Program,
     StartSheet,
     ToolOff,
@@ -156,6 +157,8 @@ class _Writer:
                 return _filled(
                     words.slow if self._slow else words.full, feed=self._feed, share=share
                 )
+            case Power(power):
+                return _filled(words.power, power=number(power, 3))
             case ToolOff():
                 off = getattr(words, f"{command.process}_off")
                 full = _filled(words.full, feed=self._feed) if self._slow else []

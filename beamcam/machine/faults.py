@@ -208,6 +208,9 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.drilled", torch.drilled, "refuse, as no row marks"
     if torch.origin != "table" and not worded:
         yield "torch.origin", torch.origin, "table, from whose corner the controller counts"
+    if torch.overscan and not (torch.laser_mode and _names(words.power, "power")):
+        expected = "0, or laser_mode and {power} in words.power"
+        yield "torch.overscan", torch.overscan, expected
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
 

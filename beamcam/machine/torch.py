@@ -132,14 +132,19 @@ class Torch(Keys, frozen=True):
     min_bevel: NotNegative = 0.0  #: degrees; an edge with a smaller bevel is cut square
     unrolled: bool = False  #: whether a pipe that is written as a plate is cut flat
     spacing: NotNegative = 10.0  #: between the boxes of parts or copies that share a sheet
+    #: whether parts and copies lie a kerf apart instead: straight edges side by side are cut once
+    common_cuts: bool = False
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
     min_radius: Positive = 0.01  #: smallest arc that the controller takes
     max_radius: Positive = 10000.0  #: an arc beyond is written as lines
     arc_limit: Positive = 0.005  #: radii at both ends of an arc may differ by this
     traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
+    frame_mm_min: Positive = 6000.0  #: of the head round the work, its tool off: `post --frame`
     acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
     #: whether the tool works in feeds alone, with the last S, and traverses are dark ($32 of grbl)
     laser_mode: bool = False
+    #: in laser mode, how far the head goes on dark, at its feed, before and behind lines of a hatch
+    overscan: NotNegative = 0.0
     corner: NotNegative = 0.0  #: distance from a corner of a circle passed as fast; 0 stops there
     z: Literal["controller", "program"] = "controller"  #: which of them moves the torch up and down
     #: which of them holds the torch at its height by the voltage of the arc: the controller by

@@ -52,6 +52,7 @@ class Words(Keys, frozen=True):
     modal: tuple[str, ...] = ()  #: words of a move, each written when its value changes
     slow: tuple[str, ...] = ()  #: from the next move on slower than the row, as near a corner
     full: tuple[str, ...] = ()  #: and again at the feed of the row
+    power: tuple[str, ...] = ()  #: another power from the next move on, in laser mode
     pace: tuple[str, ...] = ()  #: another feed from the next move on, where moves do not say it
 
 
@@ -141,5 +142,6 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "slow": frozenset({"feed", "share"}),
     "full": frozenset({"feed"}),
     "pace": frozenset({"feed"}),
+    "power": frozenset({"power"}),
     "comment": frozenset({"text"}),
 }

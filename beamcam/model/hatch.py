@@ -11,12 +11,12 @@ from beamcam.geometry.plane import Point, unit_vector
 from beamcam.machine.torch import LookSettings, Torch
 from beamcam.model.colour import key_of
 from beamcam.model.part import Contour, Part
+from beamcam.model.plan import HATCH
 
 CHORD = 0.2  #: mm, of curves whose inside is filled
 #: mm above a line of a hatch, where it is looked what lies inside: an edge may lie on the line.
 ABOVE = 1e-7
 MAX_CHORDS = 4096
-HATCH = "hatch"  #: source of the lines of a hatch in messages
 
 
 def hatched(part: Part, torch: Torch) -> Part:

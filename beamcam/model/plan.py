@@ -11,6 +11,7 @@ from beamcam.machine.tools import Tool
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Face, Part, Profile
 
+HATCH = "hatch"  #: source of the lines of a hatch
 FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its feature
 Order = Literal["given", "best"]  #: of parts on a bar: as they were given, or as they nest best
 AS_GIVEN = "as given"  #: how a part lies that was not turned
@@ -196,6 +197,11 @@ class ContourOp(Struct, frozen=True, gc=False):
     features: tuple[FeatureRef, ...]
     source: Source
     feed_share: float = 1.0  #: of the row's feed, all along it
+
+    @property
+    def is_hatch(self) -> bool:
+        """Whether it is a line of a hatch."""
+        return self.source.where == HATCH and not self.closed
 
     @property
     def start(self) -> Point:

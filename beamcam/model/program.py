@@ -166,6 +166,16 @@ class Pace(Struct, frozen=True, gc=False):
     feed_mm_min: float
 
 
+class Power(Struct, frozen=True, gc=False):
+    """From the next move on the tool works with this power; 0 is dark. In laser mode only."""
+
+    power: float
+
+
+class PassEnd(Struct, frozen=True, gc=False):
+    """A pass ends and the tool stays on: in laser mode it is dark in traverses."""
+
+
 class Compensate(Struct, frozen=True):
     """From the next move on the controller keeps beside the contour by half the kerf."""
 
@@ -247,8 +257,7 @@ Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool
     | Comment | StartSheet | StartProfile | TurnTorch | TorchTo | ChooseTool | ChooseMaterial
-    | ToolOn | ToolOff | Pace | Compensate
-    | Traverse | Movement
+    | ToolOn | ToolOff | Pace | Power | PassEnd | Compensate | Traverse | Movement
 )  # fmt: skip
 
 

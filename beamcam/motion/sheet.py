@@ -7,6 +7,7 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from math import hypot
 from typing import NamedTuple
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
@@ -23,8 +24,11 @@ from beamcam.model.program import (
     Command,
     Comment,
     Compensate,
+    Feed,
     Movement,
     OfPart,
+    PassEnd,
+    Power,
     Program,
     StartSheet,
     ToolOff,
@@ -62,20 +66,65 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
     chooses, chosen = bool(machine.words.material), None
     tool: TorchProcess = "cut"
-    for op in plan.operations:
-        if op.row.process != tool:
-            tool = op.row.process
+    for run in _runs(plan.operations, machine):
+        row = run[0].row
+        if row.process != tool:
+            tool = row.process
             commands.append(ChooseTool(tool))
         if tells:
-            commands.append(OfPart(part_data([plan.pieces[op.features[0][0]].part])))
-        if chooses and op.row.process == "cut" and op.row != chosen:
-            chosen = op.row
-            commands.append(ChooseMaterial(op.row, plan.thickness))
-        for _ in op.passes:
-            commands += _pass(op, next(paths), pen)
+            commands.append(OfPart(part_data([plan.pieces[run[0].features[0][0]].part])))
+        if chooses and row.process == "cut" and row != chosen:
+            chosen = row
+            commands.append(ChooseMaterial(row, plan.thickness))
+        if len(run) > 1 or (run[0].is_hatch and pen.overscan):
+            commands += _hatch(run, paths, pen)
+            continue
+        for _ in run[0].passes:
+            commands += _pass(run[0], next(paths), pen)
     if tool != "cut":
         commands.append(ChooseTool("cut"))
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
+
+
+def _runs(operations: Sequence[ContourOp], machine: Machine) -> Iterator[list[ContourOp]]:
+    """The operations, in laser mode neighbouring lines of a hatch with one row together."""
+    laser = machine.torch is not None and machine.torch.laser_mode
+    run: list[ContourOp] = []
+    for op in operations:
+        if run and not (laser and op.is_hatch and run[0].is_hatch and op.row == run[0].row):
+            yield run
+            run = []
+        run.append(op)
+    if run:
+        yield run
+
+
+def _hatch(run: Sequence[ContourOp], paths: Iterator[Path], pen: "Pen") -> Iterator[Command]:
+    """Lines of a hatch with the tool on from the first to the last: dark but for the lines.
+
+    traverse   run-up   line            run-out
+    . . . . . > - - - > ==============> - - - >
+    """
+    row, over = run[0].row, pen.overscan
+    passes = [next(paths).moves for op in run for _ in op.passes]
+    for number, path in enumerate(passes):
+        (x0, y0), end = path.start, path.moves[-1]
+        length = hypot(end.x - x0, end.y - y0) or 1.0
+        u, v = over * (end.x - x0) / length, over * (end.y - y0) / length
+        yield Traverse(x0 - u, y0 - v)
+        if number == 0:
+            yield ToolOn(
+                row.process, row.feed_mm_min, 0.0 if over else row.power, row.pierce_s,
+                run[0].source, row.pierce_height, row.cut_height,
+            )  # fmt: skip
+        if over:
+            yield Feed(x0, y0)
+            yield Power(row.power)
+        yield from path.moves
+        if over:
+            yield Power(0.0)
+            yield Feed(end.x + u, end.y + v)
+        yield ToolOff(row.process) if number == len(passes) - 1 else PassEnd()
 
 
 def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
@@ -111,6 +160,7 @@ class Pen:
         torch = machine.needed(machine.torch, "torch")
         form, words = machine.format, machine.words
         self._fit = torch.tolerance * FIT_SHARE
+        self.overscan = torch.overscan
         self._arcs = bool(words.arc_cw)
         self._parabolas = bool(words.parabola)
         self._ellipses = bool(words.ellipse_cw)

@@ -27,6 +27,7 @@ from beamcam.model.program import (
     Movement,
     Pace,
     ParabolaFeed,
+    PassEnd,
     Program,
     ToolOff,
     ToolOn,
@@ -97,7 +98,7 @@ def _passes(
                 if segment is not None:
                     segments.append(segment)
                 here = command.x, command.y
-            case ToolOff():
+            case ToolOff() | PassEnd():
                 yield seconds + seconds_along(segments, limits)
                 seconds, segments = 0.0, []
     yield seconds + _traverse_seconds(here, HOME, rapid, limits)

@@ -11,9 +11,8 @@ from collections.abc import Iterator
 from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model.colour import colour_name
 from beamcam.model.description import description
-from beamcam.model.hatch import HATCH
 from beamcam.model.part import Contour
-from beamcam.model.plan import AnyPlan, Outcome, SheetPlan, unfinished
+from beamcam.model.plan import HATCH, AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.planning.by_hand import REASONS
 from beamcam.planning.rules import SKIP_NAMES
 

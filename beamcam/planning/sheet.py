@@ -15,6 +15,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.chord_runs import refit_runs
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Part
@@ -37,6 +38,8 @@ from beamcam.planning.contours.outline import points_of
 from beamcam.planning.contours.place import box_of, refuse_large, refuse_size, shift_of
 from beamcam.planning.contours.shape import Shape
 
+#: What arcs for short chords may take of the machine's tolerance; rounding has the rest.
+CHORDS_SHARE = 0.5
 SHEET_CODES = ("B",)
 #: How programs name a pipe that they write unrolled, as a plate.
 PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
@@ -64,6 +67,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     shift = shift_of(box, torch)
     kerf = material.kerf("cut")
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
+    if machine.words.arc_cw:
+        joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
     shapes, said = _nested(joined, assigned, torch, kerf)
     remarks += [*joined.remarks, *said]
     if not shapes:
@@ -98,6 +103,12 @@ def _refuse_work(
         raise PlanError(refusals)
     if not assigned.wanted:
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
+
+
+def _with_arcs(shape: Shape, torch: Torch) -> Shape:
+    """A contour with arcs and lines for its runs of short chords."""
+    curves = refit_runs(shape.curves, torch.tolerance * CHORDS_SHARE)
+    return shape if len(curves) == len(shape.curves) else replace(shape, curves=curves)
 
 
 def _nested(

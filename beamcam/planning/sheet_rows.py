@@ -19,6 +19,7 @@ from beamcam.model.part import Contour, Feature, Part
 from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
+from beamcam.planning.contours.layout import spaced
 from beamcam.planning.contours.place import box_of
 
 THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
@@ -36,7 +37,7 @@ class LaidSheet(NamedTuple):
 
 def places_of(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> tuple[Point, ...]:
     """Position of x 0, y 0 of each part, for as many parts as the sheet holds."""
-    torch = _torch(machine)
+    torch = spaced(parts[0], _torch(machine)) if parts else _torch(machine)
     found: list[Point] = []
     at_x = at_y = torch.margin
     row = 0.0  #: height of the row that is filled

@@ -36,7 +36,7 @@ def begun(curves: Curves, torch: Torch, here: Point, is_pierced: bool = True) ->
     if torch.start == "drawn":
         return curves
     if torch.start == "straight" and is_pierced:
-        return _from_longest(curves)
+        return from_longest(curves, range(len(curves)))
     if len(curves) == 1:
         (curve,) = curves
         if isinstance(curve, Arc) and here != curve.centre:
@@ -47,9 +47,12 @@ def begun(curves: Curves, torch: Torch, here: Point, is_pierced: bool = True) ->
     return (*curves[nearest:], *curves[:nearest])
 
 
-def _from_longest(curves: Curves) -> Curves:
-    """A closed contour from the middle of its longest line, of its longest curve without one."""
-    longest = max(range(len(curves)), key=lambda k: (isinstance(curves[k], Line), _size(curves[k])))
+def from_longest(curves: Curves, which: Sequence[int]) -> Curves:
+    """A closed contour from the middle of the longest line among some of its curves.
+
+    Of the longest curve where none of them is a line.
+    """
+    longest = max(which, key=lambda k: (isinstance(curves[k], Line), _size(curves[k])))
     first, last = curves[longest].split(0.5)
     return (last, *curves[longest + 1 :], *curves[:longest], first)
 

@@ -9,6 +9,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.common_cuts import begun_off_common, in_levels
 from beamcam.planning.contours.entry import uncompensated
 from beamcam.planning.contours.narrow import (
     left_in,
@@ -59,7 +60,13 @@ def compensated(
         paths[k] = path
     near = too_near(shapes, paths, kerfs, torch)
     # There may be room for the kerf, but not for a mitre that stands out from it.
-    rounded = {n.shape for n in near if n.width >= kerfs[n.shape] - torch.tolerance}
+    rounded = {
+        k
+        for n in near
+        if n.width >= kerfs[n.shape] - torch.tolerance
+        for k in (n.shape, n.other)
+        if kerfs[k]
+    }
     if rounded and not by_machine:
         for k, path in _moved(found, sorted(rounded), kerfs, torch, [], mitre_limit=0.0):
             paths[k] = path
@@ -138,6 +145,8 @@ def common_cuts(
         )
         for n, (_, shape) in enumerate(found)
     ]
+    if any(kerfs):
+        shapes = in_levels(begun_off_common(shapes, paths, first, torch), torch)
     return shapes, [kerfs[k] for k, _ in found], list(repeats.remarks())
 
 

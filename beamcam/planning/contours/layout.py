@@ -31,6 +31,8 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning.contours import rules
+from beamcam.planning.contours.material import Material
+from beamcam.planning.contours.spread import spread
 
 QUARTER = 90.0  #: degrees by which a part is turned that fits so only
 
@@ -48,6 +50,9 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     """
     if torch is None:
         return parts
+    if len(parts) == 1:
+        parts = (apart(parts[0], torch)[0],)
+    torch = spaced(parts[0], torch) if parts else torch
     if fits_turned(parts, torch):
         torch = replace(torch, rotate=QUARTER)
     if not (torch.settings or is_laid_otherwise(torch)):
@@ -77,6 +82,21 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     return tuple([hatched(part, torch) for part in parts])
 
 
+def apart(part: Part, torch: Torch) -> tuple[Part, list[Diagnostic]]:
+    """A drawing for common cuts with its parts a kerf apart where they touch, and a note."""
+    if not torch.common_cuts or torch.kerf_by == "none":
+        return part, []
+    return spread(part, torch, Material(part, torch).kerf("cut"))
+
+
+def spaced(part: Part, torch: Torch) -> Torch:
+    """The torch with the spacing of its parts: for common cuts that is the kerf of the sheet."""
+    if not torch.common_cuts:
+        return torch
+    kerf = 0.0 if torch.kerf_by == "none" else Material(part, torch).kerf("cut")
+    return replace(torch, spacing=kerf)
+
+
 def fits_turned(parts: Sequence[Part], torch: Torch) -> bool:
     """Whether one part is too large for the sheet as it is drawn, and not if it is turned by 90
     degrees. What is asked for as it is drawn, or laid by an option, stays as it is."""
@@ -104,14 +124,16 @@ def _is_ignored(contour: Contour, torch: Torch) -> bool:
     return key is not None and torch.colours[key] == "ignore"
 
 
-def turned_to_fit(parts: Sequence[Part], torch: Torch | None) -> list[Diagnostic]:
-    """A note on a part that was turned because it fits so only."""
-    if torch is None or not fits_turned(parts, torch):
+def laid_otherwise(parts: Sequence[Part], torch: Torch | None) -> list[Diagnostic]:
+    """Notes on a part that was turned because it fits so only, or whose parts were moved apart."""
+    if torch is None or len(parts) != 1:
         return []
-    (part,) = parts
+    part, said = apart(parts[0], torch)
+    if not fits_turned((part,), torch):
+        return said
     x0, y0, x1, y1 = _box(_with_outline(part))
     found, expected = f"{x1 - x0:.1f} x {y1 - y0:.1f}", f"{torch.length:g} x {torch.width:g}"
-    return [rules.TURNED.at(part.source, found=found, expected=expected)]
+    return [*said, rules.TURNED.at(part.source, found=found, expected=expected)]
 
 
 def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:

@@ -6,7 +6,7 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import LookSettings, Torch
-from beamcam.model.hatch import HATCH
+from beamcam.model.plan import HATCH
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.shape import Shape

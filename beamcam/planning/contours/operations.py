@@ -122,7 +122,8 @@ def _in_order(
             is_pierced = shape.process == "cut" and not (
                 torch.kerf_by == "machine" and kerfs[index]
             )
-            shape = replace(shape, curves=begun(shape.curves, torch, here, is_pierced))
+            if not shape.is_begun:
+                shape = replace(shape, curves=begun(shape.curves, torch, here, is_pierced))
         elif turned and not fixed[index]:
             shape = replace(shape, curves=reversed_chain(shape.curves))
         yield index, shape

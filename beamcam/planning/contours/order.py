@@ -24,7 +24,8 @@ def order(
 ) -> Tour:
     """Each shape by its index, and whether it is followed backwards, in the order of work.
 
-    Those of lower `ranks` come first, whatever they are; those that are `fixed` are never turned.
+    Those of lower `ranks` come first, whatever they are, then those of lower levels; those that are
+    `fixed` are never turned.
 
     Closed shapes are met at their first point; which way round they go is not said here.
     """
@@ -35,9 +36,9 @@ def order(
     ]
     parents = [s.parent for s in shapes]
     ranks = ranks or [0] * len(shapes)
-    stages: dict[tuple[int, bool], list[int]] = {}
+    stages: dict[tuple[int, bool, int], list[int]] = {}
     for k, (rank, shape) in enumerate(zip(ranks, shapes, strict=True)):
-        stages.setdefault((rank, shape.process == "cut"), []).append(k)
+        stages.setdefault((rank, shape.process == "cut", shape.level), []).append(k)
     here = home
     done: Tour = []
     for _, stage in sorted(stages.items()):

@@ -1,6 +1,7 @@
 """Position of a sheet on the table, and whether its work fits there."""
 
 from collections.abc import Sequence
+from math import dist
 
 from msgspec.structs import replace
 
@@ -50,13 +51,30 @@ def refuse_large(box: Box, part: Part, torch: Torch) -> None:
     _refuse_extent(box, part, torch, torch.gap + torch.tolerance)
 
 
-def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
-    """Raises PlanError if the head would have to leave the work area."""
+def worked_box(operations: Sequence[ContourOp], overscan: float = 0.0) -> Box:
+    """The box around all that the tool does, leads included, and round hatches their overscan."""
     passes = [one for op in operations for one in op.passes]
     ways = [way for p in passes for way in (p.lead_in, p.curves, p.lead_out)]
-    curves = CurveTable([curve for way in ways for curve in way])
+    box = box_of(CurveTable([curve for way in ways for curve in way]))
+    beyond = [
+        point
+        for op in operations
+        if overscan and op.is_hatch
+        for (x0, y0), (x1, y1) in ((op.start, op.end),)
+        for k in (overscan / (dist(op.start, op.end) or 1.0),)
+        for point in ((x0 - k * (x1 - x0), y0 - k * (y1 - y0)),
+                      (x1 + k * (x1 - x0), y1 + k * (y1 - y0)))
+    ]  # fmt: skip
+    xs, ys = [x for x, _ in beyond], [y for _, y in beyond]
+    return (
+        min([box[0], *xs]), min([box[1], *ys]), max([box[2], *xs]), max([box[3], *ys])
+    )  # fmt: skip
+
+
+def refuse_size(operations: Sequence[ContourOp], part: Part, torch: Torch) -> None:
+    """Raises PlanError if the head would have to leave the work area."""
     low_x, low_y, high_x, high_y = torch.area
-    box = box_of(curves)
+    box = worked_box(operations, torch.overscan)
     slack = torch.tolerance
     _refuse_extent(box, part, torch, slack)
     if (

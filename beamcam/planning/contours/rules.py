@@ -115,6 +115,13 @@ TURNED = Rule(
     "It lies on the table so that it fits. `sheet.rotate` says how a part lies, `sheet.place` "
     "leaves it where it is drawn.",
 )
+APART = Rule(
+    "plan-sheet-apart",
+    _N,
+    "found parts that share edges; moved {count} of them apart by the kerf of {kerf} mm",
+    "One cut goes between two parts and takes nothing of either: they lie a kerf farther from one "
+    "another than they are drawn. `sheet.common_cuts` asks for it.",
+)
 HATCH = Rule(
     "plan-map-hatch",
     _E,
@@ -411,6 +418,6 @@ RULES = (
     NOT_CLOSED, TINY, SHARED, COMMON, RUNS_BACK_KERF, RUNS_BACK, RUNS_OVER, GAP, GAPS, OPEN_CUT,
     OPEN_KERF, MORE_OPEN, OVERLAP, VANISHED, NARROW, NEAR, LEFT, CROWDED, COPIES, CROSSING,
     MORE_CROSSINGS, CROSSED, MORE_CROSSED, NO_LEAD, SQUARE, NEEDS_LEAD, UNCOMPENSATED,
-    MACHINE_TABS, TURNED,
+    MACHINE_TABS, TURNED, APART,
     NO_TABS, OVERCUT,
 )  # fmt: skip

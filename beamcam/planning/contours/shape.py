@@ -23,6 +23,8 @@ class Shape(Struct, frozen=True, gc=False):
     depth: int = 0  #: nesting depth: number of cut contours around it
     parent: int = -1  #: the innermost of them, by its index; -1 for none
     look: str = ""  #: key of the settings that it is worked with
+    level: int = 0  #: of common cuts: after those of lower levels, on which it begins and ends
+    is_begun: bool = False  #: whether it has to begin where it does
     is_small: bool = False  #: a small hole, by the row that it is cut with
     area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
 

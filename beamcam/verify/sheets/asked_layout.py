@@ -21,9 +21,11 @@ from beamcam.model.colour import key_of
 from beamcam.model.hatch import hatched
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.need import rows_on
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 Box = tuple[float, float, float, float]
+HAIR = 1e-3  #: mm
 
 
 def as_asked(
@@ -38,6 +40,9 @@ def as_asked(
         return tuple(parts), []
     said: list[Diagnostic] = []
     laid: list[Part] = []
+    if len(parts) == 1:
+        parts = (pulled_apart(parts[0], torch),)
+    torch = replace(torch, spacing=between(parts[0], torch)) if parts else torch
     if len(parts) == 1 and _lies_turned(parts[0], torch):
         torch = replace(torch, rotate=90.0)
     for part in parts:
@@ -47,6 +52,90 @@ def as_asked(
             part = whole if said else _copied(whole, torch)
         laid.append(hatched(part, torch) if torch.settings else part)
     return tuple(laid), said
+
+
+def between(part: Part, torch: Torch) -> float:
+    """The distance between two parts or copies: with common cuts what one cut takes."""
+    if not torch.common_cuts:
+        return torch.spacing
+    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
+    return taken[0] if taken and torch.kerf_by != "none" else 0.0
+
+
+def pulled_apart(part: Part, torch: Torch) -> Part:
+    """A drawing for common cuts whose parts touch, each as far from the next as a cut is wide.
+
+    A part lies at the right of another if they would overlap, were it moved to the left by a hair;
+    above, if it were moved down. The moves are those of least sum that keep all these distances.
+    """
+    import shapely
+    from shapely.affinity import translate
+
+    width = between(part, torch)
+    if not torch.common_cuts or not width or part.measures is None:
+        return part
+    rings: dict[int, shapely.Polygon] = {}
+    for k, feature in enumerate(part.features):
+        if not isinstance(feature, Contour) or feature.curves[-1].end != feature.curves[0].start:
+            continue
+        key = key_of(feature, torch.colours)
+        if key is not None and torch.colours[key] == "cut":
+            rings[k] = shapely.Polygon([c.point(n / 48) for c in feature.curves for n in range(48)])
+    outer = {
+        k: ring for k, ring in rings.items()
+        if not any(o.contains(ring.representative_point()) and o.area > ring.area
+                   for o in rings.values())
+    }  # fmt: skip
+    moves = {k: [0.0, 0.0] for k in outer}
+    for axis in (0, 1):
+        hair = (HAIR, 0.0) if axis == 0 else (0.0, HAIR)
+        behind: list[tuple[int, int]] = []
+        for a, one in outer.items():
+            for b, other in outer.items():
+                if a == b or one.distance(other) > HAIR / 10:
+                    continue
+                edge = shapely.intersection(one.boundary.buffer(HAIR / 10), other.boundary)
+                x0, y0, x1, y1 = edge.bounds if edge.length > HAIR else (0.0, 0.0, 0.0, 0.0)
+                slants = min(x1 - x0, y1 - y0) > HAIR and not _in_steps(edge)
+                if slants and edge.length > 4 * HAIR:
+                    return part
+                nearer = translate(other, -hair[0], -hair[1])
+                if shapely.intersection(one, nearer).area > HAIR * HAIR:
+                    behind.append((a, b))
+        for _ in outer:
+            for a, b in behind:
+                moves[b][axis] = max(moves[b][axis], moves[a][axis] + width)
+        if any(abs(moves[b][axis] - moves[a][axis] - width) > 1e-9 for a, b in behind):
+            return part
+    features = list(part.features)
+    for k, feature in enumerate(features):
+        middle = _somewhere(feature)
+        around = [k] if k in outer else [
+            o for o, ring in outer.items()
+            if middle is not None and ring.covers(shapely.Point(middle))
+        ]  # fmt: skip
+        for o in around[:1]:
+            dx, dy = moves[o]
+            features[k] = _moved(feature, ((1.0, 0.0, dx), (0.0, 1.0, dy)))
+    return replace(part, features=tuple(features))
+
+
+def _in_steps(edge: object) -> bool:
+    """Whether a shared edge is made of upright and level stretches."""
+    import shapely
+
+    for line in shapely.get_parts(edge):
+        points = shapely.get_coordinates(line)
+        for (x0, y0), (x1, y1) in zip(points[:-1].tolist(), points[1:].tolist(), strict=True):
+            if abs(x1 - x0) > HAIR / 10 and abs(y1 - y0) > HAIR / 10:
+                return False
+    return True
+
+
+def _somewhere(feature: Feature) -> tuple[float, float] | None:
+    if isinstance(feature, Contour):
+        return feature.curves[0].point(0.5)
+    return (feature.x, feature.y) if isinstance(feature, Hole | Slot) else None
 
 
 def _lies_turned(part: Part, torch: Torch) -> bool:

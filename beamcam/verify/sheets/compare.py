@@ -72,6 +72,10 @@ def compare(
             from beamcam.verify.sheets.hatch import one_way_faults
 
             said += one_way_faults(work)
+        if torch.overscan and not stepped:
+            from beamcam.verify.sheets.hatch import overscan_faults
+
+            said += overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
         said += _settings(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
@@ -118,7 +122,8 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         said += band_faults(work, traced)
     led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
     if work.half_kerf and led and not work.stepped:
-        from beamcam.verify.sheets.pierces import pierce_faults
+        from beamcam.verify.sheets.pierces import edge_faults, pierce_faults
 
         said += pierce_faults(work, traced)
+        said += edge_faults(work, traced)
     return traced, said

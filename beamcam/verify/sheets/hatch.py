@@ -24,7 +24,7 @@ from beamcam.geometry.curves import Curve, Line
 from beamcam.machine.torch import LookSettings, Torch, TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.need import Need
-from beamcam.verify.sheets.work import Work
+from beamcam.verify.sheets.work import SHOWN, Work
 
 CHORD = 0.1  #: mm
 SLACK = 0.05  #: mm that an end may be elsewhere, where lines run flat into a contour
@@ -69,6 +69,29 @@ def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
             )  # fmt: skip
             break
     return said
+
+
+def overscan_faults(work: Work) -> Iterator[Diagnostic]:
+    """Lines of a hatch without their overscan, and other strokes with one."""
+    over = work.torch.overscan if work.torch.laser_mode else 0.0
+    if not over or not work.strokes or not work.need.count:
+        return
+    firsts = np.searchsorted(work.of_way, np.arange(len(work.strokes)))
+    middles = (work.path.starts[firsts] + work.path.ends[firsts]) / 2
+    _, nearest = work.need.nearest(middles, work.tolerance)
+    told = 0
+    for stroke, way, (x, y) in zip(work.strokes, nearest.tolist(), middles.tolist(), strict=True):
+        is_line = work.asked.source(work.process, way).where == HATCH
+        expected = over if is_line else 0.0
+        if max(abs(found - expected) for found in stroke.overscan) <= 2 * work.tolerance:
+            continue
+        told += 1
+        if told <= SHOWN:
+            before, behind = stroke.overscan
+            yield rules.OVERSCAN.at(
+                Source(work.name, stroke.line), x=f"{x:.3f}", y=f"{y:.3f}",
+                found=f"{before:.3f} and {behind:.3f}", expected=f"{expected:g}",
+            )  # fmt: skip
 
 
 def _faults(filled: _Filled, distance: float) -> Iterator[_Fault]:

@@ -57,6 +57,28 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     return said[:SHOWN]
 
 
+def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Open strokes beside a contour that begin on no path that was cut before.
+
+    They are what is left of contours whose other edges are cut with those of another part.
+    """
+    said: list[Diagnostic] = []
+    firsts = np.searchsorted(work.of_way, np.arange(len(work.strokes)))
+    for t in traced:
+        if not t.half_kerf or t.members or t.joined or t.closed:
+            continue
+        number = int(work.of_way[t.first])
+        begin = work.path.starts[firsts[number]].reshape(1, 2)
+        near = work.path.near(begin, 2 * work.tolerance)
+        if (work.of_way[work.path.owner[near.element]] < number).any():
+            continue
+        x, y = begin[0].tolist()
+        contour = work.contour_at(begin[0])
+        source = Source(work.name, t.stroke.line)
+        said.append(rules.EDGE.at(source, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
+    return said[:SHOWN]
+
+
 def _distances(contours: shapely.STRtree, points: Floats) -> tuple[Floats, Floats]:
     """How far each point is from the nearest contour, and which one that is."""
     places = shapely.points(points)

@@ -110,7 +110,7 @@ def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
         np.minimum.at(least, a % toolpaths.count, group[b % toolpaths.count])
         if np.array_equal(least, group):
             break
-        group = least
+        group = least[least]  # a name of the group may have a lesser one by now
     wide_low, wide_high = low.copy(), high.copy()
     np.minimum.at(wide_low, group, low)
     np.maximum.at(wide_high, group, high)

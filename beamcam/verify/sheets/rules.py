@@ -31,6 +31,26 @@ REST = Rule(
     "The rest of a program makes the last strokes of the whole as they are, and says so; what "
     "is cut is not looked at again.",
 )
+EDGE = Rule(
+    "verify-sheet-edge",
+    _E,
+    "found the torch piercing on the edge of the contour of {contour} at X {x}, Y {y}; expected it "
+    "in a kerf that was cut before",
+    "What is left of a contour that shares an edge begins where the other was cut; anywhere else "
+    "the hole of the pierce stays in the part.",
+)
+FRAME = Rule(
+    "verify-sheet-frame",
+    _E,
+    "found {found}; expected {expected}",
+    "A frame leads the head once round all of the work, slowly and with its tool off.",
+)
+OVERSCAN = Rule(
+    "verify-sheet-overscan",
+    _E,
+    "found {found} mm dark before and behind a stroke at X {x}, Y {y}; expected {expected} mm",
+    "The lines of a hatch begin and end at full speed, and nothing else is followed dark.",
+)
 RAMP = Rule(
     "verify-sheet-ramp",
     _E,
@@ -261,6 +281,6 @@ LAID = Rule(
 RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, RAMP, HEIGHT, THC, OUTPUT, MATERIAL, CORNER,
     TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION,
-    OPEN, RESTART, NO_CONTOUR, REST, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, ORDER,
-    SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
+    OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT,
+    LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

@@ -18,6 +18,7 @@ from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
 from beamcam.verify.head import head_of, part_faults, stock_faults
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.asked_layout import between
 from beamcam.verify.sheets.need import OUTLINE, Need, need_of, shift_of, thickness_of
 
 
@@ -55,15 +56,16 @@ def places_of(
 ) -> Iterator[tuple[Point, Need]]:
     """Where each of several parts lies on the table, its x 0, y 0; and what of it has to be cut."""
     left = bottom = torch.margin
+    spacing = between(parts[0], torch)
     top = bottom
     for part in parts:
         need = need_of(part, machine, torch, skips)
         x0, y0, x1, y1 = extent(c for some in need.curves.values() for c in some) or (0, 0, 0, 0)
         if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
-            left, bottom = torch.margin, top + torch.spacing
+            left, bottom = torch.margin, top + spacing
             top = bottom
         yield (left - x0, bottom - y0), need
-        left, top = left + (x1 - x0) + torch.spacing, max(top, bottom + (y1 - y0))
+        left, top = left + (x1 - x0) + spacing, max(top, bottom + (y1 - y0))
 
 
 def told_faults(

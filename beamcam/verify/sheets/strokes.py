@@ -42,6 +42,7 @@ LOWERED_SLACK = 5e-3  #: of a feed that follows from a curve whose numbers are r
 FEED_ROUNDING = 0.0006  #: of a feed as it is written, whatever its unit
 FAR = 10.0  #: times length and width of the table
 PAUSE_SLACK_S = 1e-6
+STRAIGHT_ON = 0.9999  #: cosine of a move that goes on in the direction of another
 
 
 class HeadStroke(Struct):
@@ -59,6 +60,7 @@ class HeadStroke(Struct):
     passes: int = 1
     waits_s: float = 0.0  #: that the controller waits by itself until it is through
     alike: tuple[TorchRow, ...] = ()  #: rows that its words and its feed stand for as well
+    overscan: tuple[float, float] = (0.0, 0.0)  #: mm dark before and behind, in its direction
     in_hole: bool | None = None  #: whether its feed is that of a small hole; None: of either
 
     @property
@@ -145,6 +147,7 @@ class _Head:
             for said in words.on:
                 self._starting.setdefault(said, []).append(words)
         self._name = name
+        self._torch = torch
         self._step = machine.format.resolution
         per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
         self._feed_step = FEED_ROUNDING * per_minute  #: mm/min
@@ -244,7 +247,11 @@ class _Head:
         for number, one in enumerate(self._started):
             owner[one.stroke.first : one.stroke.last] = number
         on = owner >= 0
-        for rule, wrong in ((rules.IDLE, ~on & ~moves.rapid), (rules.RAPID, on & moves.rapid)):
+        dark = self._overscanned(moves, on)
+        for rule, wrong in (
+            (rules.IDLE, ~on & ~moves.rapid & ~dark),
+            (rules.RAPID, on & moves.rapid),
+        ):
             for k in np.flatnonzero(wrong).tolist():
                 x, y = moves.end[k].tolist()
                 self._wrong(rule, int(moves.line[k]), x=f"{x:g}", y=f"{y:g}")
@@ -268,6 +275,31 @@ class _Head:
         kept = moves if len(rows) == len(moves) else moves.take(rows)
         self._check_feeds(kept, owner[rows])
         return Strokes(each, kept)
+
+    def _overscanned(self, moves: Moves, on: Flags) -> Flags:
+        """The moves that go on dark before and behind a stroke of one line, in its direction.
+
+        In laser mode; each stroke is told how far.
+        """
+        dark = np.zeros(len(moves), dtype=bool)
+        if not (self._torch.laser_mode and self._torch.overscan):
+            return dark
+        way = moves.end - moves.start
+        lengths = np.hypot(way[:, 0], way[:, 1])
+        for one in self._started:
+            first, last = one.stroke.first, one.stroke.last
+            if last - first != 1 or moves.is_arc[first] or not lengths[first]:
+                continue
+            told = []
+            for at in (first - 1, last):
+                inside = 0 <= at < len(moves) and not moves.rapid[at] and not on[at]
+                length = float(lengths[at]) if inside else 0.0
+                if length and not moves.is_arc[at]:
+                    cosine = float(way[at] @ way[first]) / (length * float(lengths[first]))
+                    dark[at] = cosine > STRAIGHT_ON
+                told.append(length if dark[at : at + 1].any() else 0.0)
+            one.stroke.overscan = told[0], told[1]
+        return dark
 
     def _settle(self, one: _Started, moves: Moves, own: Counts) -> None:
         """The row of a stroke, and whether it waits before its first move as long as that says.

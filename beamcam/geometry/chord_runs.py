@@ -1,0 +1,135 @@
+"""Arcs and longer lines for runs of short chords, as drawing programs write curves.
+
+    p0 - p1 - p2 - ... - pn      an arc from p0 to pn is taken for them where no corner lies farther
+                                 from it than the tolerance, and no chord comes nearer to its
+                                 centre than the radius less the tolerance
+
+so that neither strays from the other by more. What a run cannot be given stays as it is drawn.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from beamcam.geometry.array_types import Floats
+from beamcam.geometry.conics import arc_by_points
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Point
+
+LONGEST = 3.0  #: mm of a chord
+LEAST_RUN = 8  #: chords
+LEAST_ARC = 4  #: chords that an arc stands for
+SAME_POINT = 1e-9
+#: No chord of a run turns it by more than this: a square is not a circle.
+MOST_SWEEP_DEG = 350.0
+MOST_TURN = 0.8  #: the least cosine between neighbouring chords of an arc
+
+
+def refit_runs(curves: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:
+    """A chain whose runs of short chords are arcs and lines within `tolerance` of them.
+
+    It goes through the ends of each run. A run comes back as it is where it would not be half as
+    long; without one the chain itself does.
+    """
+    found: list[Curve] = []
+    run: list[Line] = []
+    for curve in (*curves, None):
+        if isinstance(curve, Line) and curve.length <= LONGEST and _goes_on(run, curve):
+            run.append(curve)
+            continue
+        found += _refit(run, tolerance)
+        run = []
+        if isinstance(curve, Line) and curve.length <= LONGEST:
+            run.append(curve)
+        elif curve is not None:
+            found.append(curve)
+    return tuple(curves) if len(found) == len(curves) else tuple(found)
+
+
+def _goes_on(run: Sequence[Line], line: Line) -> bool:
+    if not run:
+        return True
+    (x0, y0), (x1, y1) = run[-1].end, line.start
+    return abs(x1 - x0) <= SAME_POINT and abs(y1 - y0) <= SAME_POINT
+
+
+def _refit(run: Sequence[Line], tolerance: float) -> Sequence[Curve]:
+    if len(run) < LEAST_RUN:
+        return run
+    points = np.array([run[0].start, *(line.end for line in run)])
+    found: list[Curve] = []
+    at = 0
+    while at < len(run):
+        arc, reach = _longest(points, at, tolerance)
+        if arc is None:
+            reach = _longest_line(points, at, tolerance)
+            line = run[at] if reach == at + 1 else Line(run[at].start, run[reach - 1].end)
+            found.append(line)
+        else:
+            found.append(arc)
+        at = reach
+    return found if 2 * len(found) <= len(run) else run
+
+
+def _longest(points: Floats, at: int, tolerance: float) -> tuple[Arc | None, int]:
+    """The arc from a corner over the most chords; doubles its reach, then halves the step."""
+    best: Arc | None = None
+    reach, step, growing = at, LEAST_ARC, True
+    while step >= 1:
+        wished = reach + step
+        arc = _arc_over(points[at : wished + 1], tolerance) if wished < len(points) else None
+        if arc is not None:
+            best, reach = arc, wished
+            step = step * 2 if growing else step
+        elif best is None:
+            break
+        else:
+            growing = False
+            step //= 2
+    return best, reach
+
+
+def _arc_over(points: Floats, tolerance: float) -> Arc | None:
+    """The arc from the first place to the last that all chords are within the tolerance of."""
+    first, middle, last = (_point(points[k]) for k in (0, len(points) // 2, -1))
+    arc = arc_by_points(first, middle, last)
+    if arc is None or abs(arc.sweep_deg) > MOST_SWEEP_DEG:
+        return None
+    out = points - np.array(arc.centre)
+    away = np.hypot(out[:, 0], out[:, 1])
+    if np.abs(away - arc.radius).max() > tolerance:
+        return None
+    way = np.diff(points, axis=0)
+    size = np.hypot(way[:, 0], way[:, 1])
+    if not size.min() > 0.0:
+        return None
+    # Corners follow one another round the centre, never back.
+    side = 1.0 if arc.sweep_deg > 0.0 else -1.0
+    moment = side * (out[:-1, 0] * way[:, 1] - out[:-1, 1] * way[:, 0])
+    if moment.min() <= 0.0 or (moment / size).min() < arc.radius - tolerance:
+        return None
+    turn = (way[1:] * way[:-1]).sum(axis=1) / (size[1:] * size[:-1])
+    return arc if turn.min() >= MOST_TURN else None
+
+
+def _longest_line(points: Floats, at: int, tolerance: float) -> int:
+    """The last corner that a line from another one may end at."""
+    reach = at + 1
+    while reach + 1 < len(points) and _is_straight(points[at : reach + 2], tolerance):
+        reach += 1
+    return reach
+
+
+def _is_straight(points: Floats, tolerance: float) -> bool:
+    chord = points[-1] - points[0]
+    size = float(np.hypot(*chord))
+    if not size > 0.0:
+        return False
+    steps = np.diff(points, axis=0) @ chord
+    out = points - points[0]
+    across = np.abs(out[:, 0] * chord[1] - out[:, 1] * chord[0])
+    return bool(steps.min() > 0.0 and across.max() <= tolerance * size)
+
+
+def _point(place: Floats) -> Point:
+    return float(place[0]), float(place[1])
