@@ -11,8 +11,7 @@ import numpy as np
 from beamcam.controllers.simotion.circles import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.moves import move_seconds
-from beamcam.geometry.ramps import ramp
+from beamcam.geometry.ramps import move_seconds, ramp
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.model.triggers import ArcTravel, Lift, Switch, Travel, TriggerOp

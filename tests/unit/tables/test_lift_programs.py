@@ -8,11 +8,12 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion import read_program
-from beamcam.emitters import simotion
+from beamcam.emitters import simotion, simotion_units
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
+from beamcam.machine.runtime import shipped
 from beamcam.machine.torch import TorchRow
 from beamcam.model.triggers import Lift, Switch, TriggerTable
 from beamcam.motion.table_times import trigger_time
@@ -21,6 +22,7 @@ from beamcam.planning.sheet import plan_sheet
 from beamcam.simulate.triggers import trigger_trace
 from beamcam.verify.st import verify_triggers
 
+from . import test_grammar as stranger
 from .plant import DONE, STYLES, Plant, units_of
 from .shop import NAMES, steel_part
 
@@ -112,6 +114,26 @@ def test_the_program_of_a_part_runs_in_the_time_that_is_told(
               if on[int(k)]}  # fmt: skip
     told = {round(z, 6) for z in one.heights["cut"]}
     assert {min(worked), max(worked)} == {min(told), max(told)}
+
+
+@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_compiler_and_the_grammar_of_a_stranger_accept_it(kind: str, style: str) -> None:
+    """Each name, type and bound; a table of SIMOTION in several units."""
+    machine = lifted(kind)
+    if kind != "plcopen":
+        triggers = replace(machine.triggers, max_data=1024)  # type: ignore[type-var]
+        machine = replace(machine, triggers=triggers)
+    text = simotion.emit(table_of("four-nodes", kind), machine, style)
+    units_of(text, machine)
+    assert verify_triggers(text, [steel_part("four-nodes")], machine, (), "a.st") == ()
+    if kind == "plcopen":
+        assert stranger.faults(shipped("plcopen_blocks") + text) == []
+        return
+    units = simotion_units.units(text)
+    assert (len(units) > 1) == (style == "table")
+    for _, unit in units:
+        assert stranger.faults(stranger.without_frame(unit)) == []
 
 
 # -- changed in one place -------------------------------------------------------------------
