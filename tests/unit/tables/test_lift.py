@@ -36,6 +36,7 @@ from .plant import (
     THICKNESS,
     WAITS,
     WORK,
+    Deed,
     Plant,
     each_lifted,
     plant,
@@ -243,6 +244,34 @@ def test_what_fails_in_the_homing_of_z_ends_in_its_fault(kind: str) -> None:
 
 
 @each_lifted
+@pytest.mark.parametrize("deed", [close(Z_HIGH), break_wire(Z_WIRES[1])])
+def test_a_high_switch_that_lies_takes_no_torch_into_the_sheet(kind: str, deed: Deed) -> None:
+    """Behind a fault the torch stands at its height to cut; leaving the switch would go down."""
+    one = cutting(plant(kind=kind))
+    deed(one)
+    one.run_until(FAULT, 1.0)
+    one.wait(STOPPED_S)
+    stood = one.axes[Z].place
+    one.press_acknowledge()
+    one.wait(0.1)
+    one.press_start()
+    one.run_until(FAULT, 10.0)
+    assert one.value("faultNumber") == 8
+    one.wait(STOPPED_S)
+    assert stood - one.axes[Z].place <= 2 * one.triggers.lift_window + EXACT < CUT
+
+
+@each_lifted
+def test_a_torch_at_its_high_switch_leaves_it_first(kind: str) -> None:
+    """As behind a stop in homing."""
+    one = plant(kind=kind)
+    one.axes[Z].place = one.ends[Z] + 0.4
+    one.press_start()
+    one.run_until(DONE)
+    assert z_wrong_by(one) <= EXACT
+
+
+@each_lifted
 def test_a_lift_that_runs_down_instead_of_up_is_a_fault(kind: str) -> None:
     one = plant(kind=kind)
     reverse(Z)(one)
@@ -293,6 +322,7 @@ MUTANTS = [
     ("IF homeZ.fault <> INT#0 THEN", "homeZ.fault <> INT#0", NEVER),
     ("THEN lifted := TRUE; begins := TRUE;", "begins := TRUE", "begins := FALSE"),
     ("targetZ := z +", "z +", "z -"),
+    ("ELSIF NOT met AND (", "NOT met", NEVER),
     ("- targetZ) <= IN_POSITION", "IN_POSITION", "LREAL#100.0"),
     ("OR watchY.faulty OR watchZ.faulty THEN", "OR watchZ.faulty", ""),
 ]  # fmt: skip
@@ -305,6 +335,7 @@ LAWS = (
     test_what_fails_in_the_homing_of_z_ends_in_its_fault,
     test_z_is_homed_before_x_and_y_move_again_and_again,
     test_an_error_of_z_before_the_start_is_told,
+    lambda kind: test_a_high_switch_that_lies_takes_no_torch_into_the_sheet(kind, close(Z_HIGH)),
 )
 TEXTS = {
     kind: simotion.emit(small_job(kind), small_machine(kind), "chain")
