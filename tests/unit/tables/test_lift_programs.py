@@ -141,7 +141,7 @@ def test_a_compiler_and_the_grammar_of_a_stranger_accept_it(kind: str, style: st
 #: What is changed in the shield's chain, into what, and what is said.
 SAID = [
     (r"SHEET_THICKNESS : LREAL := LREAL#8\.0", "SHEET_THICKNESS : LREAL := LREAL#6.0",
-     "st-height: found a sheet of 6 mm; expected 8 mm"),
+     "a.st:{line}: error st-height: found a sheet of 6 mm; expected 8 mm"),
     (r"z := LREAL#6\.0, speed := LREAL#15", "z := LREAL#5.0, speed := LREAL#15",
      "st-height: found another height, 6 mm, for a line or a switch; expected 5 mm"),
     (r"z := LREAL#6\.0", "z := LREAL#5.0",
@@ -159,7 +159,7 @@ SAID = [
     (r"speed := LREAL#15\.0", "speed := LREAL#25.0",
      "st-speed: found 25 mm/s to lift; expected 15 mm/s"),
     (r"kind := USINT#8, x := LREAL#25\.0", "kind := USINT#8, x := LREAL#26.0",
-     "st-straight: found a switch at X 26, Y 5; expected it at X 25, Y 5, where the head stands"),
+     "st-straight: found a lift at X 26, Y 5; expected it at X 25, Y 5, where the head stands"),
     (r"kind := USINT#8", "kind := USINT#9", "st-command: found kind 9; expected 0 to 8"),
 ]  # fmt: skip
 
@@ -173,7 +173,9 @@ def test_what_is_said_of_a_changed_height(find: str, put: str, says: str, kind: 
     changed = re.sub(find, put, text, count=0 if every else 1)
     assert changed != text
     said = verify_triggers(changed, [steel_part("shield")], lifted(kind), (), "a.st")
-    assert any(says in str(one) for one in said), said
+    pairs = zip(text.split("\n"), changed.split("\n"), strict=True)
+    line = next(k for k, (a, b) in enumerate(pairs, 1) if a != b)
+    assert any(says.format(line=line) in str(one) for one in said), said
 
 
 def without(table: TriggerTable, index: int) -> TriggerTable:
