@@ -54,6 +54,7 @@ class JobRead(Struct, frozen=True):
     operations: tuple[Operation, ...]
     pierce_s: dict[str, float]
     thickness: float = 0.0  #: of the sheet, where the table lifts its torch
+    thickness_line: int = 1  #: that says so
 
 
 def read_job(text: JobText, machine: Machine, name: str = "program") -> JobRead:
@@ -115,7 +116,7 @@ class _Job:
             units = lines.match(_USES, "USES")[1].split(", ")
         lines.exact(f"    {self.dialect.constants}")
         last = int(lines.match(_LAST, "LAST_OPERATION : DINT := DINT#...;")[1])
-        thickness = 0.0
+        thickness, thickness_line = 0.0, lines.here[0]
         if self.has_z:
             thickness = float(lines.match(_THICKNESS, "SHEET_THICKNESS : LREAL := LREAL#...;")[1])
         pierce_s = dict(self._pierces(lines))
@@ -140,7 +141,8 @@ class _Job:
             lines.wrong(rules.NAME, uses_line, found=", ".join(units) or "no USES",
                         expected=expected)  # fmt: skip
         read = self._chain if self.text.style == "chain" else self._table
-        return JobRead(read(last, units[len(own) :], uses_line), pierce_s, thickness)
+        operations = read(last, units[len(own) :], uses_line)
+        return JobRead(operations, pierce_s, thickness, thickness_line)
 
     def _pierces(self, lines: _Lines) -> Iterator[tuple[str, float]]:
         for process in PROCESSES:

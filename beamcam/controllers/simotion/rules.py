@@ -79,7 +79,7 @@ TOOL = Rule(
 STRAIGHT = Rule(
     "st-straight",
     _E,
-    "found a switch at {found}; expected it at {expected}, where the head stands",
+    "found a {what} at {found}; expected it at {expected}, where the head stands",
     "The next line is computed from there, and its axes would not arrive together.",
 )
 SPEED = Rule(

@@ -36,6 +36,7 @@ HOMING = {
 }  # fmt: skip
 _INDENT = " " * 8
 _INCLUDE = re.compile(r"^<include (\w+)>\n", re.MULTILINE)
+_IF_UP = re.compile(r"\{up ?([^{}]*)\}")  #: {up what homing up has besides}
 _OF_Z = re.compile(r"\{(!?)z ?([^{}]*)\}")  #: {z what a table with a Z has}, {!z one without}
 
 
@@ -182,7 +183,7 @@ def _of_homing(text: str, up: int) -> str:
     """The text for homing, of an axis that homes down or up."""
     for word, own in HOMING.items():
         text = text.replace(f"<{word}>", own[up])
-    return text
+    return _IF_UP.sub(lambda mark: mark[1] if up else "", text)
 
 
 def shipped(name: str) -> str:

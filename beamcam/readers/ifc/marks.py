@@ -251,7 +251,8 @@ def _section_name(text: str) -> str:
 
 #: Names that are measures: of tubes, pipes, angles, flat and round bars, as modellers write them.
 _MEASURES = re.compile(
-    r"(?:RHS|SHS|CHS|QRO|RRO|MSH|VHP|K|KR|KKR|VKR|KCKR|RO|ROR|TUBE|PIPE?|O|D|Ø|RD|L|FL|FLT|FB|PL|BL)"
+    r"(?:RHS|SHS|CHS|QRO|RRO|MSH|VHP|K|KR|KKR|VKR|KCKR|Q|RO|ROR|TUBE|TUBO|PIPE?|O|D|Ø|RD|L|FL|FLT|"
+    r"FB|PL|BL)"
     r"[ .-]?(\d+(?:[.,]\d+)?(?:[xX*×/-]\d+(?:[.,]\d+)?)*)"
 )
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)?")

@@ -96,7 +96,8 @@ class Execution:
         """Note a thickness of the sheet in the program that is not the part's."""
         if abs(self.job.thickness - thickness) > SLACK:
             found, expected = f"a sheet of {self.job.thickness:g} mm", f"{thickness:g} mm"
-            self.say(rules.HEIGHT, 1, found=found, expected=expected)
+            line = self.job.thickness_line
+            self.say(rules.HEIGHT, line, found=found, expected=expected)
 
     def say(self, rule: Rule, line: int, **values: object) -> None:
         """Add a message, unless there are many of the kind already."""
@@ -104,18 +105,18 @@ class Execution:
 
     # -- tools ------------------------------------------------------------------------------
 
-    def _rests(self, op: Operation) -> None:
+    def _rests(self, op: Operation, what: str) -> None:
         """Note where X or Y of an operation are others than where the head stands."""
         if (op.x, op.y) != self.here or (op.via or self.here) != self.here:
             found, expected = f"X {op.x:g}, Y {op.y:g}", f"X {self.here[0]:g}, Y {self.here[1]:g}"
-            self.say(rules.STRAIGHT, op.line, found=found, expected=expected)
+            self.say(rules.STRAIGHT, op.line, what=what, found=found, expected=expected)
 
     def _switch(self, op: Operation) -> None:
         if not LINE < op.kind < ARC:
             expected = f"0 to {ARC if self.triggers.z is None else LIFT}"
             self.say(rules.COMMAND, op.line, found=f"kind {op.kind}", expected=expected)
             return
-        self._rests(op)
+        self._rests(op, "switch")
         if op.speed != 0.0:
             self.say(rules.SPEED, op.line, found=f"{op.speed:g}", what="switch", expected="0")
         process = cast("TorchProcess", PROCESSES[(op.kind - 1) // 2])
@@ -165,7 +166,7 @@ class Execution:
         if z is None:
             self.say(rules.COMMAND, op.line, found=f"kind {LIFT}", expected=f"0 to {ARC}")
             return
-        self._rests(op)
+        self._rests(op, "lift")
         if self._is_at(op.height):
             self.say(rules.COMMAND, op.line, found="a lift without length", expected="a way")
         if abs(op.speed - z.speed_mm_s) > SLACK:

@@ -355,6 +355,7 @@ OF_OTHERS = {
     "plan-map", "plan-sheet-option", "plan-sheet-quantity", "plan-chain",
     "plan-thickness-other", "plan-material-other", "plan-map-setting", "plan-map-order",
     "plan-sheet-layout", "plan-map-hatch", "plan-map-overcut", "plan-overcut",
+    "plan-torch-height", "plan-torch-headroom",
 }  # fmt: skip
 
 

@@ -133,6 +133,7 @@ class Plant(CuttingTable):
         self._places = [axis.place for axis in self.axes]
         self.homed_anew = False
         self.met: set[int] = set()  #: axes that ran against their switches in this homing
+        self.sheet = (THICKNESS, PIERCE, CUT)  #: and the heights of the torch over it
         self.late = False  #: whether an axis takes up a command a cycle later
         self.taken: list[tuple[str, dict[str, Any], int]] = []
         self.states = [WAITS]
@@ -250,18 +251,20 @@ class Plant(CuttingTable):
 
     def _observe_heights(self, state: int) -> None:
         """X and Y move at clearance, or with the tool on at its height; Z is homed before."""
-        z, goes = self.axes[2], max(self.speeds[:2]) > 0.0
-        over = z.position - THICKNESS
+        z, goes, own = self.axes[2], max(self.speeds[:2]) > 0.0, self.triggers.z
+        assert own is not None
+        thickness, pierce, cut = self.sheet
+        over, near = z.position - thickness, self.triggers.in_position
         if state == HOMING and goes:
             assert 2 in self.met, "X and Y move before Z is homed"
             assert z.still
-            assert abs(z.position - HOME_HEIGHT) <= self.triggers.in_position
+            assert abs(z.position - own.home_height) <= near
         if state == WORK and self.states[-2:] == [HOMING, WORK]:
             if self.tool_on:
-                assert CUT - 1e-6 <= over <= PIERCE + 1e-6, "the tool on at no height of its own"
-                assert not goes or abs(over - CUT) <= self.triggers.in_position, "a cut too high"
+                assert cut - 1e-6 <= over <= pierce + 1e-6, "the tool on at no height of its own"
+                assert not goes or abs(over - cut) <= near, "a cut too high"
             elif goes:
-                assert abs(over - CLEARANCE) <= self.triggers.in_position, "a way below clearance"
+                assert abs(over - own.clearance) <= near, "a way below clearance"
 
     def places(self) -> list[tuple[float, float]]:
         """Where the torch was on, to a hundredth."""
@@ -271,8 +274,12 @@ class Plant(CuttingTable):
 
     def run_until(self, state: int, most_s: float = 60.0) -> None:
         """Go on until a state; it has to come in time."""
+        self.run_while(lambda: self.value("workState") != state, most_s)
+
+    def run_while(self, goes_on: Callable[[], bool], most_s: float = 60.0) -> None:
+        """Go on as long as something holds; it has to end in time."""
         end = self.clock_s + most_s
-        while self.value("workState") != state:
+        while goes_on():
             assert self.clock_s < end, f"state {self.value('workState')} for ever"
             self.cycle()
 

@@ -30,10 +30,14 @@ from .deeds import (
     press_stop,
 )
 from .plant import (
+    CUT,
     FAULT,
     KINDS,
+    LIFT_SPEED,
+    LIFTED,
     STOPPED_S,
     STYLES,
+    THICKNESS,
     Deed,
     Plant,
     small_job,
@@ -45,6 +49,7 @@ from .shop import plain_machine, table_machine
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "simotion.md"
 BEGIN, END = "<!-- measured faults -->\n", "<!-- end -->\n"
 FEED = 8.0  #: mm/s, of both jobs
+Z = 2  #: index of the axis that lifts the torch
 MOMENTS = 10
 
 
@@ -58,12 +63,18 @@ def at_once(_: Plant) -> bool:
 
 def beyond(index: int) -> Seen:
     """Whether an axis is further from its set position than it may be."""
-    return lambda one: off(one, index) > one.triggers.arrival_window + one.may_trail[index]
+    return lambda one: off(one, index) > window_of(one, index) + one.may_trail[index]
 
 
 def leaves(index: int) -> Seen:
     """Whether an axis is further from its set position than its encoder can be wrong."""
-    return lambda one: off(one, index) > one.triggers.count
+    return lambda one: off(one, index) > one.triggers.counts()[index]
+
+
+def window_of(one: Plant, index: int) -> float:
+    """Of an axis at rest; Z has its own."""
+    z = one.triggers.z
+    return z.arrival_window if z and index == Z else one.triggers.arrival_window
 
 
 def off(one: Plant, index: int) -> float:
@@ -76,7 +87,7 @@ def stands(cycles: int) -> Seen:
 
     def seen(one: Plant) -> bool:
         end = one.value("targetX"), one.value("targetY")
-        on_the_way = dist(end, [a.position for a in one.axes]) > one.triggers.in_position
+        on_the_way = dist(end, [a.position for a in one.axes[:Z]]) > one.triggers.in_position
         late = one.count - 1 > one.commanded + cycles
         moves = one.value("operationKind") in (0, 7)
         return moves and one.speeds == [0.0, 0.0] and on_the_way and late
@@ -90,6 +101,7 @@ class Row(Struct, frozen=True):
     number: int
     what: str
     deeds: tuple[tuple[Deed, Seen, Seen], ...]
+    while_z: str = ""  #: what the third axis does then: it "rests", or goes "down"
 
 
 def told(*deeds: Deed) -> tuple[tuple[Deed, Seen, Seen], ...]:
@@ -108,6 +120,10 @@ ROWS = (
         tuple((freeze(k), leaves(k), beyond(k)) for k in (0, 1))),
     Row(7, "an axis creeps away at 8 mm/s, and its drive says nothing",
         tuple((creep(k, v), leaves(k), beyond(k)) for k in (0, 1) for v in (FEED, -FEED))),
+    Row(7, "Z sticks as it comes down to cut, and its drive says nothing",
+        ((freeze(Z), leaves(Z), beyond(Z)),), "down"),
+    Row(7, "Z creeps up or down at 8 mm/s, and its drive says nothing",
+        tuple((creep(Z, v), leaves(Z), beyond(Z)) for v in (FEED, -FEED)), "rests"),
     Row(9, "the stop button is pressed, or its wire breaks", told(press_stop, break_wire(6))),
 )  # fmt: skip
 
@@ -125,19 +141,27 @@ def long_edge(style: str, kind: str) -> tuple[Plant, list[object]]:
 
 
 @cache
-def short_job(style: str, kind: str) -> tuple[Plant, list[object]]:
-    return moments(small_machine(kind), small_job(kind), style)
+def short_job(style: str, kind: str, while_z: str = "") -> tuple[Plant, list[object]]:
+    return moments(small_machine(kind), small_job(kind), style, while_z)
 
 
-def moments(machine: Machine, job: TriggerTable, style: str) -> tuple[Plant, list[object]]:
+def moments(
+    machine: Machine, job: TriggerTable, style: str, while_z: str = ""
+) -> tuple[Plant, list[object]]:
     """A plant, and copies of it at ten moments with the torch on: first, last and between."""
+
+    def lasts() -> bool:
+        if while_z == "down":  # until it is a window above the end of its way
+            return one.axes[Z].position > CUT + THICKNESS + 2 * window_of(one, Z)
+        return one.tool("cut")
+
     one = Plant(units_of(simotion.emit(job, machine, style), machine), machine)
     one.press_start()
-    while not one.tool("cut"):
+    while not one.tool("cut") or (while_z == "rests" and max(one.speeds[:Z]) == 0.0):
         one.cycle()
     first = one.keep()
     count = 0
-    while one.tool("cut"):
+    while lasts():
         one.cycle()
         count += 1
     one.go_back(first)
@@ -161,11 +185,11 @@ class Cost(Struct, frozen=True):
     runs_on: float  #: mm of way until both axes rest, with the torch off
 
 
-def scan(one: Plant) -> tuple[float, float]:
+def scan(one: Plant) -> list[float]:
     """A cycle, and where the head was by its encoders when the program looked at it."""
-    x, y = (axis.position for axis in one.axes)
+    places = [axis.position for axis in one.axes]
     one.cycle()
-    return x + one.axes[0].lag, y + one.axes[1].lag
+    return [place + axis.lag for place, axis in zip(places, one.axes, strict=True)]
 
 
 def cost(one: Plant, number: int, deed: Deed, matters: Seen, seen: Seen) -> Cost | None:
@@ -180,10 +204,10 @@ def cost(one: Plant, number: int, deed: Deed, matters: Seen, seen: Seen) -> Cost
         if began is None and matters(one):
             began = before
         if began is not None:
-            burnt += dist(last, here)
+            burnt += dist(last[:Z], here[:Z])
         before = one.clock_s - one.triggers.cycle_s
         cycles += seen(one)
-        most_off = max(most_off, off(one, 0), off(one, 1))
+        most_off = max(most_off, *(off(one, k) for k in range(len(one.axes))))
     one.cycle()  # which sees what a fault task has done
     if one.value("workState") != FAULT:
         assert most_off <= one.triggers.arrival_window
@@ -194,7 +218,7 @@ def cost(one: Plant, number: int, deed: Deed, matters: Seen, seen: Seen) -> Cost
     for _ in range(round(STOPPED_S / one.triggers.cycle_s)):
         last, here = here, scan(one)
         way += dist(last, here)
-    assert one.speeds == [0.0, 0.0]
+    assert max(one.speeds) == 0.0
     return Cost(cycles, before - began, burnt, most_off, way)
 
 
@@ -204,8 +228,10 @@ def costs(number: int, what: str) -> tuple[Cost, ...]:
     found = []
     (row,) = (row for row in ROWS if (row.number, row.what) == (number, what))
     for style in STYLES:
-        jobs = [long_edge(style, kind) for kind in ("axes", "blocks")]
-        for one, kept in (*jobs, *(short_job(style, kind) for kind in KINDS)):
+        jobs = [short_job(style, kind, row.while_z) for kind in (LIFTED if row.while_z else KINDS)]
+        if not row.while_z:
+            jobs += [long_edge(style, kind) for kind in ("axes", "blocks")]
+        for one, kept in jobs:
             if number == 6 and not one.interpreter.has("CutFault"):
                 continue  # blocks of PLCopen have no fault tasks
             for moment in kept:
@@ -222,11 +248,12 @@ def test_the_torch_is_off_within_two_cycles(row: Row) -> None:
     found = costs(row.number, row.what)
     t = table_machine().triggers
     assert t is not None
-    window = t.arrival_window + FEED * t.following_lag_s
+    speed = LIFT_SPEED if row.while_z == "down" else FEED
+    window = t.arrival_window + speed * t.following_lag_s
     assert {c.cycles for c in found} <= {0, 1, 2}
     # The window, and as far as an axis goes in the cycle before, in the two of the fault, and the
     # jitter of a count.
-    assert max(c.off for c in found) <= window + 3 * FEED * t.cycle_s + t.count
+    assert max(c.off for c in found) <= window + 3 * speed * t.cycle_s + t.count
     if row.number != 7:  # which takes as long as an axis needs to be off by its window
         assert max(c.seconds for c in found) <= 4 * t.cycle_s + 1e-9
 

@@ -8,11 +8,13 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion import read_program
-from beamcam.emitters import simotion
+from beamcam.emitters import simotion, simotion_units
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
+from beamcam.machine.runtime import shipped
+from beamcam.machine.torch import TorchRow
 from beamcam.model.triggers import Lift, Switch, TriggerTable
 from beamcam.motion.table_times import trigger_time
 from beamcam.motion.triggers import trigger_table
@@ -20,6 +22,7 @@ from beamcam.planning.sheet import plan_sheet
 from beamcam.simulate.triggers import trigger_trace
 from beamcam.verify.st import verify_triggers
 
+from . import test_grammar as stranger
 from .plant import DONE, STYLES, Plant, units_of
 from .shop import NAMES, steel_part
 
@@ -54,6 +57,12 @@ def program(name: str, kind: str, style: str) -> str:
     return simotion.emit(table_of(name, kind), lifted(kind), style)
 
 
+def row_of(thickness: float, machine: Machine) -> TorchRow:
+    """The row to cut a sheet, worked out once more."""
+    assert machine.torch is not None
+    return next(r for r in machine.torch.rows if r.process == "cut" and r.up_to >= thickness)
+
+
 # -- made, read back, run -------------------------------------------------------------------
 
 
@@ -68,7 +77,7 @@ def test_every_sample_makes_its_part(name: str, kind: str, style: str) -> None:
     job, said = read_program(text, machine)
     assert job is not None, said
     heights = [op.height for op in job.operations if op.kind == 8]
-    row = next(r for r in machine.torch.rows if r.up_to >= job.thickness)  # type: ignore[union-attr]
+    row = row_of(job.thickness, machine)
     once = [row.pierce_height, row.cut_height, 20.0]
     assert heights == [20.0, *once * (len(heights) // 3), 60.0 - job.thickness]
 
@@ -84,9 +93,10 @@ def test_the_program_of_a_part_runs_in_the_time_that_is_told(
     """By an executor of its text, by the trace of `simulate`, and by the plan."""
     machine, table = lifted(kind), table_of(name, kind)
     one = Plant(units_of(program(name, kind, style), machine), machine)
+    row = row_of(table.thickness, machine)
+    one.sheet = (table.thickness, row.pierce_height, row.cut_height)
     one.press_start()
-    while one.value("operation") == 0:
-        one.cycle()
+    one.run_while(lambda: one.value("operation") == 0)
     began = one.clock_s
     one.run_until(DONE, 900.0)
     assert one.said == []
@@ -106,12 +116,32 @@ def test_the_program_of_a_part_runs_in_the_time_that_is_told(
     assert {min(worked), max(worked)} == {min(told), max(told)}
 
 
+@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_compiler_and_the_grammar_of_a_stranger_accept_it(kind: str, style: str) -> None:
+    """Each name, type and bound; a table of SIMOTION in several units."""
+    machine = lifted(kind)
+    if kind != "plcopen":
+        triggers = replace(machine.triggers, max_data=1024)  # type: ignore[type-var]
+        machine = replace(machine, triggers=triggers)
+    text = simotion.emit(table_of("four-nodes", kind), machine, style)
+    units_of(text, machine)
+    assert verify_triggers(text, [steel_part("four-nodes")], machine, (), "a.st") == ()
+    if kind == "plcopen":
+        assert stranger.faults(shipped("plcopen_blocks") + text) == []
+        return
+    units = simotion_units.units(text)
+    assert (len(units) > 1) == (style == "table")
+    for _, unit in units:
+        assert stranger.faults(stranger.without_frame(unit)) == []
+
+
 # -- changed in one place -------------------------------------------------------------------
 
 #: What is changed in the shield's chain, into what, and what is said.
 SAID = [
     (r"SHEET_THICKNESS : LREAL := LREAL#8\.0", "SHEET_THICKNESS : LREAL := LREAL#6.0",
-     "st-height: found a sheet of 6 mm; expected 8 mm"),
+     "a.st:{line}: error st-height: found a sheet of 6 mm; expected 8 mm"),
     (r"z := LREAL#6\.0, speed := LREAL#15", "z := LREAL#5.0, speed := LREAL#15",
      "st-height: found another height, 6 mm, for a line or a switch; expected 5 mm"),
     (r"z := LREAL#6\.0", "z := LREAL#5.0",
@@ -129,7 +159,7 @@ SAID = [
     (r"speed := LREAL#15\.0", "speed := LREAL#25.0",
      "st-speed: found 25 mm/s to lift; expected 15 mm/s"),
     (r"kind := USINT#8, x := LREAL#25\.0", "kind := USINT#8, x := LREAL#26.0",
-     "st-straight: found a switch at X 26, Y 5; expected it at X 25, Y 5, where the head stands"),
+     "st-straight: found a lift at X 26, Y 5; expected it at X 25, Y 5, where the head stands"),
     (r"kind := USINT#8", "kind := USINT#9", "st-command: found kind 9; expected 0 to 8"),
 ]  # fmt: skip
 
@@ -143,7 +173,9 @@ def test_what_is_said_of_a_changed_height(find: str, put: str, says: str, kind: 
     changed = re.sub(find, put, text, count=0 if every else 1)
     assert changed != text
     said = verify_triggers(changed, [steel_part("shield")], lifted(kind), (), "a.st")
-    assert any(says in str(one) for one in said), said
+    pairs = zip(text.split("\n"), changed.split("\n"), strict=True)
+    line = next(k for k, (a, b) in enumerate(pairs, 1) if a != b)
+    assert any(says.format(line=line) in str(one) for one in said), said
 
 
 def without(table: TriggerTable, index: int) -> TriggerTable:

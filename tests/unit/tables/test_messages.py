@@ -22,6 +22,7 @@ from beamcam.verify.st import verify_triggers
 from beamcam.verify.steps import rules as steps_rules
 from beamcam.verify.steps import verify_table
 
+from . import test_lift_programs as lifts
 from .shop import part, plan, program, steel_part, table_machine
 
 # -- trigger programs -----------------------------------------------------------------------
@@ -160,7 +161,8 @@ def said_of(text: str) -> list[Diagnostic]:
 
 
 def test_every_rule_of_programs_is_said() -> None:
-    met = {word.rstrip(":") for *_, says in (*SAID_OF_PROGRAMS, *SAID_OF_RUNTIMES)
+    cases = (*SAID_OF_PROGRAMS, *SAID_OF_RUNTIMES, *lifts.SAID)
+    met = {word.rstrip(":") for *_, says in cases
            for word in says.split() if word.startswith("st-")}  # fmt: skip
     assert met == {rule.code for rule in st_rules.RULES}
 

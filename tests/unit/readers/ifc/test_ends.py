@@ -8,6 +8,7 @@ from beamcam.readers.ifc import Options, read
 from beamcam.readers.ifc.ends import End, trim
 from tests.property.ifc_cuts import Bar, Half, model_of
 from tests.property.ifc_kernel import facets
+from tests.unit.readers.ifc.models import Small
 
 SLOPES = st.sampled_from((0.0, 0.0, 0.5, -0.5, 1.25)) | st.floats(-2, 2)
 CORNERS = ((0.0, 0.0), (0.0, 150.0), (300.0, 0.0), (300.0, 150.0), (10.0, 71.0), (290.0, 71.0))
@@ -63,3 +64,28 @@ def test_round_corners_reach_less_far_than_sharp_ones(bar: Bar, normal: tuple[fl
     points, _ = facets(data)
     xs = [x for x, _, _ in points]
     assert part.length == pytest.approx(max(xs) - min(xs), abs=0.02)
+
+
+@pytest.mark.parametrize("normal", [(1.0, 0.3, 0.2), (1.0, 0.5, -0.4), (-1.0, -0.3, -0.7)])
+def test_round_corners_of_a_special_section_reach_as_they_are_drawn(
+    normal: tuple[float, float, float],
+) -> None:
+    """A trapezium whose upper corners are rounded by 20 mm, against the geometry kernel."""
+    m, r = Small(), 20.0
+    k = r * (1 - 0.5**0.5)
+    points = [(30.0, 0.0), (70.0, 0.0), (100.0, 130.0), (100 - k, 150 - k), (80.0, 150.0),
+              (20.0, 150.0), (k, 150 - k), (0.0, 130.0)]  # fmt: skip
+    written = ",".join(f"({x},{y})" for x, y in points)
+    at = m.add(f"IFCCARTESIANPOINTLIST2D(({written}))")
+    sides = (
+        "IFCLINEINDEX((1,2,3)),IFCARCINDEX((3,4,5)),IFCLINEINDEX((5,6)),IFCARCINDEX((6,7,8)),"
+        "IFCLINEINDEX((8,1))"
+    )
+    outline = m.add(f"IFCINDEXEDPOLYCURVE({at},({sides}),$)")
+    profile = m.add(f"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,{outline})")
+    half = m.half((1700.0 if normal[0] > 0 else 300.0, 0.0, 0.0), normal)
+    m.element(m.minus(m.extruded(profile, 2000.0), half))
+    found = read(m.data, "m.ifc", options=Options(kernel=True))
+    assert [part.profile.code for part in found.parts] == ["SO"], found.diagnostics
+    xs = [x for x, _, _ in facets(m.data)[0]]
+    assert found.parts[0].length == pytest.approx(max(xs) - min(xs), abs=0.05)
