@@ -100,8 +100,8 @@ def command(
     by their boxes, in the order given, on as many sheets as they need. Without --machine the first
     machine that makes all parts is taken: for bars beamline, then beamline-pusher; for sheets, by
     the suffix of the output, plate-linuxcnc, then plate-oxyfuel (.ngc), plate-codesys (.gcode),
-    laser-grbl (.nc), table-simotion (.st) or laser-stepper (.steps, .csv, .bin, .h). Nothing is
-    written unless everything can be made.
+    laser-grbl (.nc), plate-mach3 (.tap), table-simotion (.st) or laser-stepper (.steps, .csv, .bin,
+    .h). Nothing is written unless everything can be made.
 
     After a stop in mid bar --from-operation writes the rest of the program: its head says in which
     state the machine has to be, and it is read back as the continuation of what was done. So does

@@ -75,8 +75,11 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
         done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
     )
     starts = {stroke.line: (stroke.process, stroke.waits_s) for stroke in strokes.each}
+    stops = {done.others[stroke.off][1].line for stroke in strokes.each if stroke.off >= 0}
     offset = max((stroke.radius for stroke in strokes.each if stroke.side), default=0.0)
-    return Simulated(sheet_trace(done.events(), starts, machine), tuple(said), kerf_offset=offset)
+    return Simulated(
+        sheet_trace(done.events(), starts, stops, machine), tuple(said), kerf_offset=offset
+    )
 
 
 def _triggers(text: str, machine: Machine, name: str) -> Simulated:

@@ -6,7 +6,7 @@ program moves up and down is at a height besides, over the sheet; at one that no
 the top of its axis, it counts as clear of the sheet by `torch.clearance`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import isnan
 
 import numpy as np
@@ -32,11 +32,15 @@ CHORD_TOLERANCE = 0.02
 
 
 def sheet_trace(
-    events: Sequence[TableEvent], starts: Mapping[int, tuple[str, float]], machine: Machine
+    events: Sequence[TableEvent],
+    starts: Mapping[int, tuple[str, float]],
+    stops: Collection[int],
+    machine: Machine,
 ) -> Trace:
     """The head over time.
 
-    `starts` says which process the word of a line starts, and how long the controller then waits.
+    `starts` says which process the word of a line starts, and how long the controller then waits;
+    `stops` are the lines of the words that stop one.
     """
     head = _HeadPath(machine)
     path: list[HeadMove] = []
@@ -52,10 +56,12 @@ def sheet_trace(
                 head.steps.append(_Wait(event.seconds, event.line, head.state))
             elif isinstance(event, Lift | Touch):
                 head.lift(event)
-            else:
-                process, waits_s = starts.get(event.line, ("", 0.0))
+            elif event.line in starts:
+                process, waits_s = starts[event.line]
                 head.state = State(process=process)
                 head.steps.append(_Wait(waits_s, event.line, head.state))
+            elif event.line in stops:
+                head.state = State()
     head.follow(path)
     return head.trace()
 

@@ -5,13 +5,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.controllers import table_events
 from beamcam.controllers.events import FeedShare, Lift, Output, Touch, Zero
 from beamcam.machine import Machine, load
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import SAMPLES
 from tests.unit.sheets.parts import NESTED, table
 
 PIERCE, CUT, CLEAR, TRIPS = 3.8, 1.5, 20.0, -3.0
@@ -28,11 +32,14 @@ class Cut(Struct):
     held: bool  #: whether the height control was on in every move
 
 
-def followed(text: str) -> Iterator[Cut]:
-    """The cuts of a program for plate-mach3, block by block; asserts what a torch may not do.
+def followed(
+    text: str, trips: float = TRIPS, clear: float = CLEAR, hold: tuple[str, str] = ("120", "121")
+) -> Iterator[Cut]:
+    """The cuts of a program for Mach3, block by block; asserts what a torch may not do.
 
     Z of the machine is 0 at the top; the sheet lies at an uneven depth, so that only a touch
-    tells where it is.
+    tells where it is. `trips` is the height of the tip where the probe trips, `hold` are the M
+    words that switch the height control on and off.
     """
     axis, shift, depth = 0.0, 0.0, 63.7
     on = held = fresh = False
@@ -45,14 +52,14 @@ def followed(text: str) -> Iterator[Cut]:
             axis = float(words["Z"])
         elif g == "31":
             assert not on
-            axis, fresh = TRIPS - depth, True
+            axis, fresh = trips - depth, True
         elif g == "92":
             shift = axis - float(words["Z"])
         elif g in ("0", "1") and "Z" in words:
             axis = float(words["Z"]) + shift
         elif g in ("0", "1", "2", "3") and "X" in words:
             if g == "0":
-                assert over >= CLEAR
+                assert over >= clear - 1e-9
                 assert not on
                 fresh, depth = False, depth + 0.7  # the sheet is not flat
             elif cut is not None:
@@ -69,8 +76,8 @@ def followed(text: str) -> Iterator[Cut]:
             assert cut is not None
             yield cut
             cut = None
-        elif m in ("120", "121"):
-            held = m == "120"
+        elif m in hold:
+            held = m == hold[0]
     assert not on
 
 
@@ -90,6 +97,59 @@ def test_a_stranger_sees_each_cut_at_its_heights() -> None:
         assert cut.highest == pytest.approx(CUT)
         assert cut.moves > 3
         assert cut.held
+
+
+@pytest.mark.parametrize("sample", ["dstv/gusset.nc1", "json/cam.json"])
+def test_a_stranger_follows_the_table_of_the_page(sample: str) -> None:
+    """docs/my-table.md: the head floats 2.4 mm, traverses are 25 mm up, M205 holds the height."""
+    from beamcam.pipeline import read_file
+
+    machine = load(str(SAMPLES / "machines" / "hall-plasma.toml"))
+    parts = read_file(str(SAMPLES / sample)).parts
+    text = post(parts, machine).text
+    assert isinstance(text, str)
+    cuts = list(followed(text, -2.4, 25.0, ("205", "206")))
+    assert cuts
+    for cut in cuts:
+        assert cut.pierced == 3.8
+        assert (cut.lowest, cut.highest) == (pytest.approx(1.5), pytest.approx(1.5))
+        assert cut.held
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    pierce=st.floats(2.5, 12.0).map(lambda v: round(v, 2)),
+    cut=st.floats(0.5, 2.4).map(lambda v: round(v, 2)),
+    more=st.floats(0.5, 40.0).map(lambda v: round(v, 2)),
+    trips=st.floats(-8.0, 0.0).map(lambda v: round(v, 2)),
+    off=st.floats(0.05, 5.0).map(lambda v: round(v, 2)),
+    at=st.integers(0, 1000),
+)  # fmt: skip
+def test_whatever_the_heights_are_they_are_kept_and_no_other_passes(
+    pierce: float, cut: float, more: float, trips: float, off: float, at: int
+) -> None:
+    machine = load("plate-mach3")
+    torch = machine.needed(machine.torch, "torch")
+    clear = max(pierce, 12.0) + more  # the scribe works at 12
+    rows = tuple([
+        replace(row, pierce_height=pierce, cut_height=cut) if row.process == "cut" else row
+        for row in torch.rows
+    ])  # fmt: skip
+    other = replace(torch, clearance=round(clear, 2), touch_height=trips, rows=rows)
+    machine = replace(machine, torch=other)
+    text = program(machine)
+    for one in followed(text, trips, other.clearance):
+        assert one.pierced == pytest.approx(pierce)
+        assert one.lowest == pytest.approx(cut)
+        assert one.highest == pytest.approx(cut)
+    # Any Z of the program that is another by more than its step is refused.
+    blocks = text.split("\n")
+    lifts = [k for k, b in enumerate(blocks) if re.match(r"G(0|1|92) Z", b)]
+    k = lifts[at % (len(lifts) - 1)]  # behind the last one the axis goes to its top
+    changed = re.sub(r"Z(-?[\d.]+)", lambda m: f"Z{float(m[1]) - off:.3f}", blocks[k])
+    broken = "\n".join([*blocks[:k], changed, *blocks[k + 1 :]])
+    said = verify_sheet(broken, (NESTED,), machine)
+    assert "verify-sheet-height" in {d.code for d in said}
 
 
 #: What stands in a sound program, another in its place, and the code that it is refused by.

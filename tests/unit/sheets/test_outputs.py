@@ -9,7 +9,7 @@ from beamcam.controllers.events import Output
 from beamcam.machine import Machine, load
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
-from tests.unit.sheets.parts import NESTED, table
+from tests.unit.sheets.parts import NESTED, circle, contour, drawing, table
 
 START = "M64 P0\nG4 P2.5\nM3 S1\nG4 P0.5\n"
 #: What stands in a sound program of the oxyfuel table, another in its place, and what is said.
@@ -112,3 +112,25 @@ lead = "line"
         found = changed(machine, "M3 S1\n", f"M3 S1\n{word}\n")
         assert any(said in one and "with compensation on" in one for one in found), found
         assert not changed(machine, "G40\n", f"G40\n{word}\n", last=True)
+
+
+def test_air_may_come_before_or_behind_the_beam(tmp_path: Path) -> None:
+    """grbl: M8 blows while M4 burns; the trace shows the beam on all along the contour."""
+    from beamcam.simulate.program import simulate_program
+
+    path = tmp_path / "mine.toml"
+    for on, off in (
+        ('"M8", "M4 S{power} F{feed}"', '"M5", "M9"'), ('"M4 S{power} F{feed}", "M7"', '"M9", "M5"')
+    ):  # fmt: skip
+        path.write_text(
+            f'base = "laser-grbl"\n[torch]\nmaterial = "wood"\nthickness = 3\n'
+            f"[words]\ncut_on = [{on}]\ncut_off = [{off}]\n"
+        )
+        machine = load(str(path))
+        part = drawing(contour(circle(30, 30, 40)), thickness=3.0)
+        text = post((part,), machine).text
+        assert isinstance(text, str)
+        trace = simulate_program(text, machine, parts=(part,)).trace
+        moved = abs(trace.positions[1:] - trace.positions[:-1]).max(axis=1) > 0
+        cutting = [trace.states[k].process == "cut" for k in trace.state.tolist()]
+        assert sum(cutting) == sum(m and c for m, c in zip(moved, cutting, strict=True)) > 3
