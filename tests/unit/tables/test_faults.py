@@ -160,7 +160,7 @@ def test_whatever_happens_the_laws_of_every_cycle_hold(
 @each_kind
 def test_a_broken_wire_stops_where_its_input_is_normally_closed_only(kind: str) -> None:
     numbers = {}
-    for k, name in enumerate(INPUTS):
+    for k, name in enumerate(INPUTS[:7]):  # those of Z are in test_lift.py
         one = cutting(plant(kind=kind))
         break_wire(k)(one)
         one.cycle()
