@@ -54,6 +54,8 @@ def test_commands_of_many_options_have_groups() -> None:
         ("post a.nc1 -o p.json", "expected the name of a program (`beamcam convert` writes such)"),
         ("post a.nc1 -o p.ifc", "found 'p.ifc'; expected the name of a program"),
         ("plot a.nc1 -o p.txt", "found 'p.txt'; expected a name in .svg, .png, .pdf, or -"),
+        ("plot a.nc1 -o p.svg --paper a3", "found --paper a3 with .svg; expected it with a .pdf"),
+        ("report a.nc1 -o p.html --paper a3", "found --paper a3 with .html; expected it with"),
         ("profile --velocity 1 --time 1 -o p.txt", "expected a name in .csv, .svg"),
         ("batch a.nc1 -o out --report r.xml", "expected a name in .json, .csv, .html, or -"),
         ("convert a.nc1 -o a.step", "found '.step' for the output's format; expected one of"),

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 Picture = Literal["svg", "png", "pdf"]
 Unit = Literal["mm", "inch"]
+Paper = Literal["a4", "a3"]
 
 
 def simulate(
@@ -123,17 +124,19 @@ def plot(
     *,
     to: Picture = "svg",
     unit: Unit = "mm",
+    paper: Paper = "a4",
     name: str = "program",
     bar: float | None = None,
     parts: Part | Iterable[Part] = (),
 ) -> str | bytes:
     """A picture of a part with its faces unfolded, or of what a program makes on its machine.
 
-    It is the text of an SVG, or the bytes of a PNG or PDF. Raises PictureError without the library
-    of the format, VerifyError for a program that cannot be understood.
+    It is the text of an SVG, or the bytes of a PNG, or of a PDF on a paper. Raises PictureError
+    without the library of the format, VerifyError for a program that cannot be understood.
     """
     check_choice("to", to, get_args(Picture))
     check_choice("unit", unit, get_args(Unit))
+    check_choice("paper", paper, get_args(Paper))
     if isinstance(shown, Part):
         from beamcam.pictures.part import part_scene
 
@@ -143,7 +146,7 @@ def plot(
         from beamcam.pictures.program import program_scene
 
         scene = program_scene(_read_program(shown, machine, name, bar, parts), unit)
-    return _picture(scene, to)
+    return _picture(scene, to, paper)
 
 
 def report(
@@ -153,18 +156,21 @@ def report(
     program: FileInput | Posted | None = None,
     to: Literal["html", "pdf"] = "html",
     unit: Unit = "mm",
+    paper: Paper = "a4",
     name: str = "program",
     bar: float | None = None,
     skips: Iterable[str] = (),
 ) -> str | bytes:
     """The setup sheet of the program that makes `parts`: posted for it, or the one that is given.
 
-    It is an HTML page, or the bytes of a PDF. Raises what `post` raises, and PictureError.
+    It is an HTML page, or the bytes of a PDF on a paper. Raises what `post` raises, and
+    PictureError.
     """
     from beamcam.setup_sheet.content import SheetSources, content_of
 
     check_choice("to", to, ("html", "pdf"))
     check_choice("unit", unit, get_args(Unit))
+    check_choice("paper", paper, get_args(Paper))
     loaded, wanted, left_out = machine_of(machine), parts_asked(parts), tuple(skips)
     if program is None:
         program = post(wanted, loaded, bar=bar, skips=left_out)
@@ -178,7 +184,7 @@ def report(
     if to == "pdf":
         from beamcam.setup_sheet.paper import setup_pdf
 
-        return setup_pdf(content)
+        return setup_pdf(content, paper)
     from beamcam.setup_sheet.page import setup_page
 
     return setup_page(content)
@@ -216,11 +222,11 @@ def _read_program(
     return ReadProgram(program_bytes(program), loaded, name, style, parts_asked(parts), bar)
 
 
-def _picture(scene: "Scene", form: Picture) -> str | bytes:
+def _picture(scene: "Scene", form: Picture, paper: Paper) -> str | bytes:
     if form == "pdf":
         from beamcam.pictures.pdf import to_pdf
 
-        return to_pdf([scene])
+        return to_pdf([scene], paper)
     if form == "png":
         from beamcam.pictures.png import to_png
 

@@ -29,7 +29,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
         "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",
         "serve", "pace", "once", "update",
     ),
-    SAID: ("as_json", "report", "unit", "quiet", "verbose", "schema"),
+    SAID: ("as_json", "report", "unit", "paper", "quiet", "verbose", "schema"),
 }  # fmt: skip
 
 

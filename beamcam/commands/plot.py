@@ -10,7 +10,7 @@ from beamcam.commands.common import Voice, write
 from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import one_program, posted_job, read_program
 from beamcam.commands.parts import job_options, read_parts
-from beamcam.commands.pictures import picture, picture_suffix, unit
+from beamcam.commands.pictures import check_paper, paper, picture, picture_suffix, unit
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, machine_for, settled
 from beamcam.config.values import Config
@@ -28,6 +28,7 @@ from beamcam.model.plan import Order
     help="What to draw: by default a single part itself, several parts as their bar.",
 )
 @unit
+@paper
 @options.machine
 @options.config
 @options.bar
@@ -39,6 +40,7 @@ def command(
     output: str,
     show: str | None,
     unit: Any,
+    paper: Any,
     order: Order,
     turn: bool,
     as_json: bool,
@@ -61,6 +63,7 @@ def command(
     from beamcam.pictures.program import program_scene
 
     suffix = picture_suffix(output)
+    check_paper(paper, suffix)
     said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, inputs)
@@ -79,7 +82,7 @@ def command(
                 raise click.UsageError(f"{found}; expected one, or a .pdf of many pages")
             table = _processes(config, parts, output)
             scenes = [part_scene(part, unit, table) for part in parts]
-        drawn = picture(scenes, suffix)
+        drawn = picture(scenes, suffix, paper)
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     voice.did(f"drew {len(scenes)} picture(s)")

@@ -12,7 +12,7 @@ from beamcam.commands.grouped import Grouped
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.parts import job_options
-from beamcam.commands.pictures import unit
+from beamcam.commands.pictures import check_paper, paper, unit
 from beamcam.commands.provenance import configuration_line, machine_line, reference
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, settled
@@ -25,6 +25,7 @@ from beamcam.model.plan import Order
 @options.output(".html or .pdf; - is HTML on standard output.")
 @against
 @unit
+@paper
 @options.machine
 @options.config
 @options.bar
@@ -37,6 +38,7 @@ def command(
     output: str,
     against: bool,
     unit: Any,
+    paper: Any,
     order: Order,
     turn: bool,
     as_json: bool,
@@ -61,6 +63,7 @@ def command(
     suffix = ".html" if output == "-" else PurePath(output).suffix.lower()
     if suffix not in KINDS["report"]:
         raise click.UsageError(expected(output, "report"))
+    check_paper(paper, suffix)
     said: list[Diagnostic] = []
     try:
         config = settled(asked, inputs)
@@ -73,7 +76,7 @@ def command(
         if suffix == ".pdf":
             from beamcam.setup_sheet.paper import setup_pdf
 
-            sheet = setup_pdf(content)
+            sheet = setup_pdf(content, paper)
         else:
             from beamcam.setup_sheet.page import setup_page
 

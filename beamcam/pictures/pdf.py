@@ -1,8 +1,8 @@
-"""Scenes as PDF, by reportlab (an extra): a page each, on A4 unless the picture asks for more."""
+"""Scenes as PDF, by reportlab (an extra): a page each, on A4 or A3."""
 
 import io
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 from beamcam.errors import PictureError, Source
 from beamcam.pictures import rules
@@ -10,32 +10,40 @@ from beamcam.pictures.scene import Circle, Polyline, Scene, Text
 from beamcam.pictures.styles import Style, style_of
 
 POINTS_PER_PIXEL = 0.75
-A4 = (595.276, 841.89)  #: points
+Paper = Literal["a4", "a3"]
+#: Points of a page that stands upright.
+SIZES: dict[Paper, tuple[float, float]] = {"a4": (595.276, 841.89), "a3": (841.89, 1190.551)}
 MARGIN = 28.0
 
 
-def to_pdf(scenes: Sequence[Scene]) -> bytes:
+def to_pdf(scenes: Sequence[Scene], paper: Paper = "a4") -> bytes:
     """The pictures, one a page; the same scenes give the same bytes.
 
-    Each is made smaller to lie on an A4 page, upright or not as it fits better. Raises PictureError
-    without reportlab.
+    Each is made to fit its page, upright or not as it fits better. Raises PictureError without
+    reportlab.
     """
+    size = SIZES[paper]
     canvas_of = needed_canvas()
     stream = io.BytesIO()
-    canvas = canvas_of(stream, A4)
+    canvas = canvas_of(stream, size)
     canvas.setTitle(scenes[0].title)
     canvas.setCreator("beamcam")
     for scene in scenes:
-        page = A4 if scene.height > scene.width else (A4[1], A4[0])
+        page = size if scene.height > scene.width else (size[1], size[0])
         canvas.setPageSize(page)
         scale = min(
-            POINTS_PER_PIXEL, (page[0] - 2 * MARGIN) / scene.width,
+            largest(paper), (page[0] - 2 * MARGIN) / scene.width,
             (page[1] - 2 * MARGIN) / scene.height,
         )  # fmt: skip
         draw_scene(canvas, scene, MARGIN, page[1] - MARGIN, scale)
         canvas.showPage()
     canvas.save()
     return stream.getvalue()
+
+
+def largest(paper: Paper) -> float:
+    """Points that a pixel has at most on a paper: on A3 as much more as it is wider."""
+    return POINTS_PER_PIXEL * SIZES[paper][0] / SIZES["a4"][0]
 
 
 def needed_canvas() -> Any:

@@ -1,4 +1,4 @@
-"""The setup sheet on A4 on its side, by reportlab (an extra).
+"""The setup sheet on A4 or A3 on its side, by reportlab (an extra).
 
 The same program gives the same bytes.
 """
@@ -10,10 +10,11 @@ from typing import Any
 
 from beamcam.model.plan import clock
 from beamcam.pictures.pdf import (
-    A4,
     MARGIN,
-    POINTS_PER_PIXEL,
+    SIZES,
+    Paper,
     draw_scene,
+    largest,
     needed_canvas,
     plain_letters,
 )
@@ -27,17 +28,17 @@ from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
 from beamcam.version import __version__
 
 BODY = 9.0
-ROOM, HIGH = 786.0, 513.0  #: points between the margins of an A4 page on its side
+FOOT = 48.0  #: points of a page for its footer, and for the heading above a picture
 
 
-def setup_pdf(content: Content) -> bytes:
+def setup_pdf(content: Content, paper: Paper = "a4") -> bytes:
     """The sheet without playback. Raises PictureError without reportlab."""
     needed_canvas()
     from reportlab.platypus import SimpleDocTemplate
 
     stream = io.BytesIO()
     title = f"{content.program.name}: setup sheet"
-    size = (A4[1], A4[0])
+    size = (SIZES[paper][1], SIZES[paper][0])
     document = SimpleDocTemplate(
         stream, pagesize=size, leftMargin=MARGIN, rightMargin=MARGIN, topMargin=MARGIN,
         bottomMargin=MARGIN + 8, title=title, author="beamcam", invariant=1,
@@ -50,15 +51,11 @@ def setup_pdf(content: Content) -> bytes:
         page = f"beamcam {__version__}, page {canvas.getPageNumber()}"
         canvas.drawRightString(size[0] - MARGIN, 20, page)
 
-    document.build(
-        list(_story(content)),
-        onFirstPage=footer,
-        onLaterPages=footer,
-    )
+    document.build(list(_story(content, paper)), onFirstPage=footer, onLaterPages=footer)
     return stream.getvalue()
 
 
-def _story(content: Content) -> Iterator[Any]:
+def _story(content: Content, paper: Paper) -> Iterator[Any]:
     """Contents of the pages, in order."""
     from reportlab.platypus import Spacer
 
@@ -66,7 +63,7 @@ def _story(content: Content) -> Iterator[Any]:
     yield _text(program.name, 15, bold=True)
     yield Spacer(1, 4)
     rows = [[label, value] for label, value in content.header if label != "Program"]
-    yield _table([*rows, ["SHA-256", program.sha256]], [70, ROOM - 70], ())
+    yield _table([*rows, ["SHA-256", program.sha256]], [70, SIZES[paper][1] - 2 * MARGIN - 70], ())
     colour = {"made": "#176b2c", "alone": "#7a5000", "wrong": "#b3261e"}[content.verdict]
     yield _text(verdict_of(content), 10, colour, bold=True)
     if content.ledger:
@@ -80,7 +77,7 @@ def _story(content: Content) -> Iterator[Any]:
         yield from (_text(message_line(as_message(d)), 8) for d in content.messages)
     yield _title("What the program makes")
     for scene in content.pictures:
-        yield _picture(scene)
+        yield _picture(scene, paper)
     yield from _tables(content)
 
 
@@ -194,11 +191,12 @@ def _table(
     return made
 
 
-def _picture(scene: Scene) -> Any:
+def _picture(scene: Scene, paper: Paper) -> Any:
     """A picture as wide as the page, or as high as what it leaves."""
     from reportlab.platypus import Flowable
 
-    scale = min(ROOM / scene.width, HIGH / scene.height, POINTS_PER_PIXEL)
+    high, wide = (side - 2 * MARGIN for side in SIZES[paper])
+    scale = min(wide / scene.width, (high - FOOT) / scene.height, largest(paper))
 
     class Picture(Flowable):  # type: ignore[misc]
         def __init__(self) -> None:

@@ -231,6 +231,10 @@ def test_numbers_are_written_as_the_reader_does(browser: Browser, folder: Path) 
         browser.run("const u = document.getElementById('unit'); u.value = 'inch';"
                     "u.dispatchEvent(new Event('change'))")  # fmt: skip
         assert "18,549" in browser.run(figures)
+        callouts = browser.run(
+            "return [...document.querySelectorAll('text.callout')].map((e) => e.textContent)"
+        )
+        assert "4 × Ø0,709" in callouts  # of the tie: 18 mm
         notes = "return [...document.querySelectorAll('.unit-note')].map((e) => e.textContent)"
         assert all(note.startswith("lengths in inch") for note in browser.run(notes))
         again = browser.run("return [...document.querySelectorAll('data')].map((e) => e.value)")

@@ -34,7 +34,7 @@ const Numbers = {
 
   // Every length and number of the page.
   show(root) {
-    for (const e of root.querySelectorAll("text[data-mm]")) {
+    for (const e of root.querySelectorAll("text[data-mm], tspan[data-mm]")) {
       const tip = e.querySelector("title");
       e.textContent = this.length(Number(e.dataset.mm));
       if (tip) e.prepend(tip);

@@ -5,15 +5,17 @@ import re
 import sys
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from msgspec.structs import replace
 from PIL import Image
 
 from beamcam.cli import main
 from beamcam.errors import PictureError
 from beamcam.motion.profile import profile_to_velocity
-from beamcam.pictures.pdf import to_pdf
+from beamcam.pictures.pdf import largest, to_pdf
 from beamcam.pictures.png import dashes, to_png
 from beamcam.pictures.profile import profile_scene, ticks
 from beamcam.pictures.scene import Circle, Polyline, Scene, Text
@@ -49,6 +51,17 @@ def test_a_pdf_has_a_page_for_each_scene_and_the_same_bytes() -> None:
     assert data.startswith(b"%PDF")
     assert len(re.findall(rb"/Type /Page\b", data)) == 2
     assert data == to_pdf([SCENE, SCENE])
+
+
+@pytest.mark.parametrize(("paper", "wide"), [("a4", 842), ("a3", 1191)])
+def test_a_pdf_is_a4_or_a3_and_filled(paper: Any, wide: int) -> None:
+    """A wide picture lies on its side; on A3 all of it is larger."""
+    scene = replace(SCENE, width=1000.0, height=600.0)
+    data = to_pdf([scene], paper)
+    (box,) = {tuple(round(float(v)) for v in found.split())
+              for found in re.findall(rb"/MediaBox \[ ?([\d. ]+)\]", data)}  # fmt: skip
+    assert box[2] == wide
+    assert largest(paper) * 1000.0 == pytest.approx(750.0 * wide / 842, rel=0.001)
 
 
 @pytest.mark.parametrize(("module", "draw"), [("PIL", to_png), ("reportlab.pdfgen.canvas", to_pdf)])

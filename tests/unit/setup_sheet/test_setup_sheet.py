@@ -5,6 +5,7 @@ import re
 from hashlib import sha256
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -138,6 +139,20 @@ def test_the_bar_of_three_parts_is_small_and_always_the_same(annex: Content) -> 
     assert paper.startswith(b"%PDF")
     assert paper == setup_pdf(annex)
     assert len(re.findall(rb"/Type /Page\b", paper)) >= 2
+
+
+@pytest.mark.parametrize(("paper", "wide"), [("a4", 842), ("a3", 1191)])
+def test_no_page_of_paper_has_a_heading_alone(paper: Any, wide: int) -> None:
+    """A tall picture leaves room for the heading above it."""
+    pdfium = pytest.importorskip("pypdfium2")
+    parts = read_file(DSTV[1]).parts
+    made, program = posted(parts, "beamline")
+    pages = pdfium.PdfDocument(
+        setup_pdf(content_of(SheetSources(program, made.plan, made.remarks)), paper)
+    )
+    for page in pages:
+        assert round(page.get_size()[0]) == wide
+        assert len(page.get_textpage().get_text_range().split()) > 20
 
 
 def test_a_drawing_of_20_000_segments_stays_below_5_mb() -> None:
