@@ -15,6 +15,7 @@ from beamcam.model.program import (
     ArcFeed,
     ChooseMaterial,
     ChooseTool,
+    CloseCut,
     Command,
     Comment,
     Compensate,
@@ -154,6 +155,8 @@ class _Writer:
                 return _filled(
                     words.slow if self._slow else words.full, feed=self._feed, share=share
                 )
+            case CloseCut():
+                return list(words.close)
             case ToolOff():
                 off = getattr(words, f"{command.process}_off")
                 full = _filled(words.full, feed=self._feed) if self._slow else []

@@ -148,6 +148,10 @@ class ChooseMaterial(Struct, frozen=True, gc=False):
     thickness: float
 
 
+class CloseCut(Struct, frozen=True, gc=False):
+    """The contour is closed; what of its path follows is run with the arc out."""
+
+
 class ToolOff(Struct, frozen=True, gc=False):
     """Stop the tool of a process."""
 
@@ -215,8 +219,8 @@ class EllipseFeed(Struct, frozen=True, gc=False):
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
-    | StartSheet | ChooseTool | ChooseMaterial | ToolOn | ToolOff | Pace | Compensate | Traverse
-    | Movement
+    | StartSheet | ChooseTool | ChooseMaterial | ToolOn | CloseCut | ToolOff | Pace | Compensate
+    | Traverse | Movement
 )  # fmt: skip
 
 
