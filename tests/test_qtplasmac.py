@@ -204,3 +204,53 @@ def test_a_material_may_be_chosen_by_its_number(tmp_path: Path) -> None:
     said = verify_sheet(text.replace("M190 P5", "M190 P4"), (NESTED,), machine)
     assert {one.code for one in said} == {"verify-sheet-material"}
     assert "number 4; expected 5" in said[0].message
+
+
+DARK = """base = "plate-qtplasmac"
+[torch]
+overcut = 4
+lead_out = 0
+[words]
+close = ["M62 P3"]
+cut_off = ["M5 $0", "M65 P3"]
+"""
+
+
+def test_the_overcut_is_run_with_the_arc_out(tmp_path: Path) -> None:
+    """The blocks behind M62 P3 lie on the contour that is cut already, 4 mm long."""
+    path = tmp_path / "mine.toml"
+    path.write_text(DARK)
+    machine = load(str(path))
+    text = post((NESTED,), machine).text
+    assert isinstance(text, str)
+    assert text.count("M62 P3\n") == text.count("M65 P3\n") == text.count("M3 $0") == 4
+    assert not verify_sheet(text, (NESTED,), machine)
+    last = text.rindex("M62 P3\n")
+    before, behind = text[:last].splitlines(), text[last:].splitlines()
+    moved = [line for line in behind[: behind.index("M5 $0")] if line.startswith("G")]
+    ends = [re.search(r"X(\S+) Y(\S+)", line) for line in (before[-1], *moved)]
+    (ax, ay), (bx, by) = ((float(m[1]), float(m[2])) for m in (ends[0], ends[-1]) if m)
+    assert abs(ax - bx) + abs(ay - by) == pytest.approx(4.0, abs=1e-3)  # along an edge of the box
+    for old, new, code in (
+        ("M62 P3\n", "", "verify-sheet-dark"), ("M65 P3\n", "", "verify-sheet-output"),
+        ("M3 $0 S1\n", "M62 P3\nM3 $0 S1\n", "verify-sheet-output"),
+    ):  # fmt: skip
+        said = verify_sheet(text.replace(old, new, 1), (NESTED,), machine)
+        assert code in {one.code for one in said}, (old, said)
+    lines = text.splitlines()
+    k = lines.index("M62 P3")
+    early = [*lines[: k - 1], lines[k], lines[k - 1], *lines[k + 1 :]]
+    said = verify_sheet("\n".join(early), (NESTED,), machine)
+    assert "verify-sheet-dark" in {one.code for one in said}
+    no_end = text[: text.rindex("M65 P3\n")] + text[text.rindex("M65 P3\n") + 7 :]
+    assert "verify-sheet-output" in {d.code for d in verify_sheet(no_end, (NESTED,), machine)}
+
+
+@needs_filter
+def test_the_filter_takes_an_overcut_with_the_arc_out(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(DARK)
+    program = posted("dstv/gusset.nc1", tmp_path, str(path))
+    done = filtered(program, tmp_path / "filter")
+    assert moves(done.text) == moves(program.read_text())
+    assert done.text.count("m62p3") == program.read_text().count("M62 P3")

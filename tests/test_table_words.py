@@ -73,7 +73,7 @@ WORDS = [
     ("qtplasmac", "", "M65 P2", "Output thc on"),
     ("qtplasmac", "", "M64 P1", "Switch M64 P1"),
     ("qtplasmac", '"M64P1" = "none"', "M64 P1", ""),
-    ("qtplasmac", "", "M62 P3", "Switch M62 P3"),
+    ("qtplasmac", "", "M62 P3", "Output arc off with the move"),
     ("qtplasmac", "", "M67 E3 Q60", "FeedShare 0.6"),
     ("qtplasmac", "", "M67 E3 Q0", "FeedShare 1"),
     ("qtplasmac", "", "M68 E3 Q0", "FeedShare 1"),

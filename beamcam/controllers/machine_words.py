@@ -305,7 +305,7 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
     for key, (x, y, i, j) in _CURVES.items():
         if getattr(words, key):
             lines += (*start, *_filled(machine, key, x=x, y=y, i=i, j=j, angle="0"))
-    for key in ("slow", "full"):
+    for key in ("slow", "full", "close"):
         lines += _filled(machine, key)
     if words.modal:
         block = " ".join([feed[-1][2], *(block for _, _, block in _filled(machine, "modal"))])

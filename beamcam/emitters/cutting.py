@@ -16,6 +16,7 @@ from beamcam.model.program import (
     ArcFeed,
     ChooseMaterial,
     ChooseTool,
+    CloseCut,
     Command,
     Comment,
     Compensate,
@@ -159,6 +160,8 @@ class _Writer:
                 )
             case Power(power):
                 return _filled(words.power, power=number(power, 3))
+            case CloseCut():
+                return list(words.close)
             case ToolOff():
                 off = getattr(words, f"{command.process}_off")
                 full = _filled(words.full, feed=self._feed) if self._slow else []

@@ -101,14 +101,14 @@ CycleMeaning = Literal[
     "none", "drill-cycle", "drill-cycle-dwell", "drill-cycle-peck", "drill-cycle-chips", "end-cycle"
 ]
 #: What a word of a table's own does besides nothing. `thc` is the control of the torch's height by
-#: its voltage, `output` anything else that has to be as it was when the program ends. Words carry a
-#: number with `feed share` (percent; 0, and 100 or more, are all of it), `height` (mm over the
-#: sheet) and `material` (the number of a row); `touch off` goes down to the sheet and counts Z
-#: from there.
+#: its voltage, `arc off` puts the arc out while the head runs on, `output` is anything else that
+#: has to be off when the program ends. Words carry a number with `feed share` (percent; 0, and 100
+#: or more, are all of it), `height` (mm over the sheet) and `material` (the number of a row);
+#: `touch off` goes down to the sheet and counts Z from there.
 TableMeaning = Literal[
     "torch on", "torch off", "cutting oxygen on", "cutting oxygen off", "preheat on",
-    "preheat off", "thc on", "thc off", "output on", "output off", "feed share", "height",
-    "touch off", "material",
+    "preheat off", "thc on", "thc off", "arc on", "arc off", "output on", "output off",
+    "feed share", "height", "touch off", "material",
 ]  # fmt: skip
 CodeMeaning = Literal[CycleMeaning, TableMeaning]
 

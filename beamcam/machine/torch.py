@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from msgspec import Meta, field
+from msgspec.structs import replace
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
@@ -24,6 +25,8 @@ class TorchRow(Keys, frozen=True):
     kerf: NotNegative = 0.0  #: width of the cut
     pierce_width: NotNegative = 0.0  #: of the hole that piercing burns; 0: twice the kerf
     preheat_s: NotNegative = 0.0  #: of the flame at the place before it pierces
+    min_hole: NotNegative = 0.0  #: smallest diameter that it cuts; 0: as `torch` says
+    lead_in: NotNegative = 0.0  #: length of its lead-in; 0: as `torch` says
     pierce_height: NotNegative = 0.0  #: of the torch over the sheet as it pierces; 0: not known
     cut_height: NotNegative = 0.0  #: of the torch over the sheet as it cuts; 0: not known
     amps: NotNegative = 0.0  #: current of a plasma torch; 0: not known
@@ -159,6 +162,17 @@ class Torch(Keys, frozen=True):
     #: until the probe trips
     touch_height: Annotated[float, Meta(ge=-50, le=0)] = 0.0
     top: float | None = None  #: Z of the machine (G53) where the torch is clear of everything
+
+    def by(self, row: TorchRow | None) -> "Torch":
+        """The torch as it works a sheet that is cut by a row: with its own hole and lead-in."""
+        if row is None or not (row.min_hole or row.lead_in):
+            return self
+        return replace(
+            self,
+            min_hole=row.min_hole or self.min_hole,
+            min_hole_share=0.0 if row.min_hole else self.min_hole_share,
+            lead_in=row.lead_in or self.lead_in,
+        )
 
     @property
     def area(self) -> tuple[float, float, float, float]:

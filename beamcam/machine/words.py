@@ -41,6 +41,7 @@ class Words(Keys, frozen=True):
     choose_mark: tuple[str, ...] = ()  #: likewise to mark
     choose_engrave: tuple[str, ...] = ()  #: likewise to engrave
     cut_on: tuple[str, ...] = ()  #: the tool on to cut
+    close: tuple[str, ...] = ()  #: the arc out where a cut is closed, on its overcut and lead-out
     cut_off: tuple[str, ...] = ()  #: and off
     mark_on: tuple[str, ...] = ()  #: the tool on to mark
     mark_off: tuple[str, ...] = ()  #: and off
@@ -130,6 +131,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "choose_engrave": frozenset(),
     "material": _ROW_NAMES | {"material_name", "thickness", "kerf", "nozzle"},
     "cut_on": _TORCH_NAMES,
+    "close": frozenset(),
     "cut_off": _OFF_NAMES,
     "mark_on": _TORCH_NAMES,
     "mark_off": _OFF_NAMES,

@@ -154,6 +154,10 @@ class ChooseMaterial(Struct, frozen=True, gc=False):
     thickness: float
 
 
+class CloseCut(Struct, frozen=True, gc=False):
+    """The contour is closed; what of its path follows is run with the arc out."""
+
+
 class ToolOff(Struct, frozen=True, gc=False):
     """Stop the tool of a process."""
 
@@ -257,7 +261,7 @@ Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool
     | Comment | StartSheet | StartProfile | TurnTorch | TorchTo | ChooseTool | ChooseMaterial
-    | ToolOn | ToolOff | Pace | Power | PassEnd | Compensate | Traverse | Movement
+    | ToolOn | CloseCut | ToolOff | Pace | Power | PassEnd | Compensate | Traverse | Movement
 )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from math import hypot
+from math import dist, hypot
 from typing import NamedTuple
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
@@ -21,6 +21,7 @@ from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
     ChooseMaterial,
     ChooseTool,
+    CloseCut,
     Command,
     Comment,
     Compensate,
@@ -65,6 +66,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
     chooses, chosen = bool(machine.words.material), None
+    closes = bool(machine.words.close)
     tool: TorchProcess = "cut"
     for run in _runs(plan.operations, machine):
         row = run[0].row
@@ -79,8 +81,11 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
         if len(run) > 1 or (run[0].is_hatch and pen.overscan):
             commands += _hatch(run, paths, pen)
             continue
-        for _ in run[0].passes:
-            commands += _pass(run[0], next(paths), pen)
+        op = run[0]
+        for one in op.passes:
+            whole = op.closed and op.row.process == "cut" and len(op.passes) == op.row.passes
+            closing = one.curves[-1].end if closes and whole and one.lead_out else None
+            commands += _pass(op, next(paths), pen, closing)
     if tool != "cut":
         commands.append(ChooseTool("cut"))
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
@@ -127,7 +132,8 @@ def _hatch(run: Sequence[ContourOp], paths: Iterator[Path], pen: "Pen") -> Itera
         yield ToolOff(row.process) if number == len(passes) - 1 else PassEnd()
 
 
-def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
+def _pass(op: ContourOp, path: Path, pen: "Pen", closing: Point | None) -> Iterator[Command]:
+    """A pass, at whose closing point the arc goes out if there is one."""
     row = op.row
     yield Traverse(*path.moves.start)
     if op.side != "on":
@@ -136,10 +142,24 @@ def _pass(op: ContourOp, path: Path, pen: "Pen") -> Iterator[Command]:
         row.process, row.feed_mm_min, row.power, row.pierce_s, op.source, row.pierce_height,
         row.cut_height, row.preheat_s, row.amps, row.volts, row.number,
     )  # fmt: skip
-    yield from _fed(op, path, pen.limits)
+    fed = list(_fed(op, path, pen.limits))
+    if closing is not None:
+        places = [k for k, one in enumerate(fed) if isinstance(one, Movement)]
+        last = min(
+            reversed(places), key=lambda k: _off(fed[k], closing), default=0
+        )  # the last of those as near: a path begins there too
+        if last < places[-1]:
+            fed.insert(last + 1, CloseCut())
+    yield from fed
     yield ToolOff(row.process)
     if op.side != "on":
         yield Compensate("on", 0.0)
+
+
+def _off(move: Command, place: Point) -> float:
+    """How far from a place a move ends, in tenths of a millimetre."""
+    assert isinstance(move, Movement)
+    return round(10.0 * dist((move.x, move.y), place))
 
 
 def _fed(op: ContourOp, path: Path, limits: PathLimits | None) -> Iterator[Command]:

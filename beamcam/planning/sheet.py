@@ -56,6 +56,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if len(parts) > 1:
         return _plan_of_several(parts, machine, torch, skips)
     (part,) = parts
+    torch = torch.by(Material(part, torch).row("cut"))
+    machine = machine if torch is machine.torch else replace(machine, torch=torch)
     assigned = assign_processes(part, torch, machine, skips)
     material = Material(part, torch, machine.stepper is not None)
     _refuse_work(part, assigned, material, machine, torch)

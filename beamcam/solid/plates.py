@@ -70,6 +70,8 @@ def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
     from shapely.affinity import scale
 
     thickness = thickness_of(part, torch)
+    rows = rows_for(torch, thickness, material_said(part.grade, torch.material))
+    torch = torch.by(next((row for row in rows if row.process == "cut"), None))
     whole, slits = _outlines(part, torch)
     left: list[tuple[Feature, Shape]] = []
     may_lack = torch.drilled == "mark" or "all" in skips or not {*SKIPS}.isdisjoint(skips)

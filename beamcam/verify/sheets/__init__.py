@@ -48,6 +48,8 @@ def verify_sheet(
     part, machine, faults = as_one(parts, machine, skips)
     torch, said = machine.torch or torch, [*said, *faults]
     rows = rows_of(part, torch)
+    torch = torch.by(next((row for row in rows if row.process == "cut"), None))
+    machine = machine if torch is machine.torch else replace(machine, torch=torch)
     # In laser mode a word by itself switches nothing; here it is looked at what it says.
     telling = replace(machine, torch=replace(torch, laser_mode=False))
     strokes, more = strokes_of(

@@ -16,6 +16,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.sheets.contours import cover
+from beamcam.verify.sheets.dark import dark_faults
 from beamcam.verify.sheets.direction import direction_faults
 from beamcam.verify.sheets.hole_feeds import hole_faults
 from beamcam.verify.sheets.look_settings import OrderPlace, settings_faults, turn_faults
@@ -66,7 +67,7 @@ def compare(
         )
         works[process] = work
         mine, more = _compared(work)
-        said += more
+        said += [*more, *dark_faults(work, mine, bool(machine.words.close))]
         traced += mine
         if any(own.hatch_one_way for own in torch.settings.values()) and process in need.curves:
             from beamcam.verify.sheets.hatch import one_way_faults

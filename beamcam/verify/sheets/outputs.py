@@ -6,6 +6,7 @@ tool beside        places are those of the tool that the row's words choose, of 
 material           the controller has the data of the row that cuts
 outputs            off at the end
 share of the feed  all of it at the end
+arc                out only where a cut is closed already, on again before the next start
 """
 
 from collections.abc import Iterator
@@ -83,6 +84,8 @@ class _Watch:
         if self._tool != stroke.tool:
             found = f"a start with places of {_tool(self._tool)}"
             yield self._fault(rules.OUTPUT, line, found, f"those of {_tool(stroke.tool)}")
+        if not self._state.get("arc", True):
+            yield self._fault(rules.OUTPUT, line, "a start with the arc held out", "it on before")
         if row.preheat_s:
             flame_s = self._flame_s
             if flame_s is None or abs(flame_s - row.preheat_s) > SECONDS_SLACK:
@@ -139,8 +142,9 @@ class _Watch:
             self._pending = name
         elif self._pending == name:
             self._pending = ""
-        if name == "thc" and self._beside:
-            found = "the height control switched with compensation on"
+        if name in ("thc", "arc") and self._beside:
+            what = "height control" if name == "thc" else "arc"
+            found = f"the {what} switched with compensation on"
             yield self._fault(rules.OUTPUT, event.line, found, "compensation off")
         if name == "preheat":
             lit = 0.0 if self._flame_s is None else self._flame_s
@@ -152,7 +156,9 @@ class _Watch:
     def ends(self, line: int) -> Iterator[Diagnostic]:
         """What is wrong when the program ends."""
         for name, state in self._state.items():
-            if state and name != "thc":
+            if name == "arc" and not state:
+                yield self._fault(rules.OUTPUT, line, "the end with the arc held out", "it on")
+            elif state and name not in ("thc", "arc"):
                 yield self._fault(rules.OUTPUT, line, f"the end with {name} on", "it off")
         if self._pending:
             found = f"{self._pending} switched with a move that does not come"

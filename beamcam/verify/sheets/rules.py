@@ -83,6 +83,13 @@ OUTPUT = Rule(
     "found {found}; expected {expected}",
     "Gases and outputs would come in another order, or stay as no next program expects them.",
 )
+DARK = Rule(
+    "verify-sheet-dark",
+    _E,
+    "found {found} of the contour of {contour}; expected {expected}",
+    "With the arc out before the contour is closed the part stays in the sheet; with it on behind "
+    "that the edge is cut twice.",
+)
 MATERIAL = Rule(
     "verify-sheet-material",
     _E,
@@ -279,8 +286,8 @@ LAID = Rule(
     "Where such a feature would come to lie is not known.",
 )
 RULES = (
-    *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, RAMP, HEIGHT, THC, OUTPUT, MATERIAL, CORNER,
-    TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND, COMPENSATION, DIRECTION,
-    OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS, TAB_WIDTH, TAB_PLACE, OVERCUT,
-    LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
+    *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, RAMP, HEIGHT, THC, OUTPUT, DARK, MATERIAL,
+    CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND, COMPENSATION,
+    DIRECTION, OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS, TAB_WIDTH, TAB_PLACE,
+    OVERCUT, LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY, NOT_MADE, CROWDED,
 )  # fmt: skip

@@ -12,6 +12,7 @@ from msgspec import Struct
 
 from beamcam.controllers.events import (
     Other,
+    Output,
     Pause,
     Said,
     Side,
@@ -56,6 +57,7 @@ class HeadStroke(Struct):
     last: int  #: behind the last of them
     on: int = -1  #: place of the word that starts its tool among the events that are no moves
     off: int = -1  #: of the one that stops it
+    dark: int = 0  #: of its last moves, made with the arc out
     tool: int = 0  #: of the controller's table, whose places the words of the row choose
     passes: int = 1
     waits_s: float = 0.0  #: that the controller waits by itself until it is through
@@ -92,6 +94,7 @@ class _Started(Struct):
     stroke: HeadStroke
     rows: list[_Words]  #: that its words stand for
     pauses: list[tuple[int, float]]  #: moves before each, and seconds
+    dark_from: int | None = None  #: the move from which on the arc is out
 
 
 def strokes_of(
@@ -166,6 +169,8 @@ class _Head:
         elif isinstance(event, Pause):
             if self._on:
                 self._started[-1].pauses.append((before, event.seconds))
+        elif isinstance(event, Output) and event.name == "arc" and self._on:
+            self._started[-1].dark_from = None if event.on else before
         elif isinstance(event, Setting):
             ended = self._started[-1].stroke.last if self._started else 0
             self.said += self._state.take(event, before, self._on, ended)
@@ -269,6 +274,8 @@ class _Head:
             else:
                 self._settle(one, moves, rows[first:last])
                 stroke.first, stroke.last = first, last
+                if one.dark_from is not None:
+                    stroke.dark = int((rows[first:last] >= one.dark_from).sum())
                 each.append(stroke)
         if len(rows):
             self.said += self._state.unsaid(int(moves.line[rows[0]]), int(rows[0]))

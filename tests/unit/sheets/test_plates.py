@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import Polygon
 
-from beamcam.errors import MachineError, PlanError
+from beamcam.errors import MachineError, PlanError, errors_in
 from beamcam.machine import load, shipped
 from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
@@ -21,6 +21,7 @@ from beamcam.planning.rules import BEVEL_NOISE
 from beamcam.report.hand_list import hand_rows
 from beamcam.verify.head import head_of
 from beamcam.verify.left_out import BY_HAND as FOR_HAND
+from beamcam.verify.sheets import verify_sheet
 from beamcam.verify.sheets.need import need_of
 from tests.unit.sheets.parts import S, box, plate, table
 
@@ -210,3 +211,30 @@ def test_every_torch_of_the_trade_says_what_it_leaves_to_the_hand() -> None:
             assert (torch.drilled, torch.bevel) == (
                 ("mark", "square") if name.startswith("plate-") else ("refuse", "refuse")
             )
+
+
+def test_a_row_has_its_own_smallest_hole_and_lead(tmp_path: Path) -> None:
+    """A hole that the row does not cut is marked for the drill; its lead is as long as it says."""
+    path = tmp_path / "mine.toml"
+    row = "{{process = 'cut', material = 'mild steel', up_to = {}, feed_mm_min = 900, {}}}"
+    rows = [row.format(10, "min_hole = 20, lead_in = 7, kerf = 1.5"),
+            row.format(20, "kerf = 1.9")]  # fmt: skip
+    rows.append("{process = 'mark', up_to = 20, feed_mm_min = 3000}")
+    path.write_text(f'base = "plate-linuxcnc"\n[torch]\nrows = [{", ".join(rows)}]\n')
+    machine = load(str(path))
+    for mm, how, lead in ((10.0, "listed", 7.0), (16.0, "made", 3.0)):
+        part = thick(mm, Hole("v", 60.0, 50.0, 18.0, S))
+        made = post([part], machine)
+        assert [o.how for o in made.plan.outcomes][-1] == how
+        cut = [op for op in made.plan.operations if op.row.process == "cut"][-1]
+        first = cut.passes[0].lead_in
+        assert sum(curve.length for curve in first) == pytest.approx(lead, rel=0.02)
+        assert not errors_in(verify_sheet(made.text, (part,), machine))
+        if how == "listed":
+            other = replace(
+                machine,
+                torch=replace(
+                    machine.torch, rows=tuple(replace(r, min_hole=0.0) for r in machine.torch.rows)
+                ),
+            )  # type: ignore[union-attr]
+            assert errors_in(verify_sheet(made.text, (part,), other))
