@@ -364,7 +364,8 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-contour", "verify-sheet-rest", "verify-sheet-edge",
         "verify-sheet-frame", "verify-sheet-overscan",
         # tests/unit/sheets/test_heights.py, test_outputs.py, tests/test_qtplasmac.py
-        "verify-sheet-dark", "verify-sheet-height", "verify-sheet-thc", "verify-sheet-output", "verify-sheet-material",
+        "verify-sheet-height", "verify-sheet-thc", "verify-sheet-output", "verify-sheet-material",
+        "verify-sheet-dark",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
