@@ -63,7 +63,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
     for run in _runs(plan.operations, machine):
-        if tells:
+        if tells and run[0].features:
             commands.append(OfPart(part_data([plan.pieces[run[0].features[0][0]].part])))
         if len(run) > 1 or (run[0].is_hatch and pen.overscan):
             commands += _hatch(run, paths, pen)

@@ -9,6 +9,7 @@ from collections.abc import Collection, Sequence
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import material_said
 from beamcam.machine.torch import Torch
@@ -17,7 +18,9 @@ from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.asked_layout import between
-from beamcam.verify.sheets.need import OUTLINE, need_of, thickness_of
+from beamcam.verify.sheets.need import OUTLINE, need_of, rows_on, thickness_of
+
+SKELETON = "skeleton"  #: where the cuts through what is left of a sheet are said to be
 
 
 def as_one(
@@ -40,10 +43,12 @@ def as_one(
     left = bottom = torch.margin
     spacing = between(parts[0], torch)
     top = bottom
+    tops: list[float] = []
     for part in parts:
         need = need_of(part, machine, torch, skips)
         x0, y0, x1, y1 = extent(c for some in need.curves.values() for c in some) or (0, 0, 0, 0)
         if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
+            tops.append(top)
             left, bottom = torch.margin, top + spacing
             top = bottom
         here = left - x0, bottom - y0
@@ -55,8 +60,19 @@ def as_one(
                            if f == OUTLINE])
         ]  # fmt: skip
         left, top = left + (x1 - x0) + spacing, max(top, bottom + (y1 - y0))
+    if torch.skeleton_cuts and spacing > 2 * _kerf(parts[0], torch):
+        half = spacing / 2
+        for y in (t + half for t in (*tops, top) if t + half < torch.width - torch.margin / 2):
+            line = Line((torch.length, y), (0.0, y))
+            source = replace(parts[0].source, where=SKELETON, line=None)
+            features.append(Contour("v", "open", (line,), source, closed=False))
     whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
     return whole, replace(machine, torch=replace(torch, place="drawn")), said
+
+
+def _kerf(part: Part, torch: Torch) -> float:
+    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
+    return taken[0] if taken and torch.kerf_by != "none" else 0.0
 
 
 def _shown(part: Part, torch: Torch) -> str:
