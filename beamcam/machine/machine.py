@@ -13,10 +13,9 @@ from msgspec import Meta, field
 from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
 from beamcam.machine.bodies import Body
-from beamcam.machine.drill import Drill, Pair, Spindle
 from beamcam.machine.marking import Marks
 from beamcam.machine.modbus import Modbus
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Drill, Pair, Saw, Spindle
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.tools import ToolSet
 from beamcam.machine.torch import Torch
