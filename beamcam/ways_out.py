@@ -107,6 +107,8 @@ def ways_out(
     if features > MOST_TRIED:
         return UNTRIED.at(source, found=features, expected=MOST_TRIED)
     on = [replace(request, machine=machine) for machine in tried]
+    # What is refused only for how many there are is helped by no other lay of one.
+    stuck = [one for one in on if one.machine.torch is not None and _made(one) is None]
     found = [*_first(map(_by_thickness, on))] or [
         *_first(map(_by_placing, on)),
         *(
@@ -115,9 +117,9 @@ def ways_out(
             if _keeps_size(machine) >= any(map(_keeps_size, tried))
             and _made(replace(request, machine=machine)) is not None
         ),
-        *_first(map(_by_gap, on)),
-        *_first(map(_by_rotating, on)),
-        *_first(map(_by_unrolling, on)),
+        *_first(map(_by_gap, stuck)),
+        *_first(map(_by_rotating, stuck)),
+        *_first(map(_by_unrolling, stuck)),
         *_first(map(_by_leave, on)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),

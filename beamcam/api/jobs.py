@@ -90,6 +90,7 @@ class SheetOptions(TypedDict, total=False):
     copies: tuple[int, int]
     spacing: float
     common_cuts: bool
+    skeleton_cuts: bool
     sheet_size: tuple[float, float]
     unrolled: bool
 

@@ -130,6 +130,8 @@ torch_options = group(
     click.option("--spacing", type=Number(least=0), help="Between two copies, mm."),
     click.option("--common-cuts/--no-common-cuts", default=None,
                  help="Lay parts a kerf apart and cut shared straight edges once."),
+    click.option("--skeleton-cuts/--no-skeleton-cuts", default=None,
+                 help="Cut what is left of the sheet between the rows of parts."),
     click.option("--sheet", "sheet_size", callback=_size, metavar="LxW",
                  help="Size of the sheet that the parts lie on, as 3000x1500; the whole table if "
                  "absent."),

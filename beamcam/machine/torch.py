@@ -137,6 +137,8 @@ class Torch(Keys, frozen=True):
     spacing: NotNegative = 10.0  #: between the boxes of parts or copies that share a sheet
     #: whether parts and copies lie a kerf apart instead: straight edges side by side are cut once
     common_cuts: bool = False
+    #: whether what is left of a sheet of several parts is cut between their rows, last of all
+    skeleton_cuts: bool = False
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none
     min_radius: Positive = 0.01  #: smallest arc that the controller takes
     max_radius: Positive = 10000.0  #: an arc beyond is written as lines

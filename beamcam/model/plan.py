@@ -11,6 +11,7 @@ from beamcam.machine.tools import Tool
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Face, Part, Profile
 
+SKELETON = "skeleton"  #: source of the cuts through what is left of a sheet
 HATCH = "hatch"  #: source of the lines of a hatch
 FeatureRef = tuple[int, int]  #: index of the piece on the bar, index of its feature
 Order = Literal["given", "best"]  #: of parts on a bar: as they were given, or as they nest best

@@ -73,7 +73,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
         if row.process != tool:
             tool = row.process
             commands.append(ChooseTool(tool))
-        if tells:
+        if tells and run[0].features:
             commands.append(OfPart(part_data([plan.pieces[run[0].features[0][0]].part])))
         if chooses and row.process == "cut" and row != chosen:
             chosen = row

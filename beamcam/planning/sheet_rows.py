@@ -3,23 +3,26 @@
 margin | part | spacing | part | spacing | part | margin      the first row at the bottom
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple
 
 from msgspec.structs import replace
 
-from beamcam.errors import PlanError
+from beamcam.errors import PlanError, Source
 from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Box, Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.drawing import Measures
 from beamcam.model.moved import moved_feature
 from beamcam.model.part import Contour, Feature, Part
+from beamcam.model.plan import SKELETON
 from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
 from beamcam.planning.contours.layout import spaced
+from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.place import box_of
 
 THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
@@ -89,10 +92,38 @@ def laid_out(parts: Sequence[Part], machine: Machine, skips: Collection[str]) ->
         ]
         origins += [(k, index) for index, _ in own]
         features += [moved_feature(feature, place) for _, feature in own]
+    if torch.skeleton_cuts:
+        cuts = list(_skeleton_cuts(parts, places, machine, skips))
+        features += cuts
+        origins += [(0, OUTLINE)] * len(cuts)
     whole = replace(
         first, features=tuple(features), measures=Measures(), quantity=1, length=torch.length
     )
     return LaidSheet(whole, places, tuple(origins))
+
+
+def _skeleton_cuts(
+    parts: Sequence[Part], places: Sequence[Point], machine: Machine, skips: Collection[str]
+) -> Iterator[Contour]:
+    """Cuts from edge to edge of the sheet, in the middle between two rows and behind the last.
+
+    None where there is no room for one between the kerfs of both rows.
+    """
+    torch = spaced(parts[0], _torch(machine))
+    kerf = 0.0 if torch.kerf_by == "none" else Material(parts[0], torch).kerf("cut")
+    if torch.spacing <= 2 * kerf:
+        return
+    rows: dict[float, float] = {}  #: the top of each row, by its bottom
+    for part, (_, y) in zip(parts, places, strict=True):
+        _, y0, _, y1 = _box(part, machine, skips)
+        bottom = round(y + y0, 6)
+        rows[bottom] = max(rows.get(bottom, 0.0), y + y1)
+    for top in rows.values():
+        y = top + torch.spacing / 2
+        if y < torch.width - torch.margin / 2:
+            line = Line((0.0, y), (torch.length, y))
+            source = Source(parts[0].source.file, where=SKELETON)
+            yield Contour("v", "open", (line,), source, closed=False)
 
 
 def sheet_shares(request: Request, pieces: Sequence[int]) -> tuple[tuple[int, ...], ...]:

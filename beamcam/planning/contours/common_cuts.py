@@ -69,7 +69,7 @@ def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
         if higher == levels:
             break
         levels = higher
-    return [replace(s, level=level) for s, level in zip(shapes, levels, strict=True)]
+    return [replace(s, level=max(level, s.level)) for s, level in zip(shapes, levels, strict=True)]
 
 
 def _ends(shape: Shape) -> tuple[tuple[float, float], tuple[float, float]]:

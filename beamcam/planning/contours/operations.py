@@ -13,7 +13,7 @@ from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.model.lengths import total_length
-from beamcam.model.plan import ContourOp, Pass
+from beamcam.model.plan import SKELETON, ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
 from beamcam.planning.contours.direction import begun, is_turned, reversed_chain
@@ -31,6 +31,7 @@ from beamcam.planning.contours.tabs import stretches_of, wants_tabs
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 
+LAST = 1 << 20  #: level of what is cut when all parts are
 SHOWN_OPEN = 10  #: open contours are named one by one up to so many
 MOST_GAP = 2.0  #: mm between ends that may be meant to meet
 
@@ -43,6 +44,7 @@ def operations_of(
     `share` says that contours share edges, which are cut once.
     """
     kerfs = [material.kerf(s.process) if s.is_ring else 0.0 for s in shapes]
+    shapes = [replace(s, level=LAST) if s.source.where == SKELETON else s for s in shapes]
     shapes = [replace(s, is_small=True) if _is_small(s, material) else s for s in shapes]
     ready, said = compensated(shapes, kerfs, torch)
     said += _open_cuts(shapes, 0.0 if torch.allow_open else material.kerf("cut"))
@@ -169,7 +171,10 @@ def _is_small(shape: Shape, material: Material) -> bool:
 
 def _open_cuts(shapes: Sequence[Shape], kerf: float) -> Iterator[Diagnostic]:
     """Open contours to cut: errors where a kerf is compensated and they are not asked for."""
-    opened = [s for s in shapes if s.process == "cut" and not s.closed]
+    opened = [
+        s for s in shapes
+        if s.process == "cut" and not s.closed and s.source.where != SKELETON
+    ]  # fmt: skip
     for shape in opened[:SHOWN_OPEN]:
         (x0, y0), (x1, y1) = shape.curves[0].start, shape.curves[-1].end
         apart = hypot(x1 - x0, y1 - y0)

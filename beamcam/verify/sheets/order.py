@@ -8,6 +8,7 @@ import numpy as np
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.torch import TorchProcess
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.shared import SKELETON
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ def order_faults(
                 )
             )  # fmt: skip
             break
+    said += _before_skeleton(traced, works, name)
     # An open cut has no inside, and lies in none.
     cuts = [t for t in traced if t.stroke.process == "cut" and t.goes_round]
     for a, b in _inside_of_earlier(cuts):
@@ -45,6 +47,31 @@ def order_faults(
                 )
             )  # fmt: skip
     return said[:SHOWN]
+
+
+def _before_skeleton(
+    traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
+) -> list[Diagnostic]:
+    """Parts that are cut behind a cut through the skeleton, which they hang in."""
+    work = works.get("cut")
+    if work is None or not work.torch.skeleton_cuts or not work.need.count:
+        return []
+    skeleton = [t for t in traced if t.stroke.process == "cut" and not t.half_kerf and not t.closed]
+    for t in skeleton:
+        path = (work.path.starts[t.first] + work.path.ends[t.last - 1]) / 2
+        _, way = work.need.nearest_to(path)
+        behind = [
+            o for o in traced
+            if o.stroke.line > t.stroke.line and (o.half_kerf or o.closed)
+        ]  # fmt: skip
+        if work.asked.source("cut", way).where == SKELETON and behind:
+            return [
+                rules.ORDER.at(
+                    Source(name, behind[0].stroke.line), found=_contour(works, behind[0]),
+                    before=f"the cut through the skeleton on line {t.stroke.line}",
+                )
+            ]  # fmt: skip
+    return []
 
 
 def _contour(works: Mapping[TorchProcess, Work], t: Traced) -> str:
