@@ -219,11 +219,21 @@ class TorchTo(Struct, frozen=True, gc=False):
     rapid: bool
 
 
+class TorchRound(Struct, frozen=True, gc=False):
+    """The torch along a line while the bar turns below it."""
+
+    x: float
+    y: float
+    z: float
+    a_deg: float
+    per_minute: float  #: inverse of the time that it takes
+
+
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool | Comment
-    | StartSheet | StartProfile | TurnTorch | TorchTo | ToolOn | ToolOff | Pace | Compensate
-    | Traverse | Movement
+    | StartSheet | StartProfile | TurnTorch | TorchTo | TorchRound | ToolOn | ToolOff | Pace
+    | Compensate | Traverse | Movement
 )  # fmt: skip
 
 

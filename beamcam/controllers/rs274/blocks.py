@@ -109,6 +109,7 @@ class _Words:
         self._variant, self._switches, self._dialect = variant, switches, dialect
         self._own = dialect.codes
         self._is_table = dialect.stock == "sheet"
+        self._of_copers = ("G93",) if dialect.stock == "profile" else ()
         self._faults: list[tuple[str, str]] = []
         self._unknown: list[tuple[str, str]] = []
         self._values: dict[str, float] = {}
@@ -218,7 +219,9 @@ class _Words:
             elif self._is_table and code in variant.idle:
                 for letter in variant.idle[code] & values.keys():
                     del values[letter]
-            elif self._is_table and code in variant.offsets:
+            elif (self._is_table and code in variant.offsets) or (
+                code == "G93" and self._dialect.stock == "profile"
+            ):
                 continue
             elif code not in ("G90", "G91") and code not in variant.settings:
                 self._unexplained(code)

@@ -84,6 +84,8 @@ class Rs274(Interpreter):
         found |= {f"M{number}": frozenset[str]() for number in ENDS}
         for word, carried in self._words_of_the_file().items():
             found[word] = found.get(word, frozenset()) | carried
+        if self._dialect.stock == "profile":
+            found["G93"] = frozenset()
         if self._flat:
             found |= variant.idle | {f"M{n}": known for n, known in variant.idle_switches.items()}
             found |= dict.fromkeys((*variant.offsets, "S", "T"), frozenset())
@@ -134,6 +136,8 @@ class Rs274(Interpreter):
         for code in block.settings:
             if code in ("G90", "G91"):
                 self._absolute = code == "G90"
+            elif code in ("G93", "G94"):
+                self._inverse = code == "G93"
             elif code in ("G98", "G99"):
                 self._back_to_near = code == "G99"
             elif self._flat and code in self._variant.offsets:

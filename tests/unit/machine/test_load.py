@@ -267,8 +267,9 @@ def test_refused(tmp_path: Path, text: str, code: str, says: str) -> None:
 
 
 def test_every_rule_is_shown_above() -> None:
-    # in test_former_keys.py, test_own_machines.py and controllers/test_machine_words.py
+    # in test_former_keys.py, test_own_machines.py, controllers/test_machine_words.py and coping/
     others = {"machine-former-key", "machine-key-twice", "machine-name-twice", "machine-word"}
+    others |= {"machine-coper"}
     assert {code for _, code, _ in BAD} | others == {rule.code for rule in RULES}
 
 
