@@ -27,27 +27,24 @@ from beamcam.errors import (
 )
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import AnyPlan, Order, Plan
+from beamcam.model.plan import AnyPlan, Order, Plan, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
-from beamcam.model.work_time import WorkTime
 from beamcam.planning.by_hand import TEXT_MOVED
 from beamcam.planning.jobs import Share, shares_of
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_sources, told
 from beamcam.planning.rules import named_skips
 from beamcam.planning.stock import from_store
 from beamcam.posts import Written, carries_head, head_lines, post_of
-from beamcam.readers.content import content, shown_name
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading, content, shown_name
 from beamcam.texts_told import other_places, stand_ins
 from beamcam.verify.asked import job_faults, pieces_asked
-from beamcam.verify.bar_rules import BAR_NEEDED, BAR_TOLD
-from beamcam.verify.by_hand import BY_HAND as FOR_HAND
-from beamcam.verify.by_hand import TEXT_MOVED as MOVED
 from beamcam.verify.head import head_faults, head_of
-from beamcam.verify.left_out import LEDGER
+from beamcam.verify.left_out import BY_HAND as FOR_HAND
+from beamcam.verify.left_out import LEDGER, UNCUT, UNCUT_TOLD
 from beamcam.verify.left_out import LEFT_OUT as MISSING
-from beamcam.verify.uncut import UNCUT, UNCUT_TOLD
+from beamcam.verify.left_out import TEXT_MOVED as MOVED
+from beamcam.verify.rules import BAR_NEEDED, BAR_TOLD
 
 Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage
@@ -171,7 +168,7 @@ def counted(reading: Reading) -> Sequence[Part]:
     """The parts of a reading, equal members of a model as one with their number as quantity."""
     if reading.format != "ifc":
         return reading.parts
-    from beamcam.readers.ifc.quantities import equal_parts
+    from beamcam.readers.ifc.reader import equal_parts
 
     return equal_parts(reading.parts)
 

@@ -14,10 +14,9 @@ from msgspec.structs import replace
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan
+from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan, WorkTime
 from beamcam.model.program import Comment, Program
 from beamcam.model.request import Job
-from beamcam.model.work_time import WorkTime
 from beamcam.plain_text import one_word
 
 NOT_READ_BACK = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"

@@ -10,10 +10,10 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
+from beamcam.planning.orientation import MOST_TRIED
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.planning.turn_choice import MOST_TRIED
 from beamcam.posts import post_of
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 

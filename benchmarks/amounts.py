@@ -19,7 +19,7 @@ from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.pipeline import post
-from beamcam.planning.stock_bars import first_fit
+from beamcam.planning.stock import first_fit
 from benchmarks.script import arguments, start
 
 COUNTS = (1_000, 10_000)

@@ -1,10 +1,11 @@
 """Ways to make a coper's program wrong, all to be refused by the read-back.
 
 By classes: what the planner could get wrong (the side of the kerf, a mirrored or moved contour,
-sharp corners, leads in the part, a cut that is missing or ends too early, the order, the row of the
-cut chart), and what of a program's text (A, F, heights, waits, switches, blending).
+sharp corners, leads in the part, a cut that is missing, made twice or ends too early, the order,
+the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
+switches, blending). So many random profiles are tried, and as many tubes:
 
-    python -m benchmarks.coping_faults [PARTS]
+    python benchmarks/coping_faults.py 20
 """
 
 import random
@@ -22,6 +23,7 @@ from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping import plan as planner
 from beamcam.posts import head_lines, post_of
+from benchmarks.script import arguments, at_least, start
 from tests.random_copes import random_cope
 from tests.random_tubes import random_tube
 
@@ -438,16 +440,18 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
     return tried, taken, refused
 
 
-def main(arguments: list[str]) -> int:
+def main() -> None:
     """Prints how many wrong programs of each class there were, and which were taken."""
-    tried, taken, refused = survivors(int(arguments[0]) if arguments else 20)
+    parser = arguments(__doc__)
+    parser.add_argument("parts", type=at_least(1), nargs="?", default=20)
+    tried, taken, refused = survivors(parser.parse_args().parts)
     for name, count in sorted(tried.items()):
         print(f"{count:5}  {name}")
     for number, name, _ in taken:
         print(f"taken: {name}, part {number}")
     print(f"{tried.total()} wrong programs, {len(taken)} taken; {refused} sound ones refused")
-    return bool(taken or refused)
+    sys.exit(bool(taken or refused))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    start(main)

@@ -18,7 +18,7 @@ from beamcam import pipeline
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
-from beamcam.machine.saw import SawSection
+from beamcam.machine.stations import SawSection
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import DrillOp, Operation, Outcome, PathOp, Plan, SawOp
 from beamcam.model.request import Job, Request

@@ -5,7 +5,7 @@ from beamcam.geometry.curves import Curve
 from beamcam.model.drawing import extent
 from beamcam.model.lengths import total_length
 from beamcam.readers import svg
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading
 
 PAGE = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
 

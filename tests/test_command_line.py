@@ -11,7 +11,7 @@ from beamcam.cli import main
 from beamcam.commands import common
 from beamcam.commands.grouped import GROUPS, OTHER, Grouped, heading_of
 from beamcam.commands.kinds import KINDS, NO_PROGRAMS
-from beamcam.machine.defaults import DEFAULTS
+from beamcam.machine.names import DEFAULTS
 from tests.conftest import SAMPLES
 from tests.runs import part
 from tests.test_docs import WORDS

@@ -21,7 +21,7 @@ from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.model.part import Part, Profile
-from beamcam.planning.stock_bars import first_fit
+from beamcam.planning.stock import first_fit
 from beamcam.report.hand_list import HEAD as HAND_HEAD
 from beamcam.report.hand_list import as_csv as hand_csv
 from beamcam.report.labels import Label, Size, as_pdf, as_zpl, code_rows

@@ -11,8 +11,8 @@ from beamcam.machine import load, shipped
 from beamcam.pictures.line import line_scene
 from beamcam.pictures.scene import Circle, Polyline, Text
 from beamcam.planning.held_up import held_up
+from beamcam.solid.bar_solid import reaches
 from beamcam.solid.section import walls
-from beamcam.solid.spindle import reaches
 from tests.conftest import ROOT
 
 SPINDLES = """

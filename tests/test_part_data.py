@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from beamcam.cli import main
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.model.part_data import PART_DATA, part_data
+from beamcam.model.description import PART_DATA, part_data
 from beamcam.pipeline import post
 from beamcam.readers import read
 from tests.conftest import SAMPLES

@@ -15,7 +15,7 @@ from beamcam.errors import MachineError, errors_in
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import PART_NAMES, WORK_WORDS
-from beamcam.model.part_data import PART_DATA
+from beamcam.model.description import PART_DATA
 from beamcam.model.request import Request
 from beamcam.pipeline import read_back
 from beamcam.planning.magazine import tool_loads

@@ -7,7 +7,7 @@ from beamcam.controllers import rules
 from beamcam.diff.pairing import Difference
 from beamcam.diff.programs import ProgramText, diff_texts
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError
-from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.machine.names import DEFAULT_MACHINE
 from beamcam.model.request import Request
 from beamcam.pipeline import read_back
 from beamcam.verify.head import head_of

@@ -26,11 +26,11 @@ from beamcam.asked import (
 from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
-from beamcam.machine.defaults import DEFAULT_MACHINE
 from beamcam.machine.dialects import DIALECTS
+from beamcam.machine.names import DEFAULT_MACHINE
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import STEP_FORMS
-from beamcam.model.marks import MarkFrom, marked
+from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order
 from beamcam.model.request import Request
@@ -40,7 +40,7 @@ from beamcam.pipeline import read_back as read_program_back
 from beamcam.planning.rules import named_skips
 from beamcam.posts import post_of
 from beamcam.readers import read as read_bytes
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading
 
 Process = Literal["cut", "mark", "engrave", "ignore"]
 

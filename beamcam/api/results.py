@@ -21,7 +21,7 @@ from beamcam.asked import (
 )
 from beamcam.errors import VerifyError, errors_in
 from beamcam.machine import Machine
-from beamcam.machine.defaults import DEFAULT_MACHINE
+from beamcam.machine.names import DEFAULT_MACHINE
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
 from beamcam.model.request import Request

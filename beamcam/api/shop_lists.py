@@ -17,8 +17,8 @@ from beamcam.asked import (
 )
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
-from beamcam.machine.defaults import default_machines
 from beamcam.machine.machine import Machine
+from beamcam.machine.names import default_machines
 from beamcam.machine_choice import InTurn, first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan

@@ -16,7 +16,7 @@ from beamcam.batch.work import Shop, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
 from beamcam.machine_choice import first_that_makes
-from beamcam.model.marks import marked
+from beamcam.model.description import marked
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.styles import css

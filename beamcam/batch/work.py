@@ -23,7 +23,7 @@ from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
-from beamcam.model.marks import MarkFrom, marked
+from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Order, Plan
 from beamcam.model.request import Quantity, Request

@@ -22,7 +22,7 @@ from beamcam.config.values import Config, over
 from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
-from beamcam.machine.defaults import is_of_programs
+from beamcam.machine.names import is_of_programs
 from beamcam.pipeline import begin, finished, parts_of, read_file
 from beamcam.report.hand_list import hand_rows, is_hand_list
 from beamcam.report.run import as_message, message_line

@@ -18,7 +18,7 @@ from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode
 
 if TYPE_CHECKING:
-    from beamcam.readers.reading import Reading
+    from beamcam.readers.content import Reading
 
 REFUSED = 1  #: exit status if an input was refused
 STANDARD = "-"  #: input or output

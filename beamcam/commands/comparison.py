@@ -13,7 +13,7 @@ from beamcam.diff.pairing import Difference
 from beamcam.diff.programs import ProgramText
 from beamcam.errors import Diagnostic
 from beamcam.machine import Machine
-from beamcam.machine.defaults import is_of_programs
+from beamcam.machine.names import is_of_programs
 from beamcam.model.part import Part
 from beamcam.pipeline import judged, parts_of
 

@@ -86,7 +86,7 @@ def command(
 def _used(config: Config, voice: Voice) -> str:
     """Whose configuration it is, and the machines for bars and sheets with their checksums."""
     from beamcam.commands.provenance import settings_line
-    from beamcam.machine.defaults import default_machines
+    from beamcam.machine.names import default_machines
 
     stocks: tuple[Stock, ...] = ("beam", "sheet")
     names = [

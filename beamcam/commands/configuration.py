@@ -12,8 +12,7 @@ from msgspec.structs import replace
 from beamcam.asked import expected_job
 from beamcam.config import rules
 from beamcam.config.load import ConfigError, load
-from beamcam.config.places import ConfigFiles, is_in, is_ones_own_place
-from beamcam.config.trust import harmless, not_followed
+from beamcam.config.places import ConfigFiles, harmless, is_in, is_ones_own_place, not_followed
 from beamcam.config.values import Config, merged
 from beamcam.errors import Source
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips

@@ -63,7 +63,7 @@ def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diag
 
 def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
     if wanted:
-        from beamcam.model.part_schema import part_schema
+        from beamcam.model.part_json import part_schema
 
         say_json(part_schema())
         ctx.exit()

@@ -13,7 +13,7 @@ from beamcam.commands.settings import machine_for_program, settled
 from beamcam.config.values import COMMAND_LINE, Config
 from beamcam.errors import BeamcamError, Severity, errors_in
 from beamcam.machine import Machine
-from beamcam.machine.defaults import is_of_programs
+from beamcam.machine.names import is_of_programs
 from beamcam.report.run import as_message, message_line
 
 

@@ -14,8 +14,7 @@ from beamcam.commands.sheets import drawing_choice, drawing_options, thickness
 from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
-from beamcam.readers.content import shown_name
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading, shown_name
 from beamcam.report.member_table import member_table
 from beamcam.report.part_table import part_table
 from beamcam.report.run import as_message

@@ -14,7 +14,7 @@ from beamcam.commands.sheets import drawing_choice
 from beamcam.config.values import Config, Stock
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
-from beamcam.model.marks import marked
+from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import counted, sound, stock_of

@@ -13,9 +13,9 @@ from beamcam.config.places import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.machine import Machine, load, settings, shipped
+from beamcam.machine.keys import starting_file
 from beamcam.machine.load import files_of
 from beamcam.machine.names import machine_folders, own_machines, resolved
-from beamcam.machine.starting_file import starting_file
 from beamcam.machine_proof import load_proved
 
 
@@ -221,6 +221,6 @@ def schema() -> None:
     \b
     beamcam machines schema > machine.schema.json
     """
-    from beamcam.machine.schema import machine_schema
+    from beamcam.machine.keys import machine_schema
 
     click.echo(json.dumps(machine_schema(), indent=1))

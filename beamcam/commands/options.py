@@ -22,7 +22,7 @@ from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.kinds import Callback
 from beamcam.commands.rules import OUTPUT_FORMAT
 from beamcam.errors import BeamcamError, Source
-from beamcam.model.marks import MARKS_FROM
+from beamcam.model.description import MARKS_FROM
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]

@@ -11,7 +11,7 @@ from beamcam.commands.sheets import drawing_choice, drawing_options, torch_optio
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
-from beamcam.model.marks import marked
+from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.model.request import Quantity, Request

@@ -25,8 +25,8 @@ from beamcam.model.request import Job, Request
 from beamcam.pipeline import remarks_on, whole_job
 from beamcam.plain_text import terminal_text
 from beamcam.planning.explain import Explanation, explain
+from beamcam.planning.orientation import Trial, try_turns
 from beamcam.planning.stock import from_store
-from beamcam.planning.turn_choice import Trial, try_turns
 from beamcam.posts import post_of
 from beamcam.report.ledger import ledger_of
 from beamcam.report.run import as_message

@@ -7,8 +7,7 @@ from math import dist
 from beamcam.commands.plan_sheet import not_made_lines
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
-from beamcam.model.plan import CopeCut, CopePlan
-from beamcam.model.work_time import WorkTime
+from beamcam.model.plan import CopeCut, CopePlan, WorkTime
 from beamcam.report.run import as_message
 
 NAMES = {"inner": "cut-out", "notch": "notch", "near": "near end", "far": "far end"}

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.lengths import total_length
-from beamcam.model.plan import NOT_MADE, AnyPlan, ContourOp, SheetPlan
-from beamcam.model.work_time import WorkTime
+from beamcam.model.plan import NOT_MADE, AnyPlan, ContourOp, SheetPlan, WorkTime
 from beamcam.report.run import as_message
 
 

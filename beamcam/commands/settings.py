@@ -16,13 +16,13 @@ from beamcam.config.values import COMMAND_LINE, Config, Stock, over
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
-from beamcam.machine.defaults import default_machines, is_of_sheets
+from beamcam.machine.names import default_machines, is_of_sheets
 from beamcam.machine.rules import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.pipeline import stock_of
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
 _OPTIONS = {

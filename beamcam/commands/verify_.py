@@ -22,9 +22,8 @@ from beamcam.pipeline import read_back
 from beamcam.planning.rules import named_skips
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
-from beamcam.verify.by_hand import BY_HAND
 from beamcam.verify.head import Head, head_of, head_remarks
-from beamcam.verify.left_out import LEFT_OUT
+from beamcam.verify.left_out import BY_HAND, LEFT_OUT
 
 #: Rules for features that a program may be without.
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)

@@ -29,7 +29,7 @@ from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
 from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
-from beamcam.model.part_data import PART_DATA
+from beamcam.model.description import PART_DATA
 
 #: Of the tools of a bar; `scribe` and `punch` do not turn.
 _TOOLS = ("drill", "tap", "countersink", "mill", "punch", "scribe")

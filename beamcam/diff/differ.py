@@ -39,10 +39,10 @@ from beamcam.verify.bars.machined_features import (
     Cut,
     MachinedFeatures,
     MachinedPath,
-    ToldText,
+    StampedText,
 )
 
-Dot = TypeVar("Dot", Bore, ToldText)
+Dot = TypeVar("Dot", Bore, StampedText)
 
 
 def diff_programs(
@@ -219,11 +219,11 @@ def _path(a: MachinedPath, b: MachinedPath, step: float) -> list[str]:
     return [*changes, *_figures(depths, step), *_feed(a, b)]
 
 
-def _text_name(text: ToldText) -> str:
+def _text_name(text: StampedText) -> str:
     return f"text {text.text!r} {text.face} at x {text.x:.1f}"
 
 
-def _text(a: ToldText, b: ToldText, step: float) -> list[str]:
+def _text(a: StampedText, b: StampedText, step: float) -> list[str]:
     changes = moved(b.x - a.x, b.y - a.y, step)
     if a.text != b.text:
         changes.append(f"text {a.text!r} to {b.text!r}")
@@ -276,9 +276,9 @@ def _face(feature: Feature) -> str:
     return getattr(feature, "face", "")
 
 
-def _place(feature: Feature | Bore | ToldText) -> tuple[float, float]:
+def _place(feature: Feature | Bore | StampedText) -> tuple[float, float]:
     match feature:
-        case Hole() | Slot() | TextMark() | Camber() | Bore() | ToldText():
+        case Hole() | Slot() | TextMark() | Camber() | Bore() | StampedText():
             return feature.x, feature.y
         case Contour():
             boxes = [curve.bbox for curve in feature.curves]

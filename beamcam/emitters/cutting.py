@@ -9,7 +9,7 @@ from msgspec.structs import astuple
 from beamcam.emitters.columns import lines
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
-from beamcam.model.part_data import PART_DATA
+from beamcam.model.description import PART_DATA
 from beamcam.model.program import (
     ArcFeed,
     Command,

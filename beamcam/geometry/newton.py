@@ -11,7 +11,7 @@ from math import hypot
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.geometry import bernstein
+from beamcam.geometry import bezier
 from beamcam.geometry.bezier import MAX_DEGREE, Bezier
 from beamcam.geometry.plane import Box, Matrix, Point, box_around, distance, mapped
 
@@ -176,7 +176,7 @@ def _bezier_form(curve: NewtonCurve) -> Bezier:
         # Horner's scheme with the factors (t - u_k) = -u_k B0 + (1 - u_k) B1.
         total = [coefficients[-1]]
         for k in range(len(u) - 2, -1, -1):
-            total = bernstein.product(total, [-u[k], 1 - u[k]])
+            total = bezier.product(total, [-u[k], 1 - u[k]])
             total = [a + coefficients[k] for a in total]
         rows.append(total)
     if curve.is_function:

@@ -1,7 +1,8 @@
 """Points, boxes, directions and affine maps of the plane."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from math import cos, hypot, radians, sin
+from typing import TypeVar
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]  #: minimum x, minimum y, maximum x, maximum y
@@ -146,3 +147,24 @@ def integrate(
     estimate, size = rule(low, high)
     slack = max(floor, 1e-12 * size)
     return refine(low, high, estimate, MAX_HALVINGS)
+
+
+# --- groups ---------------------------------------------------------------------------------------
+
+# Groups of what hangs together by pairs.
+
+
+Member = TypeVar("Member", bound=Hashable)
+
+
+def groups_of(pairs: Iterable[tuple[Member, Member]]) -> list[list[Member]]:
+    """What hangs together by pairs, group by group, in the order in which each is first named."""
+    group_of: dict[Member, list[Member]] = {}
+    for a, b in pairs:
+        one, other = group_of.setdefault(a, [a]), group_of.setdefault(b, [b])
+        if len(one) < len(other):
+            one, other = other, one
+        if one is not other:
+            one += other
+            group_of.update(dict.fromkeys(other, one))
+    return list({id(group): group for group in group_of.values()}.values())

@@ -6,9 +6,8 @@ would make a cut, or lay several parts on a bar.
 """
 
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Drill, Saw
 
 NO_SAW = Saw(
     kerf=0.0,

@@ -3,7 +3,7 @@
 from fnmatch import fnmatchcase
 from math import inf, pi
 
-from beamcam.machine.drill import Cutting, Drill
+from beamcam.machine.stations import Cutting, Drill
 from beamcam.machine.tools import Tool
 
 ANY_GRADE = "*"  #: of the rows for what no other row names

@@ -5,10 +5,9 @@ from math import sqrt
 
 from beamcam.machine.bodies import body_faults
 from beamcam.machine.dialects import DIALECTS
-from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
 from beamcam.machine.modbus import modbus_faults
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Saw, Spindle
 from beamcam.machine.tables import STEP_FORMS
 from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
 from beamcam.machine.torch import Torch

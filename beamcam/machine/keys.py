@@ -3,15 +3,17 @@
 The records' own annotations and `#:` comments say it, so this list cannot grow old.
 """
 
+import json
 import typing
 from collections.abc import Iterator, Mapping
 from types import UnionType
-from typing import Literal, NamedTuple, Union, get_args, get_origin
+from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from msgspec import Meta
 
-from beamcam.conversion.schema import documented
+from beamcam.conversion.schema import Schema, documented, schema_of
 from beamcam.machine.formula import Formula
+from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
 
 
@@ -82,3 +84,126 @@ def _record_in(hint: object) -> tuple[type | None, str]:
     if isinstance(hint, type) and hint is not Formula and hint.__module__.startswith("beamcam."):
         return hint, ""
     return None, ""
+
+
+# --- schema ---------------------------------------------------------------------------------------
+
+# The JSON schema of a machine file, for editors that complete and check TOML.
+
+
+#: Keys of a file that are not the machine's own.
+BASE: Schema = {"type": "string", "description": "machine that this file is laid over"}
+ARITHMETIC: Schema = {"type": ["string", "number"], "description": "arithmetic"}
+
+
+def machine_schema() -> Schema:
+    """JSON schema of a machine file. One that has a base need not repeat what is required."""
+    schema = schema_of(MachineFile, {Formula: ARITHMETIC})
+    records, whole = schema["$defs"], schema["$defs"]["MachineFile"]
+    for record in records.values():
+        record["properties"] = {k: _no_null(v) for k, v in record["properties"].items()}
+    whole["properties"] = {"base": BASE, **whole["properties"]}
+    required = [name for name in whole.pop("required") if name != "name"]  # or the file's own
+    tables = {}
+    for name, value in whole["properties"].items():
+        record = records.get(value.get("$ref", "").rpartition("/")[2], {})
+        if "required" in record:  # of a table, which is laid over that of the base
+            tables[name] = {"required": record.pop("required")}
+    whole["if"] = {"not": {"required": ["base"]}}
+    whole["then"] = {"required": required, "properties": tables}
+    return schema
+
+
+def _no_null(value: Schema) -> Schema:
+    """The schema of a value that may be left out; TOML has no null."""
+    choices = value.get("anyOf", [])
+    if {"type": "null"} not in choices:
+        return value
+    (choice,) = (choice for choice in choices if choice != {"type": "null"})
+    return {**choice, **{k: v for k, v in value.items() if k not in ("anyOf", "default")}}
+
+
+# --- starting file --------------------------------------------------------------------------------
+
+# A machine file to start from: all that a shipped machine says, as comments to be made one's own.
+#
+#     ## How the stations stand along the bar, ...     what a table or a key is for
+#     # kerf = 4.04                                    a value of the base; without #, of this file
+#
+# Lines with one # are TOML: with the # taken off all of them, the file says what the base says.
+
+
+WIDTH = 100
+_HEAD = """\
+## {name}: a machine of your own, laid over {base}.
+##
+## A line that begins with one # is a value of {base}. Take the # off and change the value to make
+## it this machine's; what stays as it is holds as {base} has it. A list in brackets is replaced as
+## a whole; a table that this machine has not is taken away by a line such as saw = false.
+## docs/my-machine.md goes through it, docs/machine-keys.md lists every key.
+##
+##     beamcam machines show {name}
+##     beamcam post PART.nc1 --machine {name} -o PART{suffix}
+
+base = "{base}"
+title = {title}
+"""
+
+
+def starting_file(name: str, base: str) -> str:
+    """The text of a file for the machine `name`, over the machine `base`. Raises MachineError."""
+    table, _ = merged(files_of_machine(base))
+    for key in ("name", "default_for", "choice"):
+        table.pop(key, None)
+    title = json.dumps(f"{table.pop('title')} ({name})", ensure_ascii=False)
+    head = _HEAD.format(name=name, base=base, title=title, suffix=table.get("suffix", ""))
+    meanings = {key.name: key.meaning for key in machine_keys()}
+    return head + "".join(f"{line}\n" for line in _lines(table, "", meanings))
+
+
+def _lines(table: Mapping[str, Any], prefix: str, meanings: Mapping[str, str]) -> Iterator[str]:
+    """The lines of a table, its plain values before the tables in it."""
+    plain = {key: value for key, value in table.items() if not _is_table(value)}
+    for key, value in plain.items():
+        yield from _value(key, value, meanings.get(prefix + key, ""))
+    for key, value in table.items():
+        if key not in plain:
+            yield from ("", f"[{prefix}{_key(key)}]")
+            yield from _lines(value, f"{prefix}{key}.", meanings)
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, dict) and bool(value)
+
+
+def _value(key: str, value: object, meaning: str) -> Iterator[str]:
+    short = f"# {_key(key)} = {_toml(value)}"
+    if len(short) <= WIDTH and not _is_list_of_tables(value):
+        yield f"{short}  # {meaning}" if meaning else short
+        return
+    if meaning:
+        yield f"## {meaning}"
+    yield f"# {_key(key)} = ["
+    if isinstance(value, list):
+        yield from (f"#     {_toml(row)}," for row in value)
+    yield "# ]"
+
+
+def _is_list_of_tables(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
+
+
+def _key(key: str) -> str:
+    bare = key.replace("-", "").replace("_", "")
+    return key if bare.isascii() and bare.isalnum() else json.dumps(key, ensure_ascii=False)
+
+
+def _toml(value: object) -> str:
+    """A value as TOML on one line."""
+    if isinstance(value, dict):
+        rows = ", ".join(f"{_key(key)} = {_toml(row)}" for key, row in value.items())
+        return "{ " + rows + " }" if rows else "{}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    # Texts, numbers and truth values of JSON are those of TOML.
+    return json.dumps(value, ensure_ascii=False)

@@ -25,14 +25,11 @@ from beamcam.machine.faults import (
     torch_faults,
     view_faults,
 )
-from beamcam.machine.former_keys import KeyTwice, with_present_keys
 from beamcam.machine.formula import NoValueError, as_formula
 from beamcam.machine.machine import Machine, MachineFile
-from beamcam.machine.marking_faults import marking_faults
-from beamcam.machine.more_rows import with_more_rows
-from beamcam.machine.name_faults import name_faults
+from beamcam.machine.overlay import KeyTwice, with_more_rows, with_present_keys
 from beamcam.machine.range_faults import range_faults
-from beamcam.machine.references import reference_faults
+from beamcam.machine.references import marking_faults, name_faults, reference_faults
 from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,

@@ -14,10 +14,9 @@ from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
 from beamcam.machine.bodies import Body
 from beamcam.machine.coper import Coper
-from beamcam.machine.drill import Drill, Pair, Spindle
 from beamcam.machine.marking import Marks
 from beamcam.machine.modbus import Modbus
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Drill, Pair, Saw, Spindle
 from beamcam.machine.tables import Stepper, Triggers
 from beamcam.machine.tools import ToolSet
 from beamcam.machine.torch import Torch

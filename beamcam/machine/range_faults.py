@@ -6,8 +6,8 @@ closed, would make programs that the read-back refuses.
 
 from collections.abc import Iterator
 
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Drill
 from beamcam.machine.torch import Torch
 
 Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected

@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.errors import Source
-from beamcam.machine.former_keys import former_name
+from beamcam.machine.overlay import former_name
 from beamcam.plain_text import fault_text
 
 #: The longest machine file shipped has 12,000 bytes; reading takes a second for a million.

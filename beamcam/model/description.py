@@ -1,6 +1,13 @@
 """Features in words, for messages."""
 
-from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Slot, TextMark
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import PurePath
+from typing import Literal
+
+from msgspec.structs import replace
+
+from beamcam.machine.marking import Marks, Policy
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
 
 
 def description(feature: Feature) -> str:
@@ -42,3 +49,83 @@ def named(feature: Feature) -> str:
 
 def _at(feature: Hole | Slot | TextMark | Camber) -> str:
     return f"on face {feature.face} at x {feature.x:g}, y {feature.y:g}"
+
+
+# --- part data ------------------------------------------------------------------------------------
+
+# Data of parts and jobs, as texts for the words of a machine.
+
+
+#: Names that words may carry (`PART_NAMES` of machine.words), each with a value to try it out.
+PART_DATA: Mapping[str, str] = {
+    "mark": "M58", "name": "M58", "profile": "IPE300", "grade": "S355", "length": "4200",
+    "quantity": "4", "order": "1", "drawing": "1", "phase": "1", "date": "2024-02-29",
+}  # fmt: skip
+
+
+def part_data(parts: Sequence[Part]) -> dict[str, str]:
+    """The data of the parts of a program; of several that differ, joined by +. Lengths in mm.
+
+    The date of the job is not among them: see `posts.Job`.
+    """
+    return {
+        "mark": _joined(part.mark for part in parts),
+        "name": _joined(PurePath(part.source.file).stem for part in parts),
+        "profile": _joined(part.profile.name for part in parts),
+        "grade": _joined(part.grade for part in parts),
+        "length": _joined(f"{part.length:g}" for part in parts),
+        "quantity": _joined(str(part.quantity) for part in parts),
+        "order": _joined(part.order for part in parts),
+        "drawing": _joined(part.drawing for part in parts),
+        "phase": _joined(part.phase for part in parts),
+    }
+
+
+def _joined(texts: Iterable[str]) -> str:
+    return "+".join(dict.fromkeys(texts))
+
+
+# --- marks ----------------------------------------------------------------------------------------
+
+# Marks: what a part is called by, and which of a machine's policies a feature falls under.
+
+
+MarkFrom = Literal["mark", "drawing", "file", "position"]
+MARKS_FROM: tuple[MarkFrom, ...] = ("mark", "drawing", "file", "position")
+MarkKind = Literal["text", "points", "contours"]
+
+
+def mark_kind(feature: Feature) -> MarkKind | None:
+    """The key of `[marks]` that applies to a feature; None if it is not a mark.
+
+    The process of a line in a drawing follows from its layer and colour, not from a policy.
+    """
+    if isinstance(feature, Hole):
+        return "points" if feature.kind == "mark" else None
+    if isinstance(feature, Contour):
+        seen = feature.layer is not None or feature.colour is not None
+        return None if seen or feature.process == "cut" else "contours"
+    return "text" if isinstance(feature, TextMark) else None
+
+
+def policy_on(feature: Feature, marks: Marks) -> Policy | None:
+    """A machine's policy for a mark; None for any other feature."""
+    kind = mark_kind(feature)
+    return None if kind is None else getattr(marks, kind)
+
+
+def marked(parts: Iterable[Part], source: MarkFrom) -> tuple[Part, ...]:
+    """Parts with the mark that stands elsewhere: as a drawing number, a file's name, a position.
+
+    Offices that keep one word in the field of the mark have it there; the position is the third
+    line of a DSTV header, the phase. Where nothing stands in that place the mark is kept.
+    """
+    if source == "mark":
+        return tuple(parts)
+    return tuple(replace(part, mark=_other_mark(part, source) or part.mark) for part in parts)
+
+
+def _other_mark(part: Part, source: MarkFrom) -> str:
+    if source == "file":
+        return PurePath(part.source.file.replace("\\", "/")).stem
+    return part.drawing if source == "drawing" else part.phase

@@ -19,8 +19,7 @@ from beamcam.geometry.curves import (
     NewtonCurve,
     bezier_pieces,
 )
-from beamcam.geometry.groups import groups_of
-from beamcam.geometry.plane import Point, dot
+from beamcam.geometry.plane import Point, dot, groups_of
 
 #: Curves nearer than this coincide.
 SAME_PLACE = 1e-3

@@ -10,22 +10,14 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import asdict
 
+from beamcam.conversion.schema import Schema, schema_of
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.model.curve_json import curve_to_json
 from beamcam.model.drawing import Measures
 from beamcam.model.lengths import duplicate_length, total_length
-from beamcam.model.part import (
-    Bend,
-    Camber,
-    Contour,
-    EndPlane,
-    Feature,
-    Hole,
-    Part,
-    Slot,
-    TextMark,
-)
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.part_forms import PartForm
 
 PART_SCHEMA = "beamcam/part/1"
 
@@ -121,3 +113,16 @@ def _sums(part: Part) -> Json:
         "hidden_length": measures.hidden_length,
         "not_cut": dict(measures.not_cut),
     }
+
+
+# --- part schema ----------------------------------------------------------------------------------
+
+# The JSON schema of a part in its JSON form, for editors and for programs that write parts.
+
+
+def part_schema() -> Schema:
+    """JSON schema of the format `beamcam/part/1`."""
+    schema = schema_of(PartForm)
+    schema["$defs"]["PartForm"]["properties"]["schema"] = {"const": PART_SCHEMA}
+    schema["$defs"]["CurveForm"] |= {"minProperties": 1, "maxProperties": 1}
+    return schema

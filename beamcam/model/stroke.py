@@ -3,8 +3,8 @@
 from msgspec import Struct
 
 from beamcam.machine.absent import drill_of
-from beamcam.machine.drill import Axis, Drill, Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Axis, Drill, Spindle
 from beamcam.model.part import Face, Profile
 from beamcam.model.plan import SpindleOp
 

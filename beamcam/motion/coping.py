@@ -13,9 +13,9 @@ from math import acos, ceil, cos, degrees, dist, radians, sin
 
 from beamcam.machine.coper import A_OF_FACE, Coper
 from beamcam.machine.machine import Machine
+from beamcam.model.description import part_data
 from beamcam.model.part import Face
-from beamcam.model.part_data import part_data
-from beamcam.model.plan import CopeCut, CopePlan
+from beamcam.model.plan import CopeCut, CopePlan, WorkTime
 from beamcam.model.program import (
     Command,
     Comment,
@@ -28,7 +28,6 @@ from beamcam.model.program import (
     TurnTorch,
 )
 from beamcam.model.surface import Patch, patch_of, surface_of
-from beamcam.model.work_time import WorkTime
 
 Place = tuple[float, float, float]
 

@@ -13,7 +13,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
-from beamcam.model.part_data import part_data
+from beamcam.model.description import part_data
 from beamcam.model.plan import ContourOp, SheetPlan
 from beamcam.model.program import (
     Command,

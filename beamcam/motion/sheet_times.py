@@ -15,11 +15,11 @@ from math import atan2, cbrt, cos, degrees, dist, hypot, inf, radians, sin, sqrt
 from msgspec import Struct
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
-from beamcam.geometry.moves import move_seconds, stretch_seconds
 from beamcam.geometry.plane import Point
+from beamcam.geometry.ramps import move_seconds, stretch_seconds
 from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import PathLimits, path_limits
-from beamcam.model.plan import SheetPlan
+from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.program import (
     ArcFeed,
     EllipseFeed,
@@ -32,7 +32,6 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.model.work_time import WorkTime
 from beamcam.motion.feed_limits import feasible_mm_s
 from beamcam.motion.lookahead import joint_speeds
 from beamcam.motion.speed_sections import SpeedSection, join_segments

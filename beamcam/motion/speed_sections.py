@@ -16,7 +16,7 @@ from math import inf
 
 from msgspec import Struct
 
-from beamcam.geometry.moves import ramp_seconds
+from beamcam.geometry.ramps import ramp_seconds
 
 #: A tower is worth climbing if the speed rises by this share of its foot in half its width.
 WORTH_RISE = 0.1

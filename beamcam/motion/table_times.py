@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from math import asin, ceil, dist
 
-from beamcam.geometry.moves import move_seconds
 from beamcam.geometry.plane import Point, cross
+from beamcam.geometry.ramps import move_seconds
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import Triggers
-from beamcam.model.plan import SheetPlan
+from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.triggers import ArcTravel, Switch, TriggerOp, TriggerTable
-from beamcam.model.work_time import WorkTime
 from beamcam.motion.sheet_times import by_operation
 from beamcam.motion.step_events import MICROSECONDS
 from beamcam.motion.steps import plan_way

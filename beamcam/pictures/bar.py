@@ -39,7 +39,7 @@ from beamcam.verify.bars.machined_features import (
     Cut,
     MachinedFeatures,
     MachinedPath,
-    ToldText,
+    StampedText,
 )
 from beamcam.verify.bars.pieces import CutPlane, planes
 
@@ -303,11 +303,11 @@ def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:
 
 
 def _stroke(
-    op: Bore | MachinedPath | ToldText, number: int, bar: BarMade, frame: Frame, drill_x: float,
+    op: Bore | MachinedPath | StampedText, number: int, bar: BarMade, frame: Frame, drill_x: float,
     tools: dict[tuple[str, float], int],
 ) -> tuple[Shape, Point, float]:  # fmt: skip
     """What an operation makes, the place that its number stands beside, and how far off it."""
-    if isinstance(op, ToldText):
+    if isinstance(op, StampedText):
         text = _written(op, number, bar, frame)
         return text, text.at, 2.0
     colour = tools[op.kind, op.diameter] % len(TOOL_COLOURS)
@@ -326,7 +326,7 @@ def _radius(bore: Bore, frame: Frame) -> float:
     return max(bore.diameter / 2 * frame.scale, 1.2)
 
 
-def _written(op: ToldText, number: int, bar: BarMade, frame: Frame) -> Text:
+def _written(op: StampedText, number: int, bar: BarMade, frame: Frame) -> Text:
     """A text as it is read, in the picture's own letters."""
     x = op.x - text_x(bar.machine)
     tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
@@ -354,7 +354,7 @@ def _stops(bar: BarMade, frame: Frame, y: float, unit: Unit) -> Iterator[Shape]:
     """Stopping positions of the bar: machine x of the strokes and cuts."""
     drill_x = bar.machine.drill.x if bar.machine.drill else 0.0
     saw_x = bar.machine.saw.x if bar.machine.saw else 0.0
-    stations = {Cut: saw_x, ToldText: text_x(bar.machine)}
+    stations = {Cut: saw_x, StampedText: text_x(bar.machine)}
     stops: dict[float, float] = {}
     for op in bar.made.order:
         x = op.points[0][0] if isinstance(op, MachinedPath) else op.x

@@ -39,7 +39,7 @@ from beamcam.pictures.views import (
     laid_out,
     titles,
 )
-from beamcam.verify.bars.machined_features import Bore, MachinedPath, ToldText
+from beamcam.verify.bars.machined_features import Bore, MachinedPath, StampedText
 
 MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
@@ -177,7 +177,7 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
         shifted = replace(frame, left=frame.left - drill * frame.scale)
         for pair in _rising(pairs):
             thing = pair.a or pair.b
-            if isinstance(thing, Bore | MachinedPath | ToldText) and thing.face == view.name:
+            if isinstance(thing, Bore | MachinedPath | StampedText) and thing.face == view.name:
                 drawn += _pair(pair, partial(_made_shapes, frame=shifted), shifted)
         drawn += figures(view, paper, "mm", -drill)
     return _done("two programs", lines, drawn, paper, pairs)
@@ -204,12 +204,12 @@ def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]
                 yield Polyline("same cut-of", line)
 
 
-def _made_shapes(thing: Bore | MachinedPath | ToldText, frame: Frame) -> Iterator[Shape]:
+def _made_shapes(thing: Bore | MachinedPath | StampedText, frame: Frame) -> Iterator[Shape]:
     if isinstance(thing, Bore):
         radius = max(thing.diameter / 2 * frame.scale, 1.2)
         tip = f"{thing.kind} {thing.diameter:g} at machine x {thing.x:g}, y {thing.y:g}"
         yield Circle("hole", frame.at(thing.x, thing.y), radius, tip, thing.line)
-    elif isinstance(thing, ToldText):
+    elif isinstance(thing, StampedText):
         yield lettering("text", thing, frame, line=thing.line)
     else:
         yield Polyline("trail", frame.all(thing.points), False, thing.kind, thing.line)

@@ -18,7 +18,7 @@ from beamcam.model.part import (
 )  # fmt: skip
 from beamcam.pictures.labels import CAPITAL
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Shape, Text
-from beamcam.verify.bars.machined_features import ToldText
+from beamcam.verify.bars.machined_features import StampedText
 
 CHORD_PIXELS = 0.02  #: of the chords that stand for curves
 CROSS = 5.0  #: half of the cross of a mark, pixels
@@ -50,7 +50,7 @@ def feature_shapes(feature: Feature, frame: Frame) -> Iterator[Shape]:
 
 
 def lettering(
-    classes: str, told: TextMark | ToldText, frame: Frame, tip: str = "", line: int = 0
+    classes: str, told: TextMark | StampedText, frame: Frame, tip: str = "", line: int = 0
 ) -> Text:
     """A text where it stands on its face, to be read.
 

@@ -2,7 +2,7 @@
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.machine.marking import Marks
-from beamcam.model.marks import mark_kind, policy_on
+from beamcam.model.description import mark_kind, policy_on
 from beamcam.model.part import Contour, Feature, TextMark
 from beamcam.planning import rules
 

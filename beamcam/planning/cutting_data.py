@@ -7,8 +7,8 @@ from msgspec.structs import replace
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.cutting import cutting_row, is_unnamed, turns_of
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Drill
 from beamcam.machine.tools import Tool
 from beamcam.model.part import Hole
 from beamcam.model.plan import Piece, WorkOp

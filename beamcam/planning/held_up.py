@@ -15,8 +15,8 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Rule, Severity, Source
-from beamcam.machine.drill import Axis, Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Axis, Spindle
 from beamcam.model.catalogue import measures_of
 from beamcam.model.faces import FACE_NAMES
 from beamcam.model.part import Profile

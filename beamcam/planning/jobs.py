@@ -50,7 +50,7 @@ def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
         return tuple(map(Share, sheet_shares(request, pieces)))
     if machine.saw is None:
         return tuple(Share((place,)) for place in pieces)
-    from beamcam.planning.stock_bars import first_fit
+    from beamcam.planning.stock import first_fit
 
     single = [replace(part, quantity=1) for part in request.parts]
     nesting = first_fit([single[place] for place in pieces], machine, request.stock)

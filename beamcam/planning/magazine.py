@@ -12,8 +12,8 @@ throwing out the tool that is needed again last, or never:
 from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Spindle
 from beamcam.machine.tools import Tool
 from beamcam.model.plan import DrillOp, Operation, PathOp, ToolLoad
 from beamcam.planning import rules

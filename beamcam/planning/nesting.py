@@ -33,7 +33,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, Rule, Source
 from beamcam.machine.machine import Layout
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
 from beamcam.model.plan import Bar, Order, Piece
 from beamcam.planning import rules

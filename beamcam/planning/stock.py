@@ -1,12 +1,20 @@
 """The bar that parts are cut from: its section, and of those in store the shortest that will do."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import floor, inf
 from typing import TypeVar
 
+from msgspec import Struct
+
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.machine.machine import Layout, Machine
+from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
+from beamcam.model.plan import Bar
 from beamcam.model.section import section_fault
 from beamcam.planning import rules
+from beamcam.planning.nesting import SAME_ANGLE_DEG, Row, bar_of, lay_on_bar, row_of, row_with
+from beamcam.planning.operations.ends import End, Ends, ends_of
 from beamcam.planning.operations.line import BarLine
 
 Made = TypeVar("Made")
@@ -71,3 +79,213 @@ def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:
                     part.source, found=f"{height:g} x {width:g}", station=station,
                     expected=f"{size.max_height:g} x {size.max_width:g}",
                 )  # fmt: skip
+
+
+# --- stock bars -----------------------------------------------------------------------------------
+
+# Parts on as many bars of stock as they need, first fit.
+#
+#     D. S. Johnson, Near-optimal bin packing algorithms, 1973: each part in the order given goes
+#     onto the first bar begun that has room for it. It never takes more than 17/10 of the minimum.
+#
+# Bars begin as the longest in store; at the end each is the shortest that holds its parts. The
+# first bar with room is looked for in a tournament tree, so that n parts take n log n steps: a job
+# has tens of thousands.
+
+
+SLACK = 1e-3  #: mm by which a bar may seem fuller than it is; the account of the bar decides
+
+
+class StockBar(Struct, frozen=True):
+    """A bar of stock with the parts that are cut from it."""
+
+    pieces: tuple[int, ...]  #: indices of the parts, in their order along the bar
+    starts: tuple[float, ...]  #: x of each on the bar, mm
+    account: Bar
+
+
+class Nesting(Struct, frozen=True):
+    """All parts on bars, and why some are on none."""
+
+    bars: tuple[StockBar, ...]
+    refusals: tuple[Diagnostic, ...]
+
+
+class Rooms:
+    """Rooms in the order in which they were added, and the first that is large enough.
+
+    A tournament tree: each node holds the greatest room below it, so that a room is added,
+    changed and found in log n steps.
+    """
+
+    def __init__(self) -> None:
+        self._leaves, self._count = 1, 0
+        self._tree = [-inf, -inf]
+
+    def add(self, room: float) -> None:
+        """A room behind the others."""
+        if self._count == self._leaves:
+            known = self._tree[self._leaves :]
+            self._leaves *= 2
+            self._tree = [-inf] * self._leaves + known + [-inf] * len(known)
+            for node in range(self._leaves - 1, 0, -1):
+                self._tree[node] = max(self._tree[2 * node], self._tree[2 * node + 1])
+        self._count += 1
+        self.change(self._count - 1, room)
+
+    def change(self, index: int, room: float) -> None:
+        """What a room is from now on."""
+        node, tree = self._leaves + index, self._tree
+        tree[node] = room
+        while node := node // 2:
+            tree[node] = max(tree[2 * node], tree[2 * node + 1])
+
+    def first(self, need: float, begin: int) -> int | None:
+        """Index of the first room of at least `need`, from `begin` on; None if there is none."""
+        if begin >= self._count:
+            return None
+        node, tree = self._leaves + begin, self._tree
+        while tree[node] < need:
+            while node % 2:  # a right one: nothing is left below what holds it
+                node //= 2
+            if not node:
+                return None
+            node += 1
+        while node < self._leaves:
+            node *= 2
+            node += tree[node] < need
+        return node - self._leaves
+
+
+class _Sort(Struct, frozen=True):
+    """A part as it is laid, whatever its quantity."""
+
+    part: Part
+    ends: Ends
+    alone: Row
+    need: float  #: length of bar that it takes at least behind any other, mm
+
+
+class _Begun(Struct):
+    """A bar that parts are put on."""
+
+    pieces: list[int]
+    row: Row
+
+
+def first_fit(parts: Sequence[Part], machine: Machine, lengths: Sequence[float]) -> Nesting:
+    """Bars for `parts`, those of one section and grade together, in the order given.
+
+    `lengths` (mm) are those in store; without any there is one bar for each section and grade, as
+    long as its parts need. Raises TypeError for a machine without saw and layout.
+    """
+    saw = machine.needed(machine.saw, "saw and layout")
+    layout = machine.needed(machine.layout, "saw and layout")
+    store = sorted(lengths)
+    longest = store[-1] if store else None
+    sorts, refused = _sorts(parts, layout, saw, longest)
+    refusals: list[Diagnostic] = []
+    bars: list[_Begun] = []
+    of_section: dict[object, tuple[list[_Begun], Rooms]] = {}
+    for index, part in enumerate(parts):
+        if id(part) in refused:
+            refusals += refused[id(part)]
+            continue
+        sort = sorts[id(part)]
+        own, rooms = of_section.setdefault((part.profile, part.grade), ([], Rooms()))
+        if not _put(index, sort, own, rooms, layout, saw, longest):
+            own.append(_Begun([index], sort.alone))
+            bars.append(own[-1])
+            rooms.add(_room(sort.alone, layout, longest))
+    made = tuple(
+        _shortest(bar, [sorts[id(parts[i])] for i in bar.pieces], layout, saw, store)
+        for bar in bars
+    )
+    return Nesting(made, tuple(refusals))
+
+
+def _sorts(
+    parts: Sequence[Part], layout: Layout, saw: Saw, longest: float | None
+) -> tuple[dict[int, _Sort], dict[int, tuple[Diagnostic, ...]]]:
+    """What is known of each part before it is laid, and why some cannot be, by identity."""
+    laid: dict[int, tuple[Part, Ends]] = {}
+    refused: dict[int, tuple[Diagnostic, ...]] = {}
+    for part in {id(part): part for part in parts}.values():
+        try:
+            ends = ends_of(part, saw)[0]
+            lay_on_bar([part], [ends], layout, saw, longest)
+        except PlanError as error:
+            refused[id(part)] = error.diagnostics
+        else:
+            laid[id(part)] = part, ends
+    spared: dict[tuple[int, int], float] = {}
+    for part, (_, end) in laid.values():
+        if saw.common_cuts and not end.is_square:
+            cell = _cell(end)
+            spared[cell] = max(spared.get(cell, -inf), part.length - end.x0)
+    sorts = {}
+    for key, (part, ends) in laid.items():
+        taken = max(
+            part.length + ends[1].kerf + layout.end_trim + layout.dead_zone, layout.min_bar_left
+        )
+        need = taken + ends[0].kerf - _shared_at_most(ends[0], spared)
+        sorts[key] = _Sort(part, ends, row_of(part, ends, layout), need)
+    return sorts, refused
+
+
+def _shared_at_most(start: End, spared: Mapping[tuple[int, int], float]) -> float:
+    """Length of bar that a common cut saves at a start at most, behind whichever part."""
+    if not spared:
+        return 0.0
+    web, flange = _cell(start)
+    near = [(web + i, flange + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    return max(0.0, start.x0 + max(spared.get(cell, -inf) for cell in near))
+
+
+def _cell(end: End) -> tuple[int, int]:
+    """The angles of an end, rounded so that those which share a cut are neighbours."""
+    width = 2 * SAME_ANGLE_DEG
+    return floor(end.web_deg / width), floor(end.flange_deg / width)
+
+
+def _room(row: Row, layout: Layout, longest: float | None) -> float:
+    """Length of bar behind the last part, mm; without a store as much as the machine can hold."""
+    whole = inf if layout.max_bar is None else layout.max_bar
+    return (whole if longest is None else longest) - row.start - row.last + SLACK
+
+
+def _put(
+    index: int, sort: _Sort, bars: Sequence[_Begun], rooms: Rooms, layout: Layout, saw: Saw,
+    longest: float | None,
+) -> bool:  # fmt: skip
+    """Put a part on the first bar that has room, and whether there is one."""
+    at = rooms.first(sort.need, 0)
+    while at is not None:
+        bar = bars[at]
+        row = row_with(bar.row, sort.part, sort.ends, saw)
+        try:
+            bar_of(row, layout, longest, sort.part.source)
+        except PlanError:
+            at = rooms.first(sort.need, at + 1)
+            continue
+        bar.pieces.append(index)
+        bar.row = row
+        rooms.change(at, _room(row, layout, longest))
+        return True
+    return False
+
+
+def _shortest(
+    bar: _Begun, chosen: Sequence[_Sort], layout: Layout, saw: Saw, store: Sequence[float]
+) -> StockBar:
+    """The shortest bar in store that holds the pieces."""
+    parts, ends = [sort.part for sort in chosen], [sort.ends for sort in chosen]
+    last = None
+    for last in store:
+        try:
+            bar_of(bar.row, layout, last, parts[0].source)
+        except PlanError:
+            continue
+        break
+    laid, _ = lay_on_bar(parts, ends, layout, saw, last)
+    return StockBar(tuple(bar.pieces), laid.starts, laid.bar)

@@ -20,13 +20,12 @@ from msgspec.structs import replace
 
 from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import ControlledAxis, Machine
+from beamcam.machine.stations import Drill
 from beamcam.model import drill_cycle
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
-from beamcam.model.plan import Operation, PathOp, Piece, Plan, SawOp, SpindleOp, TextOp
+from beamcam.model.plan import Operation, PathOp, Piece, Plan, SawOp, SpindleOp, TextOp, WorkTime
 from beamcam.model.stroke import Strokes
-from beamcam.model.work_time import WorkTime
 from beamcam.planning.magazine import tool_loads
 
 Moves = Literal["X", "Y", "Z", "angle", "saw"]

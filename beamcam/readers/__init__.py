@@ -13,9 +13,9 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.errors import Source
-from beamcam.machine.defaults import is_of_programs
+from beamcam.machine.names import is_of_programs
 from beamcam.readers import rules
-from beamcam.readers.reading import Reading
+from beamcam.readers.content import Reading
 
 _module = cached("readers.module")(import_module)
 

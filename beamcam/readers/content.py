@@ -3,8 +3,11 @@
 import os
 import sys
 
+from msgspec import Struct
+
 from beamcam.budget import BYTES, limits
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.model.part import Part
 from beamcam.readers import rules
 from beamcam.system import NotAFile, open_file
 
@@ -78,3 +81,23 @@ def _too_long(size: int, name: str) -> Diagnostic:
 
 def _zeros(count: int, name: str) -> Diagnostic:
     return rules.ZEROS.at(Source(name), found=f"{count:,}".replace(",", " "))
+
+
+# --- reading --------------------------------------------------------------------------------------
+
+# The result of every reader.
+
+
+class Reading(Struct, frozen=True):
+    """The parts of one file, as far as they could be read, and remarks on it.
+
+    Where a diagnostic is an error no part may be posted; `parts` then still holds what was read.
+    """
+
+    format: str
+    parts: tuple[Part, ...]
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    @property
+    def refused(self) -> bool:
+        return bool(errors_in(self.diagnostics))

@@ -2,14 +2,261 @@
 
 import json
 import re
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from math import inf
+from typing import Any, TypeVar
+
+from msgspec import UnsetType
+from msgspec.structs import asdict
 
 from beamcam.errors import ReadError, Rule, Severity, Source
-from beamcam.model.part_from_json import JSON_PART_RULES, part_from_json
+from beamcam.geometry.curves import Arc, Curve, signed_area
+from beamcam.model.colour import parse_colour
+from beamcam.model.curve_json import CURVE_RULES, JSON_EXPRESSION, curves_of
+from beamcam.model.json_object import JSON_OBJECT_RULES, Place, record_of, show
+from beamcam.model.part import (
+    FACES,
+    MIRRORED_FACES,
+    Bend,
+    Camber,
+    Contour,
+    ContourKind,
+    EndPlane,
+    Feature,
+    Hole,
+    HoleKind,
+    Part,
+    Plane,
+    Profile,
+    Slot,
+    TextMark,
+)
+from beamcam.model.part_forms import (
+    BendForm,
+    CamberForm,
+    ContourForm,
+    EndPlaneForm,
+    Featured,
+    HoleForm,
+    Located,
+    PartForm,
+    SlotForm,
+    TextForm,
+)
 from beamcam.model.part_json import PART_SCHEMA
 from beamcam.plain_text import fault_text, whole_text
+from beamcam.readers.content import Reading
 from beamcam.readers.polynomials import checked_polynomials
-from beamcam.readers.reading import Reading
+
+# --- part from json -------------------------------------------------------------------------------
+
+# A part from its JSON form, as written by `part_to_json` or by a person.
+
+
+Form = TypeVar("Form")
+SourceOf = Callable[[Located, Place], Source]
+
+JSON_SCHEMA = Rule(
+    "json-schema",
+    Severity.ERROR,
+    "found schema {found}, expected {expected!r}",
+    "Another version may mean something else by the same keys.",
+)
+JSON_FACE = Rule(
+    "json-face",
+    Severity.ERROR,
+    "found face {found!r}, expected v, o, u, h or a plane of the part ({planes})",
+    "A feature on a face that the part does not have has no place.",
+)
+JSON_INDEX = Rule(
+    "json-index",
+    Severity.ERROR,
+    "found {found}, expected the index of one of {count} curves",
+    "A bevel or notch belongs to a curve of its contour.",
+)
+
+JSON_PART_RULES = (
+    *JSON_OBJECT_RULES,
+    *CURVE_RULES,
+    JSON_EXPRESSION,
+    JSON_SCHEMA,
+    JSON_FACE,
+    JSON_INDEX,
+)
+
+
+def part_from_json(value: object, file: str) -> Part:
+    """The part of a JSON value as `json.loads` gives it; `file` names it in messages.
+
+    Raises ReadError with the path of the key, what was found and what was expected.
+    """
+    top = Place(file)
+    if isinstance(value, dict) and value.get("schema", PART_SCHEMA) != PART_SCHEMA:
+        raise top.at("schema").fault(JSON_SCHEMA, found=show(value["schema"]), expected=PART_SCHEMA)
+    form = record_of(_without_computed(value), PartForm, top)
+    source = Source(file) if form.source is None else _source(form.source, top.at("source"), file)
+    of_file = partial(_source, file=source.file)
+    planes = tuple(
+        Plane(plane.name, plane.origin, plane.along_x, plane.along_y, of_file(plane, place))
+        for plane, place in _each(form.planes, top.at("planes"))
+    )
+    return Part(
+        form.mark,
+        Profile(**asdict(form.profile)),
+        form.length,
+        source,
+        form.quantity,
+        form.saw_length,
+        form.order,
+        form.drawing,
+        form.phase,
+        form.grade,
+        form.cuts,
+        _features(form, top, of_file, tuple(plane.name for plane in planes)),
+        planes,
+        form.weight,
+        form.surface,
+        form.notes,
+        form.tolerance,
+        form.section,
+        form.info,
+        form.comments,
+        form.guid,
+        cut_lines=form.cut_lines,
+    )
+
+
+#: Keys that are written for those who read the file: lengths and boxes of what stands beside them.
+_COMPUTED = {
+    "bbox", "path_length", "duplicate_length", "filled_length", "hidden_length", "not_cut",
+}  # fmt: skip
+_COMPUTED_OF_CONTOUR = {"length", "bbox"}
+
+
+def _without_computed(value: object) -> object:
+    """A part without its computed keys: a curve may be longer than a number that is read."""
+    if not isinstance(value, dict):
+        return value
+    kept = {key: item for key, item in value.items() if key not in _COMPUTED}
+    contours = kept.get("contours")
+    if isinstance(contours, list):
+        kept["contours"] = [
+            {key: item for key, item in one.items() if key not in _COMPUTED_OF_CONTOUR}
+            if isinstance(one, dict)
+            else one
+            for one in contours
+        ]
+    return kept
+
+
+def _each(forms: Iterable[Form], place: Place) -> Iterator[tuple[Form, Place]]:
+    """The forms of a list, each with its place."""
+    return ((form, place.at(index)) for index, form in enumerate(forms))
+
+
+def _source(form: Located, place: Place, file: str) -> Source:
+    """The recorded source of an object; its JSON path if written by hand."""
+    if isinstance(form.line, UnsetType):
+        return Source(form.file or file, None, place.path)
+    return Source(form.file or file, form.line, form.where)
+
+
+def _features(
+    form: PartForm, top: Place, source: SourceOf, planes: tuple[str, ...]
+) -> tuple[Feature, ...]:
+    """All features in the order of their key `feature`; those without it follow as they stand."""
+    numbered: list[tuple[float, Feature]] = []
+    for key in ("holes", "slots", "contours", "texts", "bends", "end_planes", "cambers"):
+        for one, place in _each(getattr(form, key), top.at(key)):
+            name = getattr(one, "face", "v")
+            if name not in FACES and name not in planes:
+                known = ", ".join(planes) or "it has none"
+                raise place.at("face").fault(JSON_FACE, found=name, planes=known)
+            order = inf if one.feature is None else one.feature
+            numbered.append((order, _feature(one, place, source(one, place))))
+    numbered.sort(key=lambda pair: pair[0])
+    return tuple(feature for _, feature in numbered)
+
+
+def _feature(form: Featured, place: Place, source: Source) -> Feature:
+    if isinstance(form, ContourForm):
+        return _contour(form, place, source)
+    fields = {name: value for name, value in asdict(form).items() if name not in _NOT_ITS_OWN}
+    if isinstance(form, HoleForm | SlotForm):
+        fields["kind"] = _kind(form)
+    return _MADE[type(form)](**fields, source=source)
+
+
+#: Keys of a feature's form that are not fields of the feature.
+_NOT_ITS_OWN = {"line", "where", "file", "feature", "kind"}
+#: The feature of each form whose fields it has.
+_MADE: dict[type[Featured], Callable[..., Feature]] = {
+    HoleForm: Hole, SlotForm: Slot, TextForm: TextMark, BendForm: Bend, EndPlaneForm: EndPlane,
+    CamberForm: Camber,
+}  # fmt: skip
+
+
+def _kind(form: HoleForm | SlotForm) -> HoleKind:
+    if isinstance(form.kind, UnsetType):
+        return "through" if form.depth is None else "blind"
+    return form.kind
+
+
+def _contour(form: ContourForm, place: Place, source: Source) -> Contour:
+    if not form.curves:
+        raise place.at("curves").wrong("no curves", "one curve or more")
+    found = _each(form.curves, place.at("curves"))
+    curves = tuple(curve for one, below in found for curve in curves_of(one, below))
+    # Shorthands have no direction of their own.
+    drawn = all(
+        one.polygon or one.circle or one.tangent_circle or one.function for one in form.curves
+    )
+    if drawn and form.kind != "open" and _is_closed(curves):
+        curves = _turned_as(curves, form.kind, form.face)
+    for key in ("bevels", "notches"):
+        for row, below in _each(getattr(form, key), place.at(key)):
+            if not 0 <= row.curve < len(curves):
+                raise below.at("curve").fault(JSON_INDEX, found=row.curve, count=len(curves))
+    return Contour(
+        form.face,
+        form.kind,
+        curves,
+        source,
+        form.process,
+        _is_closed(curves) if isinstance(form.closed, UnsetType) else form.closed,
+        form.bevels,
+        form.notches,
+        form.edge,
+        form.layer,
+        _colour(form.colour, place.at("colour")),
+    )
+
+
+def _colour(text: str | None, place: Place) -> str | None:
+    """A colour as "#rrggbb"."""
+    if text is None:
+        return None
+    try:
+        return parse_colour(text)
+    except ValueError:
+        raise place.wrong(text, "#RRGGBB, rgb(r, g, b) or the name of a colour") from None
+
+
+def _turned_as(curves: tuple[Curve, ...], kind: ContourKind, face: str) -> tuple[Curve, ...]:
+    """Polygons, circles and ways so that outer ones run counter-clockwise seen from outside."""
+    positive = (kind == "outer") != (face in MIRRORED_FACES)
+    if (signed_area(curves) > 0) == positive:
+        return curves
+    return tuple(curve.reversed() for curve in reversed(curves))
+
+
+def _is_closed(curves: tuple[Curve, ...]) -> bool:
+    start, end = curves[0].start, curves[-1].end
+    if len(curves) == 1 and isinstance(curves[0], Arc):
+        return abs(curves[0].sweep_deg) == 360.0
+    return abs(start[0] - end[0]) < 1e-6 and abs(start[1] - end[1]) < 1e-6
+
 
 JSON_SYNTAX = Rule(
     "json-syntax",

@@ -6,26 +6,175 @@ A piece between a square cut and a skew one that comes to nothing at a corner is
 skew end; what lies before the first cut is trim, what lies behind the last the remnant.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from math import isnan, nan, radians, tan
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.absent import drill_of, text_x
 from beamcam.machine.machine import Machine
-from beamcam.machine.saw import Saw
-from beamcam.model.part import EndCuts, Face, Feature, Part, Profile, TextMark
+from beamcam.machine.stations import Saw
+from beamcam.machine.tools import FLAT_DEG
+from beamcam.model.catalogue import sections
+from beamcam.model.part import EndCuts, Face, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import corners
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain
-from beamcam.recovery.holes import holes_of
 from beamcam.recovery.paths import NotAFeature, feature_of
-from beamcam.recovery.section import section_of
 from beamcam.verify.bars import run
 from beamcam.verify.bars.compare import Asked, Comparison
 from beamcam.verify.bars.machined_features import Bore, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.pieces import CutPlane, Piece, pieces, planes
-from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.targets import slot_corners
+from beamcam.verify.bars.tools import ToolCatalogue
+
+# --- holes ----------------------------------------------------------------------------------------
+
+# Holes from what spindles made: several tools at one place are one hole, or a hole and its sink.
+#
+# drill                  a hole, through where the full diameter reaches the far side, else blind
+# drill and tap          a thread
+# countersink            a sink in the hole that is there
+# punch                  a mark
+
+
+LEFT = 4  #: the M word that turns a spindle counter-clockwise
+
+
+def holes_of(
+    bores: Sequence[Bore], led: Sequence[Feature], shop: ToolCatalogue, profile: Profile, name: str
+) -> list[Hole]:
+    """The holes of a part; x counts from its start. Those at the ends of slots are theirs."""
+    taps = [b for b in bores if b.kind == "tap"]
+    drills = [
+        b for b in bores
+        if b.kind == "drill" and not any(_is_at(b, t.face, t.x, t.y, shop) for t in taps)
+        and not any(isinstance(s, Slot) and _is_of_slot(b, s, shop) for s in led)
+    ]  # fmt: skip
+    sinks = [b for b in bores if b.kind == "countersink"]
+    make = _Maker(shop, profile, name)
+    found = [make.drilled(b) for b in drills]
+    found += [make.thread(b) for b in taps]
+    found += [make.sink(b, [p for p in (*drills, *taps) if _same(p, b, shop)]) for b in sinks]
+    found += [make.mark(b) for b in bores if b.kind == "punch"]
+    return sorted(found, key=lambda h: h.source.line or 0)
+
+
+class _Maker:
+    """Makes holes out of what tools did."""
+
+    def __init__(self, shop: ToolCatalogue, profile: Profile, name: str) -> None:
+        self.shop, self.profile, self.name = shop, profile, name
+        form = shop.machine.format
+        self.slack, self.decimals = form.resolution, form.length_decimals
+
+    def drilled(self, bore: Bore) -> Hole:
+        depth = bore.tip_depth - self.shop.tip("drill", bore.diameter, bore.face)
+        deep = self._depth(depth, self.profile.thickness(bore.face))
+        return self._hole(bore, bore.diameter, deep, "through" if deep is None else "blind")
+
+    def thread(self, bore: Bore) -> Hole:
+        hands = {
+            t.hand for t in self.shop.of("tap", bore.face)
+            if (bore.diameter, bore.pitch) in zip(t.sizes, t.pitches, strict=False)
+        }  # fmt: skip
+        left = hands == {"left"} or ("left" in hands and bore.turning == LEFT)
+        depth = self._depth(bore.tip_depth, self.profile.thickness(bore.face))
+        return self._hole(bore, bore.diameter, depth, "left-thread" if left else "thread")
+
+    def sink(self, bore: Bore, below: Sequence[Bore]) -> Hole:
+        """A countersink: its tool's cone to where that stands in the surface, or below it."""
+        cones = [t.point_deg for t in self.shop.of("countersink", bore.face)
+                 if bore.diameter in t.sizes]  # fmt: skip
+        cone = cones[0] if cones else FLAT_DEG
+        if cone >= FLAT_DEG:
+            depth = plain(bore.tip_depth, self.slack, self.decimals)
+            return self._hole(bore, bore.diameter, depth, "countersink")
+        slope = tan(radians(cone) / 2)
+        wide = plain(2 * slope * bore.tip_depth, 2 * self.slack, self.decimals)
+        if wide <= bore.diameter:
+            return self._hole(bore, wide, None, "countersink", cone)
+        pilot = max((b.diameter for b in below), default=0.0)
+        depth = plain(bore.tip_depth - pilot / 2 / slope, self.slack, self.decimals)
+        return self._hole(bore, bore.diameter, depth, "countersink", cone)
+
+    def mark(self, bore: Bore) -> Hole:
+        depth = plain(bore.tip_depth, self.slack, self.decimals)
+        usual = abs(depth - self.shop.drill.punch_depth) <= self.slack
+        return self._hole(bore, bore.diameter, None if usual else depth, "mark")
+
+    def _depth(self, depth: float, thickness: float) -> float | None:
+        """The depth of a hole; None if it goes through, or is unknown."""
+        if not thickness or depth >= thickness - self.slack:
+            return None
+        return plain(depth, self.slack, self.decimals)
+
+    def _hole(
+        self, bore: Bore, diameter: float, depth: float | None, kind: str,
+        angle: float | None = None,
+    ) -> Hole:  # fmt: skip
+        y = plain(bore.y, 0.75 * self.slack, self.decimals)
+        source = Source(self.name, bore.line)
+        return Hole(bore.face, bore.x, y, diameter, source, depth, kind, angle)  # type: ignore[arg-type]
+
+
+def _same(a: Bore, b: Bore, shop: ToolCatalogue) -> bool:
+    return _is_at(a, b.face, b.x, b.y, shop)
+
+
+def _is_at(bore: Bore, face: str, x: float, y: float, shop: ToolCatalogue) -> bool:
+    near = shop.drill.merge_tolerance + 2 * shop.machine.format.resolution
+    return bore.face == face and abs(bore.x - x) <= near and abs(bore.y - y) <= near
+
+
+def _is_of_slot(bore: Bore, slot: Slot, shop: ToolCatalogue) -> bool:
+    """Whether a drilled hole is the end of a slot, whose width was measured from a mill's path."""
+    _, most = shop.fit(slot.diameter) or (0.0, slot.diameter)
+    most += shop.drill.path_tolerance + 2 * shop.machine.format.resolution
+    return bore.diameter <= most and any(
+        _is_at(bore, slot.face, x, y, shop) for x, y in slot_corners(slot)
+    )
+
+
+# --- section --------------------------------------------------------------------------------------
+
+# The section of a bar, as far as a program gives it.
+
+
+SAME = 0.05  #: mm, by which height and width that a program says may differ from the catalogue's
+SHOWN = 6  #: sections of one size that are named
+
+
+def section_of(
+    said: Mapping[str, float], machine: Machine, name: str
+) -> tuple[Profile, Diagnostic]:
+    """The section that a program says, by the catalogue if only one is of that size.
+
+    Without thicknesses where there are several, or none; the remarks on it come second.
+    """
+    number = said.get("section", nan)
+    codes = machine.sections_of(number) or ("SO",)
+    height, width = said.get("height", nan), said.get("width", nan)
+    same = [p for code in codes for p in _of_size(code, height, width)]
+    size = " x ".join(f"{v:g}" for v in (height, width) if not isnan(v))
+    figures = {"code": " or ".join(codes), "size": size or "unknown size"}
+    if len(same) == 1:
+        return same[0], rules.CATALOGUE.at(Source(name), name=same[0].name, **figures)
+    known = ", ".join(p.name for p in same[:SHOWN]) or "none of that size in the catalogue"
+    if len(same) > SHOWN:
+        known += f" and {len(same) - SHOWN} more"
+    height, width = (0.0 if isnan(v) else v for v in (height, width))
+    profile = Profile(codes[0], "", height, width, 0.0, None)  # type: ignore[arg-type]
+    return profile, rules.PROFILE.at(Source(name), known=known, **figures)
+
+
+def _of_size(code: str, height: float, width: float) -> Iterator[Profile]:
+    """The catalogue's sections of a size; any width where none is said."""
+    for name, (own, (h, b, flange, web, radius)) in sections().items():
+        if own == code and abs(h - height) <= SAME and (isnan(width) or abs(b - width) <= SAME):
+            yield Profile(own, name, h, b, flange, web, radius)
+
 
 NEAR_NOTHING = 2  #: resolutions; a piece as short as that at a corner is a wedge
 
@@ -51,7 +200,7 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
         told.append(rules.NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
     if errors_in(told):
         return Recovered((), tuple(told))
-    bar = _Bar(machine, Shop(machine, drill), saw, profile, name)
+    bar = _Bar(machine, ToolCatalogue(machine, drill), saw, profile, name)
     parts = tuple([bar.part(piece, done.made, stock) for piece in found])
     told += bar.said
     if not errors_in(told) and profile.web_thickness is not None:
@@ -86,7 +235,9 @@ def _is_square(plane: CutPlane) -> bool:
 class _Bar:
     """The parts of one bar; `said` is what is not a feature of any part."""
 
-    def __init__(self, machine: Machine, shop: Shop, saw: Saw, profile: Profile, name: str) -> None:
+    def __init__(
+        self, machine: Machine, shop: ToolCatalogue, saw: Saw, profile: Profile, name: str
+    ) -> None:
         self.machine, self.shop, self.saw = machine, shop, saw
         self.profile, self.name = profile, name
         self.lift = profile.height if saw.pivot == "o" else 0.0

@@ -13,8 +13,8 @@ from beamcam.model.part import Contour, Hole, Profile, Slot
 from beamcam.recovery.found import plain
 from beamcam.verify.bars.machined_features import MachinedPath
 from beamcam.verify.bars.paths import pocket_error
-from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import Pocket
+from beamcam.verify.bars.tools import ToolCatalogue
 
 MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
 MOST_SIDES = 64  #: of a path's hull that are tried as the direction of a slot, the longest
@@ -28,7 +28,7 @@ class NotAFeature(Struct, frozen=True):
 
 
 def feature_of(
-    trail: MachinedPath, shop: Shop, profile: Profile, source: Source
+    trail: MachinedPath, shop: ToolCatalogue, profile: Profile, source: Source
 ) -> Hole | Slot | Contour | NotAFeature:
     """The feature that a path makes; its x counts from the part's start."""
     points = _apart(trail.points)

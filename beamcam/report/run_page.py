@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from msgspec import Struct
 
-from beamcam.model.work_time import clock
+from beamcam.model.plan import clock
 from beamcam.plain_text import terminal_text
 from beamcam.report.ledger import ledger_line
 from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded, message_line

@@ -9,8 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, errors_in
 from beamcam.model.part import Part
-from beamcam.model.plan import AnyPlan, Plan
-from beamcam.model.work_time import clock
+from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit

@@ -11,7 +11,7 @@ from beamcam.pictures.bar import BarMade, order_numbers
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.machined_features import Bore, Cut, Thing, ToldText
+from beamcam.verify.bars.machined_features import Bore, Cut, StampedText, Thing
 
 MIN_MOVE = 1e-6
 
@@ -56,7 +56,7 @@ def _operation(number: int, ops: Sequence[Thing], seconds: float) -> Operation:
             number, op.line, what, "", (), op.x, None, None, op.feed_mm_min or None, None, seconds
         )
     faces = tuple(o.face for o in ops if not isinstance(o, Cut))
-    if isinstance(op, ToldText):
+    if isinstance(op, StampedText):
         what = f"{op.kind} {op.text!r}, {op.height:g} high"
         return Operation(
             number, op.line, what, op.kind, faces, op.x, op.y, None, None, None, seconds

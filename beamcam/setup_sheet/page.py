@@ -6,7 +6,7 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from beamcam.model.work_time import clock
+from beamcam.model.plan import clock
 from beamcam.pictures.svg import inline_svg
 from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.html import length, messages, number, row, shown, table, used_columns

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any
 
-from beamcam.model.work_time import clock
+from beamcam.model.plan import clock
 from beamcam.pictures.pdf import MARGIN, POINTS_PER_PIXEL, draw_scene, needed_canvas, plain_letters
 from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text

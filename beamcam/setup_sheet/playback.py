@@ -19,16 +19,16 @@ from msgspec.structs import replace
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.absent import text_x
-from beamcam.machine.drill import Spindle
 from beamcam.machine.formula import Formula
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Spindle
 from beamcam.model.part import Profile
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text
 from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.machined_features import ToldText
+from beamcam.verify.bars.machined_features import StampedText
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees
@@ -136,7 +136,7 @@ def bar_made_data(bar: BarMade) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _underline(text: ToldText, machine: Machine) -> list[list[float]]:
+def _underline(text: StampedText, machine: Machine) -> list[list[float]]:
     """The line that the characters of a text stand on."""
     x, long = text.x - text_x(machine), machine.marks.pitch * text.height * len(text.text)
     c, s = unit_vector(text.angle)

@@ -27,7 +27,7 @@ MIN_DEPTH = 1e-6  #: bodies that touch do not strike
 CHUNK = 20_000  #: looks at a time
 
 
-class Strike(Struct, frozen=True):
+class Collision(Struct, frozen=True):
     """Two bodies that lie in each other for a while."""
 
     one: str
@@ -46,7 +46,7 @@ class _Placed(Struct, frozen=True):
     turn_rad: Floats  #: (n,)
 
 
-def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tuple[Strike, ...]:
+def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tuple[Collision, ...]:
     """All strikes of a machine's bodies, in the order of time; none where it has no bodies.
 
     `section` says what is worked, by `SECTION_NAMES`. Raises MachineError for a body whose
@@ -133,7 +133,7 @@ def _reach(body: _Placed, angle: Floats) -> Floats:
     return found
 
 
-def _runs(one: str, other: str, trace: Trace, times: Floats, depth: Floats) -> Iterator[Strike]:
+def _runs(one: str, other: str, trace: Trace, times: Floats, depth: Floats) -> Iterator[Collision]:
     """The stretches of time in which a pair lies in each other."""
     inside: Counts = np.flatnonzero(depth > MIN_DEPTH)
     for _, run in groupby(enumerate(inside.tolist()), key=lambda pair: pair[1] - pair[0]):
@@ -141,4 +141,4 @@ def _runs(one: str, other: str, trace: Trace, times: Floats, depth: Floats) -> I
         first, last = own[0], own[-1]
         line = int(trace.line[trace.interval([times[first]])[0]]) if len(trace.line) else 0
         deepest = float(depth[first : last + 1].max())
-        yield Strike(one, other, float(times[first]), line, deepest, float(times[last]))
+        yield Collision(one, other, float(times[first]), line, deepest, float(times[last]))

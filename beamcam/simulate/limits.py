@@ -6,7 +6,7 @@ import numpy as np
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Saw
 from beamcam.model.part import Profile
 from beamcam.simulate import rules
 from beamcam.simulate.collisions import strikes

@@ -10,9 +10,8 @@ import numpy as np
 
 from beamcam.controllers.simotion.circles import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
-from beamcam.geometry.moves import move_seconds
 from beamcam.geometry.plane import Point
-from beamcam.geometry.ramps import ramp
+from beamcam.geometry.ramps import move_seconds, ramp
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.model.triggers import ArcTravel, Switch, Travel, TriggerOp

@@ -16,8 +16,8 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point
 from beamcam.machine.marking import Marks
 from beamcam.model.part import MIRRORED_FACES
-from beamcam.verify.by_hand import TEXT_MOVED
 from beamcam.verify.drawn_texts import EXACT, DrawnText, is_where_wanted
+from beamcam.verify.left_out import TEXT_MOVED
 from beamcam.verify.wanted_texts import Segment, Wanted
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from beamcam.machine import load
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.pipeline import post
 from beamcam.readers import dstv
+from beamcam.readers.content import Reading
 from beamcam.readers.ifc import Options, Selection, read
-from beamcam.readers.ifc.quantities import equal_parts
-from beamcam.readers.reading import Reading
+from beamcam.readers.ifc.reader import equal_parts
 from beamcam.writers.dstv import write
 from tests.conftest import CORPUS
 from tests.unit.readers.ifc.models import opened

@@ -9,8 +9,7 @@ from beamcam.machine import load
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.verify.bars import verify
-from beamcam.verify.by_hand import BY_HAND
-from beamcam.verify.left_out import LEFT_OUT
+from beamcam.verify.left_out import BY_HAND, LEFT_OUT
 from tests.conftest import CORPUS
 
 FILES = sorted((CORPUS / "dstv").glob("*/*.[nN][cC]*"))

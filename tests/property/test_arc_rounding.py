@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from beamcam.controllers import table_run
 from beamcam.controllers.arcs import arc_of
-from beamcam.controllers.codesys.arcs import arc_fault as codesys_fault
+from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
 from beamcam.controllers.rs274 import grbl, linuxcnc
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.machine import load

@@ -17,12 +17,18 @@ from beamcam.budget import LimitError, Limits, set_limits
 from beamcam.cli import main
 from beamcam.errors import PlanError, Source
 from beamcam.machine import load
-from beamcam.machine.drill import Drill
+from beamcam.machine.stations import Drill
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.operations import hole_pairs, slot
-from beamcam.planning.operations.merging import ROUNDING, Group, Placed, _is_same, drop_duplicates
-from beamcam.planning.turn_choice import MOST_TRIED
+from beamcam.planning.operations.hole_pairs import (
+    ROUNDING,
+    Group,
+    Placed,
+    _is_same,
+    drop_duplicates,
+)
+from beamcam.planning.orientation import MOST_TRIED
 from beamcam.ways_out import ways_out
 from tests.conftest import ROOT
 

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, BSpline, Line
 from beamcam.geometry.sampling import points_at
-from beamcam.motion.densify import DensifyRules, densify
-from beamcam.motion.rounding import truncated, worst_truncation
+from beamcam.motion.densify import DensifyRules, densify, truncated, worst_truncation
 from tests.property.curve_strategies import (
     arcs,
     beziers,

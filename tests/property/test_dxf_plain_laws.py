@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.readers import dxf
+from beamcam.readers.content import Reading
 from beamcam.readers.dxf import bulk, load
-from beamcam.readers.reading import Reading
 from tests.conftest import CORPUS
 from tests.dxf_text import block, drawing, insert, layer_table, tags
 

@@ -11,8 +11,8 @@ from random import Random
 import pytest
 
 from beamcam.errors import Severity
+from beamcam.readers.content import Reading
 from beamcam.readers.ifc import Options, read
-from beamcam.readers.reading import Reading
 from tests.property.ifc_cut_families import FAMILIES
 from tests.property.ifc_cuts import SIZES, Bar, Box, Cuts, Cutter, Half, model_of, walls
 from tests.property.ifc_kernel import kernel_volume, meshed, same, volumes

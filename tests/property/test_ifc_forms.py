@@ -7,8 +7,8 @@ import pytest
 
 from beamcam.errors import Severity
 from beamcam.model.part import Contour, Hole, Part
+from beamcam.readers.content import Reading
 from beamcam.readers.ifc import Options, read
-from beamcam.readers.reading import Reading
 from tests.property.ifc_cuts import SIZES, Bar, Box, Round, model_of
 from tests.property.ifc_kernel import kernel_volume, meshed, same
 from tests.unit.readers.ifc.models import Small

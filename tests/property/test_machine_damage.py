@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
+from beamcam.machine.keys import _key, _toml
 from beamcam.machine.load import files_of_machine, merged
-from beamcam.machine.starting_file import _key, _toml
 from beamcam.pipeline import post
 from beamcam.readers import read
 from tests.conftest import SAMPLES

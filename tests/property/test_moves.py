@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.moves import move_seconds, ramp_seconds, stretch_seconds
+from beamcam.geometry.ramps import move_seconds, ramp_seconds, stretch_seconds
 from beamcam.motion.profile import Limits
 from tests.property.test_profile import duration_by_ruckig
 

@@ -9,12 +9,18 @@ from hypothesis import strategies as st
 
 from beamcam.controllers.events import Move
 from beamcam.controllers.moves import moves_of
-from beamcam.geometry.bending import min_radius_of_ellipse, min_radius_of_parabola
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
 from beamcam.machine.path_limits import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Pace, ParabolaFeed
-from beamcam.motion.feed_limits import SECONDS_PER_MINUTE, calm_radius, paced, turning_mm_s
+from beamcam.motion.feed_limits import (
+    SECONDS_PER_MINUTE,
+    calm_radius,
+    min_radius_of_ellipse,
+    min_radius_of_parabola,
+    paced,
+    turning_mm_s,
+)
 from beamcam.verify.sheets.ability import expected_feeds
 
 coordinates = st.floats(-50, 50).map(lambda v: round(v, 3))

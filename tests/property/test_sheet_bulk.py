@@ -12,7 +12,7 @@ from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from beamcam.controllers import table_events
-from beamcam.controllers.codesys.arcs import arc_fault as codesys_fault
+from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
 from beamcam.controllers.events import TableEvent
 from beamcam.controllers.moves import sure_arcs
 from beamcam.controllers.rs274 import grbl, linuxcnc

@@ -13,7 +13,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Part, Profile
 from beamcam.planning.nesting import lay_on_bar
 from beamcam.planning.operations.ends import Ends, ends_of
-from beamcam.planning.stock_bars import Nesting, Rooms, StockBar, first_fit
+from beamcam.planning.stock import Nesting, Rooms, StockBar, first_fit
 
 SECTIONS = (
     Profile("I", "IPE200", 200, 100, 8.5, 5.6, 12),
@@ -156,7 +156,7 @@ def test_many_pieces_ask_each_bar_for_its_room_seldom() -> None:
         Part(f"P{i}", SECTIONS[0], chance.uniform(300, 6000), Source("test", i)) for i in range(100)
     ]
     parts = [part for part in kinds for _ in range(30)]
-    import beamcam.planning.stock_bars as module
+    import beamcam.planning.stock as module
 
     kept, module.Rooms = module.Rooms, Counted  # type: ignore[misc]
     try:

@@ -8,7 +8,6 @@ import shapely
 from beamcam import readers
 from beamcam.controllers.arcs import arc_of, sweep_of
 from beamcam.errors import Source
-from beamcam.geometry.bending import min_radius_of_ellipse, min_radius_of_parabola
 from beamcam.geometry.conics import arc_between, arc_by_points, arc_through, direction_deg
 from beamcam.geometry.curves import (
     Arc,
@@ -29,6 +28,7 @@ from beamcam.model.hatch import hatched
 from beamcam.model.lengths import duplicate_length, total_length
 from beamcam.model.moved import moved_curve
 from beamcam.model.part import Contour, Part, Profile
+from beamcam.motion.feed_limits import min_radius_of_ellipse, min_radius_of_parabola
 from tests.dxf_text import drawing, tags
 
 SOURCE = Source("stranger.nc1", 1)

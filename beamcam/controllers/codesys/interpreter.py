@@ -23,9 +23,8 @@ from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import rules
-from beamcam.controllers.codesys.arcs import arc_fault
 from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, Lexer
-from beamcam.controllers.codesys.curves import curve_of
+from beamcam.controllers.codesys.curves import arc_fault, curve_of
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
 from beamcam.controllers.events import (
     Acceleration,

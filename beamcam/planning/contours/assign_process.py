@@ -14,8 +14,8 @@ from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
+from beamcam.model.description import policy_on
 from beamcam.model.hatch import is_filled_only
-from beamcam.model.marks import policy_on
 from beamcam.model.part import (
     Contour,
     Feature,

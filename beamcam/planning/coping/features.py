@@ -7,7 +7,7 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.marks import policy_on
+from beamcam.model.description import policy_on
 from beamcam.model.part import Contour, Feature, Hole, Part, Profile, Slot
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import listed_by, refuse_mark

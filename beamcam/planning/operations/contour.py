@@ -4,9 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.model.part import Contour, Face
-from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import Ends, leaves_stock
-from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.working_step import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
@@ -29,7 +28,7 @@ RULES = (COPE, CUTOUT)
 BEVEL_TOLERANCE_DEG = 0.2  #: between a bevel and the end cut that leaves it
 
 
-def _needs(contour: Contour, _: Bench) -> Diagnostic | None:
+def _needs(contour: Contour, _: PartPlanner) -> Diagnostic | None:
     """A torch, unless the contour is the outer one."""
     if contour.kind == "outer":
         return None
@@ -41,20 +40,20 @@ def _needs(contour: Contour, _: Bench) -> Diagnostic | None:
     return CUTOUT.at(contour.source, found=size, face=contour.face)
 
 
-def _refusals(contour: Contour, bench: Bench) -> Iterator[Diagnostic]:
+def _refusals(contour: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
     """Parts of the contour that the saw cuts do not produce."""
-    corner = leaves_stock(contour, bench.part, bench.ends)
+    corner = leaves_stock(contour, planner.part, planner.ends)
     if corner is not None:
         x, y = corner
         yield COPE.at(contour.source, face=contour.face, x=f"{x:g}", y=f"{y:g}")
-    least = bench.line.saw.min_mitre
+    least = planner.line.saw.min_mitre
     noise = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) < least]
     if noise:
         yield BEVEL_NOISE.at(
             contour.source, count=len(noise), found=f"{max(noise):g}", expected=f"{least:g}"
         )
     for bevel in contour.bevels:
-        if abs(bevel.angle) >= least and not _is_sawn(bevel.angle, contour.face, bench.ends):
+        if abs(bevel.angle) >= least and not _is_sawn(bevel.angle, contour.face, planner.ends):
             yield BEVEL.at(contour.source, found=f"{bevel.angle:g}", face=contour.face)
 
 
@@ -67,7 +66,7 @@ def _is_sawn(bevel_deg: float, face: Face, ends: Ends) -> bool:
     )
 
 
-def _steps(contours: Sequence[tuple[int, Contour]], _: Bench) -> Iterator[Found]:
+def _steps(contours: Sequence[tuple[int, Contour]], _: PartPlanner) -> Iterator[Found]:
     """None: the cuts at the ends make them all."""
     return (Settled(f, "made", "saw") for f, _ in contours)
 

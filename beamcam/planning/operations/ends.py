@@ -19,7 +19,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Line, Point
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Saw
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.model.section import corners
 from beamcam.planning import rules

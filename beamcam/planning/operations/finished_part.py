@@ -22,8 +22,8 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.plane import Point
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import Wall, free_edges, walls_beside

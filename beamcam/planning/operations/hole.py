@@ -10,28 +10,34 @@ from collections.abc import Iterable, Iterator, Sequence
 from beamcam.caches import PerObject
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.geometry.plane import Point
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.model.plan import DrillOp, FeatureRef, Plan, WorkOp
 from beamcam.planning.axis_limits import refuse_steps
-from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.hole_pairs import judge_pairs, refuse_crowd, refuse_too_near
-from beamcam.planning.operations.hole_tools import HoleWork, toolings_of
-from beamcam.planning.operations.kind import Kind
-from beamcam.planning.operations.merging import (
+from beamcam.planning.operations.hole_pairs import (
     ROUNDING,
     Group,
     Placed,
     drop_duplicates,
+    judge_pairs,
     merge_pairs,
+    refuse_crowd,
+    refuse_too_near,
     unmerged_because,
 )
+from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
-from beamcam.planning.operations.tools import Tooling, ToolLibrary, library_of
+from beamcam.planning.operations.tools import (
+    HoleWork,
+    Tooling,
+    ToolLibrary,
+    library_of,
+    toolings_of,
+)
 from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
 
 DUPLICATE = Rule(
@@ -68,18 +74,18 @@ _NO_REASONS: tuple[str, ...] = ()
 SUNK = ("through", "blind", "thread", "left-thread")  #: kinds of holes that a sink stands on
 
 
-def _needs(hole: Hole, bench: Bench) -> Diagnostic | None:
+def _needs(hole: Hole, planner: PartPlanner) -> Diagnostic | None:
     """A spindle on its face; which tools it takes follows with its partner on the other flange."""
-    if hole.face in bench.reached:
+    if hole.face in planner.reached:
         return None
-    return refuse_face(hole, f"{hole.kind} hole", bench.reached)
+    return refuse_face(hole, f"{hole.kind} hole", planner.reached)
 
 
-def _refusals(hole: Hole, bench: Bench) -> Iterable[Diagnostic]:
-    off = refuse_place(hole, hole.x, hole.y, bench.part, bench.reached[hole.face])
+def _refusals(hole: Hole, planner: PartPlanner) -> Iterable[Diagnostic]:
+    off = refuse_place(hole, hole.x, hole.y, planner.part, planner.reached[hole.face])
     if off is not None:
         return (off,)
-    return bench.finished.judge(hole, ((hole.x, hole.y),))
+    return planner.finished.judge(hole, ((hole.x, hole.y),))
 
 
 #: The faces that a pair of spindles drills at once, each with the other one.
@@ -89,30 +95,30 @@ partner_faces: PerObject[Machine, dict[Face, Face]] = PerObject(
 )
 
 
-def _steps(holes: Sequence[tuple[int, Hole]], bench: Bench) -> list[Found]:
-    drill = bench.library.drill
+def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Found]:
+    drill = planner.library.drill
     placed = tuple(sorted((hole.x, f, hole) for f, hole in holes))
     kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
     if crowd := list(refuse_crowd(kept, drill)):
         return [*crowd]
-    found: list[Found] = [*_repeats(repeats, bench)]
+    found: list[Found] = [*_repeats(repeats, planner)]
     sinks: list[Group] = []
-    for group in merge_pairs(kept, partner_faces(bench.machine), drill):
+    for group in merge_pairs(kept, partner_faces(planner.machine), drill):
         if group[0][2].kind == "countersink":
             sinks.append(group)
         else:
-            found += _make(group, bench)
+            found += _make(group, planner)
     if sinks:
-        found += _sinks(sinks, _pilots(kept, drill), found, bench)
-    found += refuse_too_near(kept, bench.machine.format.resolution, drill)
+        found += _sinks(sinks, _pilots(kept, drill), found, planner)
+    found += refuse_too_near(kept, planner.machine.format.resolution, drill)
     found += judge_pairs(kept, drill)
     return found
 
 
-def _repeats(repeats: dict[int, Placed], bench: Bench) -> Iterator[Found]:
+def _repeats(repeats: dict[int, Placed], planner: PartPlanner) -> Iterator[Found]:
     """Outcomes of duplicate holes."""
     for f, (_, like, first) in repeats.items():
-        hole = bench.part.features[f]
+        hole = planner.part.features[f]
         yield Settled(f, "duplicate", DUPLICATE.code, like)
         if isinstance(hole, Hole):
             yield f, DUPLICATE.at(
@@ -122,7 +128,7 @@ def _repeats(repeats: dict[int, Placed], bench: Bench) -> Iterator[Found]:
 
 
 def _make(
-    group: Group, bench: Bench, pilot: float | None = None, place: Point | None = None
+    group: Group, planner: PartPlanner, pilot: float | None = None, place: Point | None = None
 ) -> list[Found]:
     """The steps of a hole or a pair; a pair without a tool, or out of reach of a spindle, is two.
 
@@ -139,27 +145,27 @@ def _make(
         faces, why = (hole.face, other.face), ("merge-pair",)
         if other.diameter != hole.diameter:
             diameters = (hole.diameter, other.diameter)
-    if f in bench.behind:
+    if f in planner.behind:
         why = (*why, "from-behind")
     if place is not None:
         x, y = place
-    thickness = bench.part.profile.thickness(hole.face)
+    thickness = planner.part.profile.thickness(hole.face)
     work = HoleWork(
-        hole.kind, diameters, hole.depth, hole.angle, faces, thickness, bench.number(faces), why,
+        hole.kind, diameters, hole.depth, hole.angle, faces, thickness, planner.number(faces), why,
         pilot,
     )  # fmt: skip
-    toolings = toolings_of(bench.library, work)
+    toolings = toolings_of(planner.library, work)
     if not isinstance(toolings, tuple):
         if len(group) == 2:
-            return _one_by_one(group, bench, pilot, place)
+            return _one_by_one(group, planner, pilot, place)
         values = {"x": f"{x:g}", "y": f"{y:g}", **toolings.values}
         return [(f, toolings.rule.at(hole.source, **values))]
     steps = []
     for tooling in toolings:
-        path = _ring(x, y, tooling, bench) if tooling.ring else ()
+        path = _ring(x, y, tooling, planner) if tooling.ring else ()
         steps.append(WorkingStep(x, y, tooling, features, hole.source, path))
-    if len(group) == 2 and any(refuse_steps(bench.part.features, steps, bench.travel)):
-        return _one_by_one(group, bench, pilot, place)
+    if len(group) == 2 and any(refuse_steps(planner.part.features, steps, planner.travel)):
+        return _one_by_one(group, planner, pilot, place)
     found: list[Found] = [*steps]
     if hole.depth is not None:
         found += _judge_points(group, toolings[0], thickness)
@@ -167,14 +173,14 @@ def _make(
 
 
 def _one_by_one(
-    group: Group, bench: Bench, pilot: float | None, place: Point | None
+    group: Group, planner: PartPlanner, pilot: float | None, place: Point | None
 ) -> list[Found]:
     """The steps of two holes that one stroke of both spindles does not make."""
-    return [found for one in group for found in _make((one,), bench, pilot, place)]
+    return [found for one in group for found in _make((one,), planner, pilot, place)]
 
 
-def _ring(x: float, y: float, tooling: Tooling, bench: Bench) -> tuple[Point, ...]:
-    mill, tolerance = tooling.tools[0].diameter, bench.library.drill.path_tolerance
+def _ring(x: float, y: float, tooling: Tooling, planner: PartPlanner) -> tuple[Point, ...]:
+    mill, tolerance = tooling.tools[0].diameter, planner.library.drill.path_tolerance
     is_blind = tooling.depth is not None
     return pocket_path((x, y), (0.0, 0.0), 0.0, tooling.ring, mill, tolerance, is_blind)
 
@@ -221,7 +227,7 @@ def _pilots(holes: Group, drill: Drill) -> dict[int, Placed]:
 
 
 def _sinks(
-    sinks: Iterable[Group], pilots: dict[int, Placed], made: Iterable[Found], bench: Bench
+    sinks: Iterable[Group], pilots: dict[int, Placed], made: Iterable[Found], planner: PartPlanner
 ) -> Iterator[Found]:
     """The steps of countersinks; of a pair one by one if their holes differ in size or place.
 
@@ -235,10 +241,10 @@ def _sinks(
         at = [places.get(p[1]) if p else None for p in holes]
         sizes = [p[2].diameter if p and a else None for p, a in zip(holes, at, strict=True)]
         if len(set(zip(sizes, at, strict=True))) == 1:
-            yield from _make(group, bench, sizes[0], at[0])
+            yield from _make(group, planner, sizes[0], at[0])
         else:
             for placed, size, place in zip(group, sizes, at, strict=True):
-                yield from _make((placed,), bench, size, place)
+                yield from _make((placed,), planner, size, place)
 
 
 def _rejected(op: WorkOp, plan: Plan, machine: Machine) -> Iterator[str]:

@@ -3,9 +3,8 @@
 from msgspec import Struct
 
 from beamcam.machine.absent import drill_of, saw_of
-from beamcam.machine.drill import Drill
 from beamcam.machine.machine import Layout, Machine
-from beamcam.machine.saw import Saw
+from beamcam.machine.stations import Drill, Saw
 from beamcam.planning.operations.tools import ToolLibrary, library_of
 
 

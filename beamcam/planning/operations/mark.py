@@ -4,9 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.model.part import Contour, Face
-from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.paths import line_points
 from beamcam.planning.operations.reach import IN_THE_WAY
 from beamcam.planning.operations.tools import Tooling
@@ -26,24 +25,24 @@ RULES = (LINE_BEYOND,)
 REASONS = {"scribe-line": "a line that is marked and not cut"}
 
 
-def can_scribe(face: Face, bench: Bench) -> bool:
+def can_scribe(face: Face, planner: PartPlanner) -> bool:
     """Whether a spindle comes to the face and takes a scribe."""
-    return face in bench.reached and bool(bench.library.of_kind("scribe", (face,)))
+    return face in planner.reached and bool(planner.library.of_kind("scribe", (face,)))
 
 
 def _length(line: Contour) -> str:
     return f"{sum(curve.length for curve in line.curves):g} mm of line"
 
 
-def _needs(line: Contour, bench: Bench) -> Diagnostic | None:
-    if can_scribe(line.face, bench):
+def _needs(line: Contour, planner: PartPlanner) -> Diagnostic | None:
+    if can_scribe(line.face, planner):
         return None
     return MARK.at(line.source, found=_length(line), face=line.face, why=no_unit("scribe"))
 
 
-def _refusals(line: Contour, bench: Bench) -> Iterator[Diagnostic]:
+def _refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
     """That a flange stands in the way of the scribe."""
-    reach = bench.reached[line.face]
+    reach = planner.reached[line.face]
     ys = [y for curve in line.curves for y in curve.bbox[1::2]]
     out = next((y for y in (min(ys), max(ys)) if not reach.least <= y <= reach.greatest), None)
     if out is not None:
@@ -53,21 +52,21 @@ def _refusals(line: Contour, bench: Bench) -> Iterator[Diagnostic]:
         )  # fmt: skip
 
 
-def _steps(lines: Sequence[tuple[int, Contour]], bench: Bench) -> Iterator[Found]:
+def _steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> Iterator[Found]:
     """Each line scribed, from that end of it that comes first along the bar."""
-    drill = bench.library.drill
+    drill = planner.library.drill
     for f, line in lines:
         path = line_points(line.curves, drill.path_tolerance)
         if path[-1][0] < path[0][0]:
             path = path[::-1]
         faces = (line.face,)
-        scribes = bench.library.of_kind("scribe", faces)[:1]
-        number = bench.number(faces)
+        scribes = planner.library.of_kind("scribe", faces)[:1]
+        number = planner.number(faces)
         tooling = Tooling(number, scribes, faces, drill.mark_depth, ("scribe-line",))
         yield WorkingStep(*path[0], tooling, (f,), line.source, path)
-        across = bench.finished.across(line.face)
+        across = planner.finished.across(line.face)
         left, place = min(
-            bench.finished.steel(line.face, path),
+            planner.finished.steel(line.face, path),
             (min(min(y, across.width - y) for _, y in path), across.edge),
         )
         if left < -TOLERANCE:

@@ -9,29 +9,28 @@ from beamcam.errors import Diagnostic
 from beamcam.model.part import Bend, Camber, EndPlane
 from beamcam.model.section import corners
 from beamcam.planning import rules
-from beamcam.planning.operations.bench import Bench
-from beamcam.planning.operations.kind import Kind, Numbered
+from beamcam.planning.operations.part_planner import Kind, Numbered, PartPlanner
 from beamcam.planning.operations.working_step import Found, Settled
 
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
 SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at any corner
 
 
-def _needs(feature: Bend | EndPlane | Camber, bench: Bench) -> Diagnostic | None:
-    if isinstance(feature, EndPlane) and _is_sawn(feature, bench):
+def _needs(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diagnostic | None:
+    if isinstance(feature, EndPlane) and _is_sawn(feature, planner):
         return None
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-def _is_sawn(plane: EndPlane, bench: Bench) -> bool:
+def _is_sawn(plane: EndPlane, planner: PartPlanner) -> bool:
     """Whether a plane is that of the start or the end of the part."""
-    start, end = bench.ends
-    places = corners(bench.part.profile, bench.part.section)
+    start, end = planner.ends
+    places = corners(planner.part.profile, planner.part.section)
     one = end if plane.normal[0] > 0 else start
     return all(abs(plane.x(y, z) - one.x(y, z)) <= SAME_PLANE for y, z in places)
 
 
-def _steps(planes: Sequence[Numbered], _: Bench) -> Iterator[Found]:
+def _steps(planes: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
     """None: the cuts at the ends make them."""
     return (Settled(f, "made", "saw") for f, _ in planes)
 

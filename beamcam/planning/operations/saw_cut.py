@@ -12,13 +12,12 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Rule, Severity
 from beamcam.machine.machine import Machine
-from beamcam.machine.saw import Saw, SawSection
+from beamcam.machine.stations import Saw, SawSection
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.model.section import corners
-from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import End, Ends
-from beamcam.planning.operations.kind import Kind, nothing
+from beamcam.planning.operations.part_planner import Kind, PartPlanner, nothing
 
 _E, _N = Severity.ERROR, Severity.NOTE
 
@@ -77,11 +76,11 @@ TOUCH = 0.01  #: mm; ends that are as near meet in a point
 NOTHING_LEFT = 1e-6  #: mm
 
 
-def _needs(end: End, bench: Bench) -> Diagnostic | None:
+def _needs(end: End, planner: PartPlanner) -> Diagnostic | None:
     """Why the saw cannot make one end; None if it can."""
     if end.is_square:
         return None
-    return _refuse_cut(end, _turning_saw(bench.line.saw, bench.machine), bench.part)
+    return _refuse_cut(end, _turning_saw(planner.line.saw, planner.machine), planner.part)
 
 
 def _refuse_cut(end: End, saw: Saw, part: Part) -> Diagnostic | None:
@@ -119,9 +118,9 @@ def _turning_saw(saw: Saw, machine: Machine) -> Saw:
     return saw
 
 
-def _refusals(ends: Ends, bench: Bench) -> Iterator[Diagnostic]:
+def _refusals(ends: Ends, planner: PartPlanner) -> Iterator[Diagnostic]:
     """Errors and remarks on the two ends of a part, together and one by one."""
-    part, saw = bench.part, bench.line.saw
+    part, saw = planner.part, planner.line.saw
     start, end = ends
     at_end = part.cut_source("web" if end.web_deg else "flange", "end")
     if not (start.is_square and end.is_square):

@@ -13,9 +13,8 @@ from beamcam.geometry.plane import Point, unit_vector
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole, Slot
 from beamcam.planning import rules
-from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.kind import Kind
+from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.reach import refuse_face, refuse_place
 from beamcam.planning.operations.tools import Tooling
@@ -40,45 +39,45 @@ MOST_PAIRS = 100_000  #: that are compared, 3 s
 Shape = tuple[int, Hole | Slot]  #: index of the feature, on the face that it is made from
 
 
-def _needs(slot: Slot, bench: Bench) -> Diagnostic | None:
+def _needs(slot: Slot, planner: PartPlanner) -> Diagnostic | None:
     """A mill that is no wider, and a spindle on its face."""
     size = f"{slot.length + slot.diameter:g} x {slot.height + slot.diameter:g}"
     expected = ""
     if slot.kind not in ("through", "blind"):
         expected = f"a slot without a {slot.kind}"
-    elif not bench.library.slot_mill(slot.diameter, (slot.face,)):
+    elif not planner.library.slot_mill(slot.diameter, (slot.face,)):
         expected = "no slot, the machine has no mill"
-        mills = bench.library.of_kind("mill", (slot.face,))
+        mills = planner.library.of_kind("mill", (slot.face,))
         if mills:
             expected = f"one at least {mills[0].diameter:g} wide, as the smallest mill"
     if expected:
         return rules.SLOT.at(slot.source, found=size, face=slot.face, expected=expected)
-    return None if slot.face in bench.reached else refuse_face(slot, "slot hole", bench.reached)
+    return None if slot.face in planner.reached else refuse_face(slot, "slot hole", planner.reached)
 
 
-def _refusals(slot: Slot, bench: Bench) -> Iterator[Diagnostic]:
+def _refusals(slot: Slot, planner: PartPlanner) -> Iterator[Diagnostic]:
     """Faults in the position of its middle or of its corner circles."""
-    reach, ends = bench.reached[slot.face], slot_ends(slot)
-    said = (refuse_place(slot, x, y, bench.part, reach) for x, y in ((slot.x, slot.y), *ends))
+    reach, ends = planner.reached[slot.face], slot_ends(slot)
+    said = (refuse_place(slot, x, y, planner.part, reach) for x, y in ((slot.x, slot.y), *ends))
     off = next((d for d in said if d is not None), None)
     if off is not None:
         yield off
     else:
-        yield from bench.finished.judge(slot, ends)
+        yield from planner.finished.judge(slot, ends)
 
 
-def _steps(slots: Sequence[tuple[int, Slot]], bench: Bench) -> Iterator[Found]:
+def _steps(slots: Sequence[tuple[int, Slot]], planner: PartPlanner) -> Iterator[Found]:
     for f, slot in slots:
-        yield from _steps_of(f, slot, bench)
+        yield from _steps_of(f, slot, planner)
     if slots:
-        drilled = (each for each in bench.holes if each[1].kind != "mark")
-        yield from _judge_neighbours([*slots, *drilled], bench.library.drill.min_edge_distance)
+        drilled = (each for each in planner.holes if each[1].kind != "mark")
+        yield from _judge_neighbours([*slots, *drilled], planner.library.drill.min_edge_distance)
 
 
-def _steps_of(f: int, slot: Slot, bench: Bench) -> Iterator[WorkingStep]:
+def _steps_of(f: int, slot: Slot, planner: PartPlanner) -> Iterator[WorkingStep]:
     """The ends drilled, where the machine does so and has the drill, and the slot milled."""
-    library, ends, faces = bench.library, slot_ends(slot), (slot.face,)
-    number = bench.number(faces)
+    library, ends, faces = planner.library, slot_ends(slot), (slot.face,)
+    number = planner.number(faces)
     drills = library.drills((slot.diameter,), faces)
     mill = library.slot_mill(slot.diameter, faces)
     if library.drill.slots == "drill-mill" and drills and len(ends) <= 2:

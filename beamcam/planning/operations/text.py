@@ -16,11 +16,10 @@ from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.by_hand import FACE
 from beamcam.planning.lettering import Lettered, place_text, remarks
 from beamcam.planning.lettering_room import Room
-from beamcam.planning.operations.bench import Bench
 from beamcam.planning.operations.ends import wall_end
 from beamcam.planning.operations.finished_part import OUTSIDE
-from beamcam.planning.operations.kind import Kind
 from beamcam.planning.operations.mark import can_scribe
+from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.slot import slot_ends
 from beamcam.planning.operations.tools import Tooling
 from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
@@ -35,64 +34,68 @@ def _is_text(feature: object) -> bool:
     return isinstance(feature, TextMark)
 
 
-def _needs(text: TextMark, bench: Bench) -> None:
+def _needs(text: TextMark, planner: PartPlanner) -> None:
     """Nothing: what the machine cannot letter is left for manual work."""
 
 
-def _steps(texts: Sequence[tuple[int, TextMark]], bench: Bench) -> Iterator[Found]:
+def _steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> Iterator[Found]:
     by_face: dict[Face, list[tuple[int, TextMark]]] = defaultdict(list)
     for f, text in texts:
         by_face[text.face].append((f, text))
     for face, group in by_face.items():
-        room = _room(face, bench) if _comes_to(face, bench) else None
+        room = _room(face, planner) if _comes_to(face, planner) else None
         for f, text in group:
-            lettered = FACE if room is None else place_text(text, bench.machine.marks, room)
+            lettered = FACE if room is None else place_text(text, planner.machine.marks, room)
             if isinstance(lettered, str):
                 yield Settled(f, "listed", lettered)
                 continue
             if isinstance(lettered, Diagnostic):
                 yield f, lettered
                 break
-            yield from ((f, said) for said in remarks(text, lettered, bench.machine.marks))
-            yield from _steps_of(f, text, lettered, bench)
+            yield from ((f, said) for said in remarks(text, lettered, planner.machine.marks))
+            yield from _steps_of(f, text, lettered, planner)
 
 
-def _comes_to(face: Face, bench: Bench) -> bool:
+def _comes_to(face: Face, planner: PartPlanner) -> bool:
     """Whether what letters comes to a face."""
-    if not bench.machine.marks.is_told:
-        return can_scribe(face, bench)
-    missing = NO_PLATE.get(bench.part.profile.code, ())
-    return face in bench.machine.marks.faces and face not in missing
+    if not planner.machine.marks.is_told:
+        return can_scribe(face, planner)
+    missing = NO_PLATE.get(planner.part.profile.code, ())
+    return face in planner.machine.marks.faces and face not in missing
 
 
-def _steps_of(f: int, text: TextMark, lettered: Lettered, bench: Bench) -> Iterator[WorkingStep]:
-    marks = bench.machine.marks
+def _steps_of(
+    f: int, text: TextMark, lettered: Lettered, planner: PartPlanner
+) -> Iterator[WorkingStep]:
+    marks = planner.machine.marks
     if marks.unit == "stamp" or marks.unit == "printer":
         unit = Tool(marks.unit, lettered.height, FLAT_DEG)
         how = Tooling(marks.faces[text.face], (unit,), (text.face,), None, ("tell",))
         typed = Typed(lettered.text, lettered.height, lettered.angle)
         yield WorkingStep(lettered.x, lettered.y, how, (f,), text.source, text=typed)
         return
-    how = _tooling(text.face, bench)
+    how = _tooling(text.face, planner)
     for stroke in lettered.strokes:
         yield WorkingStep(*stroke[0], how, (f,), text.source, stroke)
 
 
-def _tooling(face: Face, bench: Bench) -> Tooling:
+def _tooling(face: Face, planner: PartPlanner) -> Tooling:
     faces = (face,)
-    scribes = bench.library.of_kind("scribe", faces)[:1]
-    return Tooling(bench.number(faces), scribes, faces, bench.library.drill.mark_depth, ("letter",))
+    scribes = planner.library.of_kind("scribe", faces)[:1]
+    return Tooling(
+        planner.number(faces), scribes, faces, planner.library.drill.mark_depth, ("letter",)
+    )
 
 
-def _room(face: Face, bench: Bench) -> Room | None:
+def _room(face: Face, planner: PartPlanner) -> Room | None:
     """Room for a text on a face, within the axes' travel; None where there is none."""
-    low, high = _between_walls(face, bench)
-    if not bench.machine.marks.is_told:
-        bounds = within_axes(_tooling(face, bench), (low, high), bench.travel)
+    low, high = _between_walls(face, planner)
+    if not planner.machine.marks.is_told:
+        bounds = within_axes(_tooling(face, planner), (low, high), planner.travel)
         if bounds is None:
             return None
         low, high = bounds
-    start, end = (wall_end(each, face, bench.part.profile) for each in bench.ends)
+    start, end = (wall_end(each, face, planner.part.profile) for each in planner.ends)
     outline = [
         (start.greatest - low * start.slope, low),
         (end.least - low * end.slope, low),
@@ -102,17 +105,17 @@ def _room(face: Face, bench: Bench) -> Room | None:
     xs = [x for x, _ in outline]
     room = Room((min(xs), low, max(xs), high))
     room.bound(outline)
-    _remove_obstacles(room, face, bench)
+    _remove_obstacles(room, face, planner)
     return room
 
 
-def _between_walls(face: Face, bench: Bench) -> tuple[float, float]:
+def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
     """The y of a face between edges, fillets and what is in the tool's way."""
-    across = bench.finished.across(face)
+    across = planner.finished.across(face)
     low, high = 0.0, across.width
-    if face in bench.reached:
-        low, high = max(low, bench.reached[face].least), min(high, bench.reached[face].greatest)
-    profile = bench.part.profile
+    if face in planner.reached:
+        low, high = max(low, planner.reached[face].least), min(high, planner.reached[face].greatest)
+    profile = planner.part.profile
     if profile.code == "M":  # closed: its walls stand behind the face, beyond round corners
         low, high = low + profile.radius, high - profile.radius
     elif face not in OUTSIDE or (face == "h" and profile.code == "I"):
@@ -124,17 +127,17 @@ def _between_walls(face: Face, bench: Bench) -> tuple[float, float]:
     return low, high
 
 
-def _remove_obstacles(room: Room, face: Face, bench: Bench) -> None:
+def _remove_obstacles(room: Room, face: Face, planner: PartPlanner) -> None:
     """Take the stem of a T, and holes and slots, from the steel of a face."""
-    code = bench.part.profile.code
+    code = planner.part.profile.code
     if code == "T" and face == "v":
-        for wall in bench.finished.across(face).walls:
+        for wall in planner.finished.across(face).walls:
             room.remove(
                 box_corners(room.box[0], wall.least - wall.radius, room.box[2],
                             wall.greatest + wall.radius)
             )  # fmt: skip
     behind = OTHER_SIDE.get(code, {}).get(face)
-    for feature in bench.part.features:
+    for feature in planner.part.features:
         if isinstance(feature, (Hole, Slot)) and feature.face in (face, behind):
             centres = slot_ends(feature) if isinstance(feature, Slot) else ((feature.x, feature.y),)
             for centre in centres:

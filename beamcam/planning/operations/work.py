@@ -11,17 +11,38 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.model.marks import policy_on
+from beamcam.model.description import policy_on
 from beamcam.model.part import Feature, Part
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.by_hand import listed_by, refuse_mark
-from beamcam.planning.operations.bench import Bench
+from beamcam.planning.operations.contour import CONTOUR
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
-from beamcam.planning.operations.kinds import KINDS, kind_of
+from beamcam.planning.operations.hole import HOLE
 from beamcam.planning.operations.line import BarLine
+from beamcam.planning.operations.mark import LINE
+from beamcam.planning.operations.other import OTHER
+from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.saw_cut import SAW_CUT
+from beamcam.planning.operations.slot import SLOT
+from beamcam.planning.operations.text import TEXT
 from beamcam.planning.operations.working_step import Settled, WorkingStep
+
+# --- kinds ----------------------------------------------------------------------------------------
+
+# The kinds of work on a bar; of a feature the first that makes it.
+
+
+KINDS = (HOLE, SLOT, LINE, CONTOUR, TEXT, OTHER, SAW_CUT)
+REASONS = {code: said for kind in KINDS for code, said in kind.reasons.items()}
+
+
+def kind_of(feature: Feature) -> Kind:
+    """The kind of work that makes a feature."""
+    for kind in KINDS:
+        if kind.makes(feature):
+            return kind
+    raise TypeError(f"no kind of work makes a {type(feature).__name__}")
 
 
 class PartWork(Struct, frozen=True):
@@ -67,51 +88,51 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
         ends, remarks = ends_of(part, line.saw)
     except PlanError as error:
         return PartWork(part, SQUARE, error.diagnostics)
-    bench = Bench(part, ends, line)
-    of_ends = [said for end in ends if (said := SAW_CUT.needs(end, bench))]
-    of_ends += SAW_CUT.refusals(ends, bench)
-    _put_features(bench)
+    planner = PartPlanner(part, ends, line)
+    of_ends = [said for end in ends if (said := SAW_CUT.needs(end, planner))]
+    of_ends += SAW_CUT.refusals(ends, planner)
+    _put_features(planner)
     for kind in KINDS:
-        bench.take(kind.steps(bench.accepted[kind.name], bench))
-    bench.refuse(refuse_steps(bench.part.features, bench.steps, bench.travel))
-    bench.refuse_repeats()
-    refused = bench.refused
+        planner.take(kind.steps(planner.accepted[kind.name], planner))
+    planner.refuse(refuse_steps(planner.part.features, planner.steps, planner.travel))
+    planner.refuse_repeats()
+    refused = planner.refused
     skipped = {f: said for f, said in refused.items() if said.code.removeprefix("plan-") in skips}
     refusals = [*errors_in(of_ends), *(refused[f] for f in sorted(refused) if f not in skipped)]
-    told = [*remarks, *(said for said in of_ends if said not in refusals), *bench.remarks]
+    told = [*remarks, *(said for said in of_ends if said not in refusals), *planner.remarks]
     return PartWork(
         part,
         ends,
         tuple(refusals),
         tuple(told),
-        tuple(bench.steps),
-        tuple(bench.settled.values()),
+        tuple(planner.steps),
+        tuple(planner.settled.values()),
         skipped,
     )
 
 
-def _put_features(bench: Bench) -> None:
+def _put_features(planner: PartPlanner) -> None:
     """Put each feature that can be made to those of its kind, and refuse the others."""
-    marks = bench.line.machine.marks
-    for f, given in enumerate(bench.part.features):
-        if policy_on(given, marks) is not None and not _is_made(f, given, bench):
+    marks = planner.line.machine.marks
+    for f, given in enumerate(planner.part.features):
+        if policy_on(given, marks) is not None and not _is_made(f, given, planner):
             continue
-        kind, feature = kind_of(given), bench.on_reached_face(f, given)
-        lacking = kind.needs(feature, bench)
+        kind, feature = kind_of(given), planner.on_reached_face(f, given)
+        lacking = kind.needs(feature, planner)
         if lacking is not None:
-            bench.refused[f] = lacking
+            planner.refused[f] = lacking
             continue
-        bench.take([(f, said) for said in kind.refusals(feature, bench)])
-        if f not in bench.refused:
-            bench.accepted[kind.name].append((f, feature))
+        planner.take([(f, said) for said in kind.refusals(feature, planner)])
+        if f not in planner.refused:
+            planner.accepted[kind.name].append((f, feature))
 
 
-def _is_made(f: int, mark: Feature, bench: Bench) -> bool:
+def _is_made(f: int, mark: Feature, planner: PartPlanner) -> bool:
     """Whether a mark is work of the machine; one that is not is listed, or refused."""
-    marks = bench.line.machine.marks
+    marks = planner.line.machine.marks
     why, said = listed_by(mark, marks), refuse_mark(mark, marks)
     if why is not None:
-        bench.settled[f] = Settled(f, "listed", why)
+        planner.settled[f] = Settled(f, "listed", why)
     elif said is not None:
-        bench.refused[f] = said
+        planner.refused[f] = said
     return why is None and said is None

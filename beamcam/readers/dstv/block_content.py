@@ -3,7 +3,7 @@
 from msgspec import Struct, field
 
 from beamcam.model.part import Feature, Plane, SectionPoint
-from beamcam.readers.dstv.contour_rows import Rows
+from beamcam.readers.dstv.contours import Rows
 
 
 class Content(Struct):

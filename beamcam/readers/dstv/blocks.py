@@ -1,9 +1,18 @@
 """The blocks of a DSTV file: which lines are codes, which are rows, which are comments."""
 
+import re
+from bisect import bisect_right
 from collections.abc import Sequence
+from itertools import zip_longest
 
+from beamcam.errors import Diagnostic, Source
+from beamcam.model.anchors import anchor_key, plane_positions
+from beamcam.model.part import Comment, Contour, Feature
 from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.block_content import Content
+from beamcam.readers.dstv.contours import Rows
 from beamcam.readers.dstv.tokens import CODES, Block, Log
+from beamcam.readers.rules import ENCODING
 
 Loose = tuple[int, str]  #: line and text of a comment
 
@@ -65,3 +74,161 @@ def _code(text: str, line: str, number: int, log: Log) -> str | None:
         log.add(rules.CODE_CASE, number, found=text, block=text.upper())
         return text.upper()
     return text if text.isupper() and line[0] not in " \t" else None
+
+
+# --- comments -------------------------------------------------------------------------------------
+
+# Positions of comments: the object that each precedes, by its line.
+
+
+Placed = tuple[int, str, str]  #: line, anchor, text
+Stop = tuple[int, str]  #: a line that a comment can stand before, and its anchor
+
+
+def place_comments(
+    placed: list[Placed],
+    loose: list[tuple[int, str]],
+    blocks: list[Block],
+    end: int,
+    features: Sequence[Feature],
+    content: Content,
+) -> tuple[Comment, ...]:
+    """All comments of a file with their anchors, in the order in which a writer meets them.
+
+    `placed` have their anchor already; `loose` are lines and texts between the blocks.
+    """
+    if not loose:
+        return tuple(Comment(text, anchor) for _, anchor, text in placed)
+    stops = _stops(blocks, features, content)
+    lines = [line for line, _ in stops]
+    found = list(placed)
+    for line, text in loose:
+        if end and line > end:
+            anchor = "after-end"
+        else:
+            at = bisect_right(lines, line)
+            anchor = stops[at][1] if at < len(stops) else "end"
+        found.append((line, anchor, text))
+    positions = plane_positions(content.planes, features)
+    found.sort(key=lambda item: anchor_key(item[1], positions))
+    return tuple(Comment(text, anchor) for _, anchor, text in found)
+
+
+def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -> list[Stop]:
+    """Every line that a comment can stand before, in order, with its anchor."""
+    things: list[Stop] = []
+    rows_of = {rows.line: rows for rows in content.contours}
+    for i, feature in enumerate(features):
+        line = feature.source.line or 0
+        things.append((line, f"feature:{i}"))
+        rows = rows_of.get(line)
+        if rows is not None and isinstance(feature, Contour):
+            things += _row_stops(rows, i)
+    block_at = {block.line: block for block in blocks}
+    for k, plane in enumerate(content.planes):
+        block = block_at[plane.source.line or 0]
+        things += [
+            (line, f"plane:{k}:{row}" if row else f"plane:{k}")
+            for row, line in enumerate(block.numbers[:3])
+        ]
+    counts = {"PR": 0, "IN": 0}
+    for block in blocks:
+        if block.code in counts:
+            name = "section" if block.code == "PR" else "info"
+            for line in block.numbers:
+                things.append((line, f"{name}:{counts[block.code]}"))
+                counts[block.code] += 1
+        elif block.code == "TO" and block.numbers:
+            things.append((block.numbers[0], "tolerance"))
+    things.sort()
+    lines = [line for line, _ in things]
+    for block, limit in zip_longest(blocks, [block.line for block in blocks[1:]]):
+        at = bisect_right(lines, block.line)
+        if at < len(lines) and (limit is None or lines[at] < limit):
+            things.append((block.line, "block:" + things[at][1]))
+    things.sort()
+    return things
+
+
+def _row_stops(rows: Rows, feature: int) -> list[Stop]:
+    """The rows of a contour behind its first; of one that was turned round, counted from its end.
+
+    A comment stands between two rows, so that turning round puts it before the other one.
+    """
+    lines = sorted({*rows.lines, *rows.notch_lines})
+    count = len(lines)
+    return [
+        (line, f"feature:{feature}:{count - row if rows.turned else row}")
+        for row, line in enumerate(lines)
+        if row
+    ]
+
+
+# --- encoding -------------------------------------------------------------------------------------
+
+# The alphabet of a DSTV file: what it says itself, what is asked for, or what its letters suggest.
+#
+# The standard allows ASCII only. Old files have the alphabet of the system that wrote them, and
+# nothing in them names it; the letters do:
+#
+#     c1 e0 eb ea e0    Windows-1251: a word of letters above 0xBF only       Балка
+#     Tr 84 ger         code page 850: letters from 0x80 to 0x9F inside words  Träger
+#     Tr e4 ger         Latin-1: single letters above 0xBF inside words        Träger
+
+
+_WORD = re.compile(rb"[A-Za-z\x80-\xff]+")
+_CYRILLIC = re.compile(rb"[\xc0-\xff\xa8\xb8]{2,}")  #: a word of them; A8 and B8 are the letter io
+#: Those that Windows has typographic quotes and apostrophes for inside words are left out.
+_DOS_LETTERS = frozenset(range(0x80, 0x9E)) - {0x91, 0x92, 0x9C}
+_BOM = b"\xef\xbb\xbf"
+NAMES = {"latin-1": "Latin-1", "cp1251": "Windows-1251 (Cyrillic)", "cp850": "code page 850 (DOS)"}
+
+
+def decode(data: bytes) -> tuple[str, str | None]:
+    """The text of a file, and the name of its encoding where it is not ASCII; never fails."""
+    if data.isascii():
+        return data.decode("ascii"), None
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace"), "UTF-16"
+    try:
+        return data.decode("utf-8-sig"), "UTF-8"
+    except UnicodeDecodeError:
+        name = guessed(data)
+        return data.removeprefix(_BOM).decode(name, "replace"), NAMES[name]
+
+
+def decode_as(data: bytes, encoding: str, file: str) -> tuple[str, Diagnostic | None]:
+    """The text of a file in the encoding that is asked for; what is wrong where it is none."""
+    try:
+        return data.decode(encoding), None
+    except UnicodeError:
+        line = 1 + data.count(b"\n", 0, _first_odd(data, encoding))
+        return data.decode(encoding, "replace"), ENCODING.at(Source(file, line), encoding=encoding)
+
+
+def guessed(data: bytes) -> str:
+    """The encoding that the letters of a text suggest, where it is neither ASCII nor UTF-8."""
+    words = [word for word in _WORD.findall(data) if not word.isascii()]
+    odd = sum(sum(sign >= 0x80 for sign in word) for word in words)
+    cyrillic = sum(len(word) for word in words if _CYRILLIC.fullmatch(word))
+    dos = sum(
+        sum(sign in _DOS_LETTERS for sign in word) for word in words if _has_plain_letters(word)
+    )
+    if 2 * cyrillic > odd:
+        return "cp1251"
+    return "cp850" if 2 * dos > odd else "latin-1"
+
+
+def _has_plain_letters(word: bytes) -> bool:
+    return any(sign < 0x80 for sign in word)
+
+
+def _first_odd(data: bytes, encoding: str) -> int:
+    """Position of the first bytes that are invalid in the encoding."""
+    try:
+        data.decode(encoding)
+    except UnicodeDecodeError as error:
+        return error.start
+    except UnicodeError:
+        pass
+    return 0

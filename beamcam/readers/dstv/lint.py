@@ -26,7 +26,7 @@ from beamcam.model.part import (
 from beamcam.model.section import WALLED, section_fault
 from beamcam.model.weight import STEEL_KG_MM3, section_area
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.contour_rows import Rows
+from beamcam.readers.dstv.contours import Rows
 from beamcam.readers.dstv.tokens import Log
 
 WEIGHT_SHARE = 0.05  #: of the section's, by which the header's weight may differ

@@ -7,21 +7,19 @@ from msgspec.structs import replace
 
 from beamcam.errors import Rule, Source
 from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Part, Profile
+from beamcam.readers.content import Reading
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.block_content import Content
-from beamcam.readers.dstv.blocks import split_blocks
-from beamcam.readers.dstv.comments import Placed, place_comments
-from beamcam.readers.dstv.contour_rows import Rows, read_contour_rows
-from beamcam.readers.dstv.contours import build_contour, is_mirrored
-from beamcam.readers.dstv.encoding import decode, decode_as
+from beamcam.readers.dstv.blocks import Placed, decode, decode_as, place_comments, split_blocks
+from beamcam.readers.dstv.contours import Rows, build_contour, is_mirrored, read_contour_rows
 from beamcam.readers.dstv.header import header_lines, read_header
-from beamcam.readers.dstv.holes import read_hole
 from beamcam.readers.dstv.lint import check
 from beamcam.readers.dstv.place import FACE_LETTERS, Place, RowReader, features_of
 from beamcam.readers.dstv.rows import (
     read_bend,
     read_camber,
     read_end_planes,
+    read_hole,
     read_info,
     read_plane,
     read_section_point,
@@ -29,7 +27,6 @@ from beamcam.readers.dstv.rows import (
     read_tolerance,
 )
 from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
-from beamcam.readers.reading import Reading
 
 #: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
 _FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {

@@ -7,6 +7,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
+from beamcam.readers.content import Reading
 from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
 from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.dxf import rules
@@ -15,7 +16,6 @@ from beamcam.readers.dxf.layers import Layers, Look
 from beamcam.readers.dxf.load import load, looks_like
 from beamcam.readers.dxf.units import contradictions, find_unit
 from beamcam.readers.dxf.walk import Collected, Walk
-from beamcam.readers.reading import Reading
 
 __all__ = ["looks_like", "read"]
 

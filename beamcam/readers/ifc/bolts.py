@@ -19,9 +19,9 @@ from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreada
 from beamcam.readers.ifc.features import sorted_holes
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.options import Options
+from beamcam.readers.ifc.section import Wall, walls_of
 from beamcam.readers.ifc.solids import mapping
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
-from beamcam.readers.ifc.walls import Wall, walls_of
 from beamcam.solid.kernel import prism
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.section import walls as solid_walls

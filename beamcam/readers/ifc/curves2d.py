@@ -9,8 +9,8 @@ from beamcam.geometry.arc_fitting import fit_chains
 from beamcam.geometry.bspline import BSpline
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.geometry.plane import Box
-from beamcam.readers.ifc.doubts import Typed
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
+from beamcam.readers.ifc.text import Typed
 
 Chain = tuple[Curve, ...]
 SPLINE_FIT = 0.005  #: mm that the arcs which stand for a spline may lie off it

@@ -15,9 +15,9 @@ from beamcam.readers.ifc.curves2d import box_around
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import FAR, Circles, Shape, half_plane, polygon_of, rectangle
+from beamcam.readers.ifc.section import Wall
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
-from beamcam.readers.ifc.walls import Wall
 
 Box3 = tuple[Vec, Vec]
 LEVEL = 1e-6  #: sine below which a direction counts as lying in a plane

@@ -3,6 +3,7 @@
 All lengths that leave this module are millimetres.
 """
 
+from collections import defaultdict
 from collections.abc import Callable
 from contextlib import suppress
 from math import pi
@@ -11,7 +12,7 @@ from typing import Any, TypeVar
 from msgspec import UNSET, Struct, UnsetType, field
 
 from beamcam.caches import cached
-from beamcam.readers.ifc.records import Entity, File
+from beamcam.readers.ifc.records import Entity, File, Missing
 from beamcam.readers.ifc.space import (
     IDENTITY,
     ORIGIN,
@@ -24,7 +25,47 @@ from beamcam.readers.ifc.space import (
     sub,
     unit,
 )
-from beamcam.readers.ifc.units import scale_of
+
+# --- units ----------------------------------------------------------------------------------------
+
+# The units of a model: what its numbers are in metres, radians and kilograms.
+
+
+_PREFIXES = {
+    None: 1.0, "EXA": 1e18, "PETA": 1e15, "TERA": 1e12, "GIGA": 1e9, "MEGA": 1e6, "KILO": 1e3,
+    "HECTO": 1e2, "DECA": 1e1, "DECI": 1e-1, "CENTI": 1e-2, "MILLI": 1e-3, "MICRO": 1e-6,
+    "NANO": 1e-9, "PICO": 1e-12, "FEMTO": 1e-15, "ATTO": 1e-18,
+}  # fmt: skip
+_DEEPEST = 8  #: of units that are defined by others
+
+
+def scale_of(file: File, kind: str) -> float:
+    """The model's unit of a kind in SI: LENGTHUNIT in m, PLANEANGLEUNIT in rad, MASSUNIT in kg.
+
+    1 where the file has none of the kind. Raises ValueError, LookupError, TypeError or
+    AttributeError for a unit that is not well formed.
+    """
+    projects = file.by_type("IfcProject")
+    assignment = projects[0].UnitsInContext if projects else None
+    for one in assignment.Units if assignment is not None else ():
+        if one.is_a("IfcNamedUnit") and one.UnitType == kind:
+            return _scale(one)
+    return 1.0
+
+
+def _scale(unit: Entity) -> float:
+    """A named unit in SI units; inches and degrees are so many of another unit."""
+    by = 1.0
+    for _ in range(_DEEPEST):
+        if unit.is_a("IfcSIUnit"):
+            # The base of mass is the gram, so that a kilogram has a prefix.
+            base = 1e-3 if unit.Name == "GRAM" else 1.0
+            return by * _PREFIXES[unit.Prefix] * base
+        factor = unit.ConversionFactor
+        by *= float(factor.ValueComponent.value)
+        unit = factor.UnitComponent
+    raise ValueError("a unit that is defined by itself")
+
 
 Coordinates = tuple[float, ...]  #: an IfcCartesianPoint or an IfcDirection
 Placement = tuple[Any, ...]  #: an IfcAxis2Placement: location, and one direction or two
@@ -201,3 +242,60 @@ def _is_placed_locally(thing: object) -> bool:
     """Whether something is an IfcLocalPlacement; a damaged file refers to numbers in its place."""
     is_a = getattr(thing, "is_a", None)
     return is_a is not None and is_a("IfcLocalPlacement")
+
+
+# --- relations ------------------------------------------------------------------------------------
+
+# Objects related to elements: property sets, types, materials, assemblies.
+#
+# #9=IFCRELDEFINESBYPROPERTIES('guid',#5,$,$,(#49,#50),#58);     #58 to #49 and to #50
+# #8=IFCRELAGGREGATES('guid',#5,$,$,#61,(#49,#50));              #61 to #49 and to #50
+
+
+#: The relations by what they tie to elements, and which of their values that is.
+_CLASSES = {
+    "definitions": (("IfcRelDefinesByProperties",), 5),
+    "types": (("IfcRelDefinesByType",), 5),
+    "materials": (("IfcRelAssociatesMaterial",), 5),
+    "wholes": (("IfcRelAggregates", "IfcRelNests"), 4),
+}
+
+
+def tied(element: Entity, what: str) -> list[Any]:
+    """What relations tie to an element: its definitions, types, materials or wholes.
+
+    Raises LookupError for an element that is not in the file, Malformed or LookupError if some
+    relation of the kind is not well formed.
+    """
+    if isinstance(element, Missing):
+        raise LookupError(f"a reference to {element.name}, which is not in the file")
+    known = element.file.tied.get(what)
+    if known is None:
+        known = element.file.tied[what] = _tied(element.file, what)
+    return known.get(element.number, [])
+
+
+def features_of(element: Entity, relation: str) -> list[Entity]:
+    """The features that relations of a class give an element: its own, and those of its wholes.
+
+    An opening in an assembly goes through all that it is made of.
+    """
+    related = element.file.related(relation)
+    if not related:
+        return []
+    hosts = [element]
+    for host in hosts:
+        hosts += [whole for whole in tied(host, "wholes") if whole not in hosts]
+    return [one.values[5] for host in hosts for one in related.get(host, ())]
+
+
+def _tied(file: File, what: str) -> dict[int, list[Any]]:
+    """As `tied`, by the numbers of all elements."""
+    classes, place = _CLASSES[what]
+    found: dict[int, list[Any]] = defaultdict(list)
+    for name in classes:
+        for near, one in file.sides(name, 9 - place, place):
+            for element in near if isinstance(near, tuple) else (near,):
+                if isinstance(element, Entity):
+                    found[element.number].append(one)
+    return dict(found)

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from math import atan2, degrees, hypot, pi
 
 from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import joined
 from beamcam.readers.ifc.space import Vec, dot
-from beamcam.readers.ifc.surfaces import Cylinder
 
 SAME = 1e-6  #: mm between equal circles, and between a circle and a corner that is on it
 UPRIGHT = 1e-9  #: by which the axis of a circle's cylinder may be off the plane's normal, squared

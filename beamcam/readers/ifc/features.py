@@ -16,7 +16,7 @@ from beamcam.model.part import (
 )
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
-from beamcam.readers.ifc.walls import Wall
+from beamcam.readers.ifc.section import Wall
 
 Shifted = TypeVar("Shifted", bound=Hole | Slot | Contour)
 

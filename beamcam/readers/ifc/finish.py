@@ -16,14 +16,12 @@ from beamcam.model.part import (
     Hole,
     Slot,
 )
-from beamcam.readers.ifc.bevels import bevels_of
-from beamcam.readers.ifc.ends import End, Level, fitted_end, reaches
+from beamcam.readers.ifc.ends import End, Level, bevels_of, fitted_end, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.features import contour, opening, shifted, sorted_features, sorted_holes
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
-from beamcam.readers.ifc.section import BareStock, Section
+from beamcam.readers.ifc.section import BareStock, Section, Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
-from beamcam.readers.ifc.walls import Wall, corner_points, walls_of
 
 SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own

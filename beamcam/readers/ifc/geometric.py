@@ -33,7 +33,7 @@ from beamcam.readers.ifc.region import (
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
 from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
-from beamcam.readers.ifc.section import Section, plain_stock
+from beamcam.readers.ifc.section import Section, Wall, plain_stock, walls_of
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
     Shell,
@@ -50,7 +50,6 @@ from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
 from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
 from beamcam.readers.ifc.stock import plate_stock
-from beamcam.readers.ifc.walls import Wall, walls_of
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one

@@ -13,9 +13,8 @@ from beamcam.readers.ifc.ends import End, Trim
 from beamcam.readers.ifc.entities import OddCut, Unreadable
 from beamcam.readers.ifc.features import slot
 from beamcam.readers.ifc.outline import Round, Slotted
-from beamcam.readers.ifc.section import Section
+from beamcam.readers.ifc.section import Section, Wall
 from beamcam.readers.ifc.space import dot, scale, size, unit
-from beamcam.readers.ifc.walls import Wall
 
 SQUARE = 2e-3  #: sine of the angle by which a hole may be off square, a tenth of a degree
 THROUGH = 0.05  #: mm that a hole may fall short of the far surface

@@ -14,7 +14,7 @@ from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.body import Body, Swept, body_of
+from beamcam.readers.ifc.body import Body, Swept, body_of, curved_or_tapered
 from beamcam.readers.ifc.candidates import elements_of
 from beamcam.readers.ifc.checks import (
     STEEL,
@@ -22,6 +22,7 @@ from beamcam.readers.ifc.checks import (
     check_data,
     check_kernel,
     check_stock,
+    form_of,
     settled,
 )
 from beamcam.readers.ifc.entities import (
@@ -34,11 +35,10 @@ from beamcam.readers.ifc.entities import (
     OddSection,
     OtherShell,
     Unreadable,
+    features_of,
 )
 from beamcam.readers.ifc.finish import Shaped
-from beamcam.readers.ifc.form import form_of
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
-from beamcam.readers.ifc.items import curved_or_tapered
 from beamcam.readers.ifc.kernel import load
 from beamcam.readers.ifc.marks import (
     Data,
@@ -49,13 +49,13 @@ from beamcam.readers.ifc.marks import (
     label_of,
     mark_of,
     material_of,
+    named,
     not_steel,
     profile_set_names,
+    remark_at,
 )
-from beamcam.readers.ifc.naming import named, remark_at
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Selection
-from beamcam.readers.ifc.relations import features_of
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import IDENTITY

@@ -1,22 +1,86 @@
 """From a model's bytes to parts: candidates, shares of members, bolts, ledger."""
 
-from collections import Counter
-from collections.abc import Iterator, Set
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator, Set
+from typing import TypeVar
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.model.part import Part, TextMark
+from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot, TextMark
+from beamcam.processes import Died, Pool
+from beamcam.readers.content import Reading
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.candidates import PROXY
 from beamcam.readers.ifc.entities import Model
 from beamcam.readers.ifc.member import Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
-from beamcam.readers.ifc.shares import shares, workers_for
 from beamcam.readers.ifc.text import Malformed
-from beamcam.readers.reading import Reading
 from beamcam.system import start_method
+
+# --- shares ---------------------------------------------------------------------------------------
+
+# Members of a model, read by several processes side by side.
+#
+# A forked process has the whole model at hand without a copy of it; one that is started afresh
+# opens the model again. Both send back only the parts that they made. This is for callers who say
+# that they may: one with threads of its own may not fork.
+
+
+T = TypeVar("T")
+
+SHARE = 16  #: members that are taken at a time, as reading one takes less than a millisecond
+#: Members from which on processes pay, by how they are started and whether the kernel builds each
+#: one. It is not to be interrupted, so that where processes cost little it is never called here.
+WORTH = {
+    ("fork", False): 192, ("fork", True): 1, ("spawn", False): 10_000, ("spawn", True): 50,
+}  # fmt: skip
+
+
+def workers_for(options: Options, count: int) -> int:
+    """Number of processes for so many members; 0 to read them in this process."""
+    worth = options.workers > 1 and count >= WORTH[start_method(), options.kernel]
+    return options.workers if worth else 0
+
+
+def shares(
+    share: Callable[[range], T],
+    died: Callable[[int], T],
+    count: int,
+    workers: int,
+    each_by_itself: bool,
+) -> Iterator[T]:
+    """What `share` gives for all of range(count), a stretch at a time and in order.
+
+    With `workers` above 0 so many processes do it, and `share` has to give what can be pickled.
+    `died` gives what stands for a member at which processes die.
+    """
+    size = 1 if each_by_itself else SHARE
+    todo = deque(range(i, min(i + size, count)) for i in range(0, count, size))
+    if not workers:
+        yield from map(share, todo)
+        return
+    pool = Pool[range, T](share, min(workers, len(todo)))
+    made: dict[int, tuple[int, T]] = {}
+    place = 0
+    try:
+        while place < count:
+            while todo and pool.has_room():
+                pool.submit(todo.popleft())
+            for stretch, found in pool.wait():
+                if not isinstance(found, Died):
+                    made[stretch.start] = stretch.stop, found
+                elif len(stretch) == 1:
+                    made[stretch.start] = stretch.stop, died(stretch.start)
+                else:
+                    todo.extendleft(range(i, i + 1) for i in stretch)
+            while place in made:
+                place, found = made.pop(place)
+                yield found
+    finally:
+        pool.close()
+
 
 #: Classes of elements that are counted and not read.
 OTHERS = (
@@ -143,3 +207,73 @@ def _account(
         left_out=sum(ledger.left_out.values()),
         unselected=ledger.unselected,
     )
+
+
+# --- quantities -----------------------------------------------------------------------------------
+
+# Equal parts counted together.
+
+
+GRAIN = 0.05  #: mm to which measures are compared
+
+
+def equal_parts(parts: Iterable[Part]) -> tuple[Part, ...]:
+    """The parts with those of one mark, grade and geometry as one, its quantity their sum.
+
+    They stand in the order in which each came first.
+    """
+    first: dict[object, Part] = {}
+    for part in parts:
+        key = (part.mark, part.grade, part.drawing, geometry_key(part))
+        known = first.get(key)
+        first[key] = (
+            part if known is None else replace(known, quantity=known.quantity + part.quantity)
+        )
+    return tuple(first.values())
+
+
+def geometry_key(part: Part) -> tuple[object, ...]:
+    """Key that parts of equal geometry share."""
+    p, c = part.profile, part.cuts
+    numbers = (p.height, p.width, p.flange_thickness, p.web_thickness or 0.0, part.length)
+    angles = (c.web_start, c.web_end, c.flange_start, c.flange_end)
+    return (
+        p.code,
+        tuple(_grain(v) for v in numbers),
+        tuple(round(a, 2) + 0.0 for a in angles),
+        tuple(sorted(repr(_feature_key(f)) for f in part.features)),
+    )
+
+
+def _grain(value: float) -> int:
+    return round(value / GRAIN)
+
+
+def _feature_key(feature: object) -> tuple[object, ...]:
+    match feature:
+        case Hole():
+            return (
+                "hole",
+                feature.face,
+                _grain(feature.x),
+                _grain(feature.y),
+                _grain(feature.diameter),
+                feature.depth,
+            )
+        case Slot():
+            values = (feature.x, feature.y, feature.diameter, feature.length, feature.height)
+            return (
+                "slot",
+                feature.face,
+                *map(_grain, values),
+                round(feature.angle, 2),
+                feature.depth,
+            )
+        case Contour():
+            ends = (
+                (_grain(k.start[0]), _grain(k.start[1]), _grain(k.length)) for k in feature.curves
+            )
+            return ("contour", feature.face, feature.kind, tuple(sorted(ends)))
+        case EndPlane():
+            return ("plane", *map(_grain, feature.point), *(round(n, 4) for n in feature.normal))
+    return ("other", repr(feature))

@@ -15,8 +15,17 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.interrupts import interrupts_waiting
-from beamcam.readers.ifc.doubts import Typed, Values, values_of
-from beamcam.readers.ifc.text import Malformed, Record, escaped, look_over, plain, records
+from beamcam.readers.ifc.text import (
+    Malformed,
+    Record,
+    Typed,
+    Values,
+    escaped,
+    look_over,
+    plain,
+    records,
+    values_of,
+)
 
 _SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))

@@ -24,11 +24,10 @@ from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.region import Shape, rectangle
-from beamcam.readers.ifc.section import BareStock, Section, area_by_measures
+from beamcam.readers.ifc.section import BareStock, Section, Wall, area_by_measures, walls_of
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solid_body import across, section_area, solid_of, stretches
 from beamcam.readers.ifc.space import cross, dot
-from beamcam.readers.ifc.walls import Wall, walls_of
 from beamcam.solid.kernel import kernel, prism
 from beamcam.solid.part_solid import ALONG as SECTIONS
 from beamcam.solid.part_solid import Margins, part_solid, shape_of, slot_corners

@@ -17,9 +17,9 @@ from beamcam.readers.ifc.entities import (
     ratios,
     right_handed,
 )
-from beamcam.readers.ifc.facets import shell_of
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
+from beamcam.readers.ifc.shell import shell_of
 from beamcam.readers.ifc.space import ORIGIN, Frame, Vec, scale, unit
 
 _FACETED = frozenset(

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.model.drawing import Measures
 from beamcam.model.part import Part
+from beamcam.readers.content import Reading
 from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
 from beamcam.readers.drawing.newton import fit_newton
-from beamcam.readers.reading import Reading
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.css import INITIAL, StyleSheet, style_of
 from beamcam.readers.svg.page import Page, find_page

@@ -21,16 +21,13 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.ability import FeatureRef, skippable
-from beamcam.verify.bars.bar_limits import bar_faults
 from beamcam.verify.bars.cell import Cell
 from beamcam.verify.bars.compare import Asked, Comparison
-from beamcam.verify.bars.cutting_data import CuttingData
+from beamcam.verify.bars.machine_limits import bar_faults
 from beamcam.verify.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
-from beamcam.verify.bars.magazine import Changed, Chosen
-from beamcam.verify.bars.sequence import place_faults
-from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.verify.bars.stations import Choice, choices_of
-from beamcam.verify.bars.stop_comments import comment_faults, stop_comments
+from beamcam.verify.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
 from beamcam.verify.bars.turned import standing
 
 __all__ = [
@@ -57,7 +54,7 @@ class _Known:
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
         self.dialect = dialect_of(machine)
-        self.shop = Shop(machine, drill_of(machine))
+        self.shop = ToolCatalogue(machine, drill_of(machine))
         grades = {row.grade for row in self.shop.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
         self._choices = BoundedCache[Profile | None, dict[int, Choice]]("verify.stations")

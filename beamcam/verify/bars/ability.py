@@ -8,26 +8,25 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 
 from beamcam.machine.absent import drill_of, saw_of
-from beamcam.machine.drill import Spindle
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Spindle
 from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.verify.bars.cuts import ends_of
 from beamcam.verify.bars.depths import REACHES
-from beamcam.verify.bars.part_ends import ends_of
-from beamcam.verify.bars.shop import Shop
-from beamcam.verify.bars.stations import Station, choices_of, stroke_values
+from beamcam.verify.bars.stations import Station, choices_of, stroke_values, wall_thickness
 from beamcam.verify.bars.targets import (
     THREADS,
-    Course,
-    Lack,
+    MarkingPath,
     Pocket,
     Round,
     Target,
+    Unmakeable,
     from_behind,
     is_same,
     slot_corners,
     targets_of,
 )
-from beamcam.verify.bars.walls import wall_thickness
+from beamcam.verify.bars.tools import ToolCatalogue
 
 FeatureRef = tuple[int, int]  #: index of the part, index of its feature
 #: A mill that is led round a hole is smaller than it by this at least.
@@ -42,7 +41,7 @@ def skippable(
     Raises TypeError for a machine without saw and drill.
     """
     saw = saw_of(machine)
-    shop = Shop(machine, drill_of(machine))
+    shop = ToolCatalogue(machine, drill_of(machine))
     return frozenset(
         (p, f)
         for p, part in enumerate(parts)
@@ -51,12 +50,12 @@ def skippable(
 
 
 def may_be_missing(
-    part: Part, targets: Sequence[Target], shop: Shop, names: Collection[str]
+    part: Part, targets: Sequence[Target], shop: ToolCatalogue, names: Collection[str]
 ) -> frozenset[int]:
     """The features of a part, by their indices, that may be left out under some names."""
     if not names:
         return frozenset()
-    left = {t.feature for t in targets if isinstance(t, Lack) and t.name in names}
+    left = {t.feature for t in targets if isinstance(t, Unmakeable) and t.name in names}
     spindles: dict[str, Spindle] = {s.face: s for s in shop.machine.spindles}
     stations = _stations(part, shop.machine)
     if "off-face" in names or "reach" in names:
@@ -76,7 +75,7 @@ def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
     return {s.face: choices[s.number].stations[0] for s in machine.spindles}
 
 
-def repeats(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
+def repeats(left: Collection[int], part: Part, shop: ToolCatalogue) -> Iterator[int]:
     """The holes that are the same as one that is left out, written again."""
     for f in left:
         first = part.features[f]
@@ -89,7 +88,7 @@ def repeats(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
                         yield g
 
 
-def _sinks(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
+def _sinks(left: Collection[int], part: Part, shop: ToolCatalogue) -> Iterator[int]:
     """The countersinks whose holes are all left out."""
     near = shop.drill.merge_tolerance + 1e-9
     for f, sink in enumerate(part.features):
@@ -106,7 +105,7 @@ def _sinks(left: Collection[int], part: Part, shop: Shop) -> Iterator[int]:
 
 
 def _ill_placed(
-    part: Part, shop: Shop, stations: Mapping[str, Station]
+    part: Part, shop: ToolCatalogue, stations: Mapping[str, Station]
 ) -> Iterator[tuple[int, str]]:
     """The features that lie where no tool comes, and what such a place is called."""
     for f, feature in enumerate(part.features):
@@ -147,7 +146,7 @@ def _is_clear(line: Contour, station: Station) -> bool:
 def _off_stroke(
     part: Part,
     targets: Sequence[Target],
-    shop: Shop,
+    shop: ToolCatalogue,
     spindles: Mapping[str, Spindle],
     stations: Mapping[str, Station],
 ) -> Iterator[int]:
@@ -171,13 +170,13 @@ def _off_stroke(
 def _off_axis(
     part: Part,
     targets: Sequence[Target],
-    shop: Shop,
+    shop: ToolCatalogue,
     spindles: Mapping[str, Spindle],
     stations: Mapping[str, Station],
 ) -> Iterator[int]:
     """The features of which something that they need lies beyond an axis."""
     for target in targets:
-        if isinstance(target, Lack):
+        if isinstance(target, Unmakeable):
             continue
         if isinstance(target, Round) and target.optional and not _is_drilled(target, part, shop):
             continue
@@ -189,7 +188,7 @@ def _off_axis(
                 yield target.feature
 
 
-def _is_drilled(end: Round, part: Part, shop: Shop) -> bool:
+def _is_drilled(end: Round, part: Part, shop: ToolCatalogue) -> bool:
     """Whether the machine drills the end of a slot before it mills it."""
     slot = part.features[end.feature]
     return (
@@ -201,10 +200,10 @@ def _is_drilled(end: Round, part: Part, shop: Shop) -> bool:
 
 
 def _depth_and_tip(
-    target: Round | Pocket | Course, thickness: float, shop: Shop
+    target: Round | Pocket | MarkingPath, thickness: float, shop: ToolCatalogue
 ) -> tuple[float, float]:
     """Depth of the full diameter, or of the point of another tool than a drill; and its tip."""
-    if isinstance(target, Course):
+    if isinstance(target, MarkingPath):
         return shop.drill.mark_depth, 0.0
     through = thickness + shop.drill.breakthrough
     if isinstance(target, Pocket):
@@ -222,11 +221,11 @@ def _depth_and_tip(
     return REACHES[kind.tool](kind, size, thickness, shop).least - tip, tip
 
 
-def _places(target: Round | Pocket | Course, shop: Shop) -> tuple[float, ...]:
+def _places(target: Round | Pocket | MarkingPath, shop: ToolCatalogue) -> tuple[float, ...]:
     """y of the tool; of a path its minimum and maximum."""
     if isinstance(target, Round):
         return (target.y,)
-    if isinstance(target, Course):
+    if isinstance(target, MarkingPath):
         boxes = [curve.bbox for curve in target.curves]
         return min(box[1] for box in boxes), max(box[3] for box in boxes)
     is_round = isinstance(target.source, Hole)

@@ -25,8 +25,8 @@ from beamcam.controllers.events import (
 )
 from beamcam.controllers.rules import WORD
 from beamcam.verify import rules
-from beamcam.verify.bars.cell_limits import EPSILON
 from beamcam.verify.bars.cell_state import AXES, CellState
+from beamcam.verify.bars.machine_limits import EPSILON
 from beamcam.verify.bars.machined_features import (
     Bore,
     MachinedFeatures,

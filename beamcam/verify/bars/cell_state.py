@@ -17,12 +17,11 @@ from beamcam.controllers.events import Lettering, Switch
 from beamcam.controllers.rules import WORD
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
-from beamcam.verify import bar_rules, rules
-from beamcam.verify.bars.cell_limits import EPSILON, limits_of_cell
-from beamcam.verify.bars.cutting_data import LEAST, CuttingData
-from beamcam.verify.bars.machined_features import Cut, Thing, ToldText
-from beamcam.verify.bars.magazine import Changed, Chosen, wrong_changes
+from beamcam.verify import rules
+from beamcam.verify.bars.machine_limits import EPSILON, limits_of_cell
+from beamcam.verify.bars.machined_features import Cut, StampedText, Thing
 from beamcam.verify.bars.stations import NOWHERE, Choice, Station, Tip, limits_of, tilts_of
+from beamcam.verify.bars.tools import LEAST, Changed, Chosen, CuttingData, wrong_changes
 
 AXES = "XYZ"
 Values = dict[str, float]  #: parameters of a word by what they carry
@@ -203,7 +202,7 @@ class CellState:
             expected = (
                 "and it has none of that kind" if near is None else f"the nearest is {near:g}"
             )
-            self.say(bar_rules.NO_TOOL, switch.line, found=self.tool, expected=expected)
+            self.say(rules.NO_TOOL, switch.line, found=self.tool, expected=expected)
         if "station" in values:
             self._take_station(switch.line, self.choice.stations[0].number, values["station"])
 
@@ -324,7 +323,7 @@ class CellState:
         height = event.values.get("height", marks.heights[0] if marks.heights else nan)
         angle = event.values.get("angle", marks.angles[0])
         self.order.append(
-            ToldText(
+            StampedText(
                 event.line, face, event.kind, event.text, self.x, event.values["y"], height, angle
             )
         )

@@ -15,9 +15,8 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part, Profile, TextMark
 from beamcam.verify import rules
 from beamcam.verify.bars.ability import FeatureRef, may_be_missing, repeats
-from beamcam.verify.bars.cut_faults import CutFaults
-from beamcam.verify.bars.holes import HoleCheck, Want
-from beamcam.verify.bars.layout import Candidate, LaidPart, lay_out, wedge_cuts
+from beamcam.verify.bars.cuts import CutFaults, End, ends_of
+from beamcam.verify.bars.holes import HoleCheck, RequiredHole
 from beamcam.verify.bars.machine_limits import (
     reach_faults,
     section_faults,
@@ -25,22 +24,28 @@ from beamcam.verify.bars.machine_limits import (
     steel_faults,
 )
 from beamcam.verify.bars.machined_features import MachinedFeatures
-from beamcam.verify.bars.part_ends import End, ends_of
-from beamcam.verify.bars.pieces import overlapping, pieces, planes
-from beamcam.verify.bars.pockets import Led, PathsAlong, check_paths, is_led
+from beamcam.verify.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
+from beamcam.verify.bars.pieces import (
+    Candidate,
+    LaidPart,
+    lay_out,
+    overlapping,
+    pieces,
+    planes,
+    wedge_cuts,
+)
 from beamcam.verify.bars.sequence import Done, entry_faults, parting_faults
-from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.stations import Choice
 from beamcam.verify.bars.targets import (
-    Lack,
     Pocket,
     Round,
     Target,
+    Unmakeable,
     targets_of,
 )
+from beamcam.verify.bars.tools import ToolCatalogue
 from beamcam.verify.bars.turned import standing
-from beamcam.verify.by_hand import left_to_hand
-from beamcam.verify.left_out import left_out
+from beamcam.verify.left_out import left_out, left_to_hand
 
 if TYPE_CHECKING:
     from beamcam.verify.bars.texts import ToldTexts
@@ -59,8 +64,8 @@ class Asked(Struct, frozen=True):
 class _Required(Struct):
     """What the parts on a bar require; features are a part and its feature, by their indices."""
 
-    holes: list[Want] = field(default_factory=list)
-    led: list[Led] = field(default_factory=list)
+    holes: list[RequiredHole] = field(default_factory=list)
+    led: list[RequiredPath] = field(default_factory=list)
     optional: set[FeatureRef] = field(default_factory=set)  #: that may be missing
     missing: set[FeatureRef] = field(default_factory=set)  #: those that are
 
@@ -69,7 +74,7 @@ class Comparison:
     """Comparison of one program with the required parts; `said` holds its faults."""
 
     def __init__(
-        self, made: MachinedFeatures, asked: Asked, shop: Shop, profile: Profile,
+        self, made: MachinedFeatures, asked: Asked, shop: ToolCatalogue, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
         self.made, self.asked, self.shop, self.saw = made, asked, shop, saw_of(shop.machine)
@@ -140,8 +145,8 @@ class Comparison:
         for target in targets:
             if isinstance(target, Round):
                 if not (target.optional and target.feature in gone):
-                    holes.append(Want(p, target, from_x + target.x))
-            elif isinstance(target, Lack):
+                    holes.append(RequiredHole(p, target, from_x + target.x))
+            elif isinstance(target, Unmakeable):
                 if target.feature in spare:
                     required.missing.add((p, target.feature))
                 else:
@@ -150,7 +155,7 @@ class Comparison:
                 gone.add(target.feature)
                 required.missing.add((p, target.feature))
             else:
-                required.led.append(Led(p, target, from_x))
+                required.led.append(RequiredPath(p, target, from_x))
 
     def _told_texts(self) -> "ToldTexts | None":
         """What a stamp or printer is told; None where strokes letter."""
@@ -160,13 +165,13 @@ class Comparison:
 
         return ToldTexts(self.made.texts, self.shop, self.name)
 
-    def _find_texts(self, p: int, one: LaidPart, led: list[Led]) -> None:
+    def _find_texts(self, p: int, one: LaidPart, led: list[RequiredPath]) -> None:
         """Add the strokes of a part's texts, and what is wrong with their places."""
         from beamcam.verify.bars.texts import texts_of
 
         from_x = self.shop.drill.x + one.start
         found, said = texts_of(one.part, one.ends, self.made.paths, from_x, self.shop)
-        led += (Led(p, target, from_x) for target in found)
+        led += (RequiredPath(p, target, from_x) for target in found)
         self.said += said
 
     def _targets_of(self, part: Part, ends: tuple[End, End]) -> list[Target]:
@@ -241,9 +246,9 @@ class Comparison:
         missing = [
             t.feature
             for t in targets
-            if isinstance(t, Lack)
+            if isinstance(t, Unmakeable)
             or (
-                not self.holes.is_made(Want(0, t, from_x + t.x))
+                not self.holes.is_made(RequiredHole(0, t, from_x + t.x))
                 if isinstance(t, Round)
                 else not is_led(self.paths, t, from_x, shop)
             )
@@ -251,7 +256,9 @@ class Comparison:
         ]
         return sum(f not in spare for f in missing), len(missing)
 
-    def _missed(self, left: Sequence[Want], optional: Collection[tuple[int, int]]) -> list[Want]:
+    def _missed(
+        self, left: Sequence[RequiredHole], optional: Collection[tuple[int, int]]
+    ) -> list[RequiredHole]:
         """The required holes that nothing makes.
 
         A feature that may be missing is there wholly, or nothing of it is.
@@ -288,7 +295,7 @@ def _section(
             )
 
 
-def _lack(lack: Lack, part: Part) -> Diagnostic:
+def _lack(lack: Unmakeable, part: Part) -> Diagnostic:
     if lack.place is None:
         return rules.NOT_MADE.at(lack.source.source, found=lack.what, mark=part.mark)
     x, y = lack.place

@@ -14,8 +14,8 @@ from math import inf, radians, tan
 from msgspec import Struct
 
 from beamcam.machine.tools import FLAT_DEG
-from beamcam.verify.bars.shop import Shop
 from beamcam.verify.bars.targets import THREADS, RoundKind
+from beamcam.verify.bars.tools import ToolCatalogue
 
 
 class DepthRange(Struct, frozen=True, gc=False):
@@ -25,7 +25,7 @@ class DepthRange(Struct, frozen=True, gc=False):
     greatest: float
 
 
-def _drill(kind: RoundKind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
+def _drill(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
     hole = kind.hole
     tip = shop.tip("drill", diameter, hole.face)
     if hole.depth is None:
@@ -35,14 +35,14 @@ def _drill(kind: RoundKind, diameter: float, thickness: float, shop: Shop) -> De
     return DepthRange(hole.depth + tip, hole.depth + tip)
 
 
-def _tap(kind: RoundKind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
+def _tap(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
     if kind.hole.depth is None:
         tip = shop.tip("tap", diameter, kind.hole.face)
         return DepthRange(thickness, thickness + shop.drill.breakthrough + tip)
     return DepthRange(kind.hole.depth, kind.hole.depth)
 
 
-def _sink(kind: RoundKind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
+def _sink(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
     hole = kind.hole
     cone = hole.angle or FLAT_DEG
     if cone >= FLAT_DEG:
@@ -58,13 +58,13 @@ def _sink(kind: RoundKind, diameter: float, thickness: float, shop: Shop) -> Dep
     return DepthRange(point, point)
 
 
-def _punch(kind: RoundKind, diameter: float, thickness: float, shop: Shop) -> DepthRange:
+def _punch(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalogue) -> DepthRange:
     depth = kind.hole.depth or shop.drill.punch_depth
     return DepthRange(depth, depth)
 
 
 #: By the kind of tool.
-REACHES: dict[str, Callable[[RoundKind, float, float, Shop], DepthRange]] = {
+REACHES: dict[str, Callable[[RoundKind, float, float, ToolCatalogue], DepthRange]] = {
     "drill": _drill,
     "tap": _tap,
     "countersink": _sink,
@@ -72,7 +72,7 @@ REACHES: dict[str, Callable[[RoundKind, float, float, Shop], DepthRange]] = {
 }
 
 
-def path_reach(depth: float | None, thickness: float, shop: Shop) -> DepthRange:
+def path_reach(depth: float | None, thickness: float, shop: ToolCatalogue) -> DepthRange:
     """Of a mill: through, or at a depth."""
     if depth is None:
         return DepthRange(thickness, thickness + shop.drill.breakthrough)

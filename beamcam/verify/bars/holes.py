@@ -16,16 +16,15 @@ from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.depths import REACHES, DepthRange
 from beamcam.verify.bars.machined_features import Bore
-from beamcam.verify.bars.shop import Shop
-from beamcam.verify.bars.stations import Choice, stroke_values
+from beamcam.verify.bars.stations import Choice, stroke_values, wall_thickness
 from beamcam.verify.bars.targets import Round, RoundKind
-from beamcam.verify.bars.walls import wall_thickness
+from beamcam.verify.bars.tools import ToolCatalogue
 
 NOUNS = {"drill": "hole", "tap": "thread", "countersink": "countersink", "punch": "punch mark"}
 NEAR = 60.0  #: mm; a hole this near to where it should be is taken for it, in the wrong place
 
 
-class Want(Struct, frozen=True, gc=False):
+class RequiredHole(Struct, frozen=True, gc=False):
     """A hole of a part on the bar."""
 
     part: int
@@ -37,8 +36,8 @@ class HoleCheck:
     """The holes of one program. `choices` say where its spindles stand on the section."""
 
     def __init__(
-        self, bores: Sequence[Bore], shop: Shop, profile: Profile, choices: dict[int, Choice],
-        name: str,
+        self, bores: Sequence[Bore], shop: ToolCatalogue, profile: Profile,
+        choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
         self.shop, self.profile, self.name = shop, profile, name
         resolution = shop.machine.format.resolution
@@ -52,11 +51,11 @@ class HoleCheck:
         self.paired = _paired(bores)
         for i, bore in enumerate(bores):
             self.pockets.setdefault((bore.face, bore.kind, floor(bore.x)), []).append(i)
-        self.made: dict[int, Want] = {}  #: by the bore's index
+        self.made: dict[int, RequiredHole] = {}  #: by the bore's index
 
     # Which bore makes which hole
 
-    def take(self, wants: Iterable[Want]) -> list[Want]:
+    def take(self, wants: Iterable[RequiredHole]) -> list[RequiredHole]:
         """Give each hole the bore that makes it rightly; those that are left come back."""
         left = []
         for want in wants:
@@ -67,18 +66,18 @@ class HoleCheck:
                 self.made[best] = want
         return left
 
-    def is_made(self, want: Want) -> bool:
+    def is_made(self, want: RequiredHole) -> bool:
         """Whether something makes a hole rightly."""
         return self._right(want) is not None
 
-    def _right(self, want: Want) -> int | None:
+    def _right(self, want: RequiredHole) -> int | None:
         """The bore that makes a hole rightly, of those not taken: the nearest in size."""
         near = [i for i in self._near(want) if self._is_right(want, self.bores[i])]
         if len(near) < 2:
             return near[0] if near else None
         return min(near, key=lambda i: self._unlike(want, self.bores[i]))
 
-    def _near(self, want: Want) -> Iterator[int]:
+    def _near(self, want: RequiredHole) -> Iterator[int]:
         """The bores at a hole's place that are not taken."""
         x, target = want.x, want.target
         kind = target.kind.tool
@@ -101,7 +100,7 @@ class HoleCheck:
                 ):
                     yield i
 
-    def _is_right(self, want: Want, bore: Bore) -> bool:
+    def _is_right(self, want: RequiredHole, bore: Bore) -> bool:
         kind, diameter = want.target.kind, bore.diameter
         if not kind.least <= diameter <= kind.most:
             return False
@@ -117,7 +116,7 @@ class HoleCheck:
             or bore.tip_depth <= self.reach(kind, bore).greatest + self.depth_slack
         )
 
-    def _unlike(self, want: Want, bore: Bore) -> tuple[float, float]:
+    def _unlike(self, want: RequiredHole, bore: Bore) -> tuple[float, float]:
         off = abs(want.x - bore.x) + abs(want.target.y - bore.y)
         return round(abs(want.target.kind.own - bore.diameter), 6), round(off, 6)
 
@@ -159,10 +158,10 @@ class HoleCheck:
 
     # What is wrong
 
-    def complain(self, left: Sequence[Want], parts: Sequence[Part]) -> Iterator[Diagnostic]:
+    def complain(self, left: Sequence[RequiredHole], parts: Sequence[Part]) -> Iterator[Diagnostic]:
         """Faults of the holes that are not made correctly, and bores that belong to no hole."""
         yield from self._astray(parts)
-        astray: list[Want] = []
+        astray: list[RequiredHole] = []
         for want in left:
             if want.target.optional:
                 continue
@@ -194,7 +193,7 @@ class HoleCheck:
         A stroke of two spindles lies between its two holes, what follows a drill where that was.
         """
         drilled: set[tuple[str, float, float]] | None = None
-        by_line: dict[int, list[Want]] = {}
+        by_line: dict[int, list[RequiredHole]] = {}
         for i in self.paired:
             if i in self.made:
                 by_line.setdefault(self.bores[i].line, []).append(self.made[i])
@@ -215,7 +214,7 @@ class HoleCheck:
             ):
                 yield self._elsewhere(want, bore, parts)
 
-    def _nearest(self, want: Want) -> int | None:
+    def _nearest(self, want: RequiredHole) -> int | None:
         """The bore of a hole's face and tool that may have been meant for it."""
         target = want.target
         near = [
@@ -226,7 +225,7 @@ class HoleCheck:
         ]  # fmt: skip
         return min(near)[1] if near else None
 
-    def _described(self, want: Want, parts: Sequence[Part]) -> dict[str, object]:
+    def _described(self, want: RequiredHole, parts: Sequence[Part]) -> dict[str, object]:
         """Name of a hole in messages."""
         target = want.target
         return {
@@ -234,7 +233,7 @@ class HoleCheck:
             "x": f"{target.x:g}", "y": f"{target.y:g}",
         }  # fmt: skip
 
-    def _not_right(self, want: Want, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
+    def _not_right(self, want: RequiredHole, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
         """The fault of the tool, or else of the depth, of a hole in its place."""
         kind, source = want.target.kind, Source(self.name, bore.line)
         described = self._described(want, parts)
@@ -253,12 +252,12 @@ class HoleCheck:
             (bore.tip_depth, bore.tip_depth), reach, tip, self.depth_slack, source, described
         )
 
-    def _missing(self, want: Want, parts: Sequence[Part]) -> Diagnostic:
+    def _missing(self, want: RequiredHole, parts: Sequence[Part]) -> Diagnostic:
         return rules.HOLE_MISSING.at(
             want.target.kind.hole.source, machine_x=f"{want.x:g}", **self._described(want, parts)
         )
 
-    def _elsewhere(self, want: Want, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
+    def _elsewhere(self, want: RequiredHole, bore: Bore, parts: Sequence[Part]) -> Diagnostic:
         return rules.HOLE_PLACE.at(
             Source(self.name, bore.line),
             found_x=f"{want.target.x + bore.x - want.x:.6g}",

@@ -5,26 +5,24 @@ cut          a turned blade reaches less far across
 hole         in the finished part, clear of its other walls and of other holes
 """
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
-from math import dist, hypot
+from math import dist, hypot, inf
 
 from msgspec import Struct
 
+from beamcam.caches import PerObject
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Layout, Machine
+from beamcam.machine.stations import Saw
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import walls_beside
-from beamcam.verify import bar_rules as rules
+from beamcam.verify import rules as rules
+from beamcam.verify.bars.cuts import End
 from beamcam.verify.bars.machined_features import Cut
-from beamcam.verify.bars.part_ends import End
-from beamcam.verify.bars.targets import (
-    PLAIN_KINDS,
-    THREADS,
-    Pocket,
-    Round,
-    Target,
-    slot_corners,
-)
+from beamcam.verify.bars.pieces import LaidPart
+from beamcam.verify.bars.stations import limits_of
+from beamcam.verify.bars.targets import PLAIN_KINDS, THREADS, Pocket, Round, Target, slot_corners
 
 TANGENT = 0.011  #: mm; holes are given to 0.01, so that those which touch may be off by it
 
@@ -205,3 +203,132 @@ def _said(shape: Shape, part: Part, found: str, expected: str) -> Diagnostic:
         source, what=shape.what, face=shape.face, mark=part.mark, x=f"{x:g}", y=f"{y:g}",
         found=found, expected=expected,
     )  # fmt: skip
+
+
+# --- cell limits ----------------------------------------------------------------------------------
+
+# What a machine's file says about its cell, whatever program runs there.
+
+
+EPSILON = 1e-6
+_DWELL = re.compile(r"(?<![A-Z])G(?:0*4|82)(?![0-9.])")
+
+
+class CellLimits(Struct, frozen=True):
+    """What the machine's file says about its cell whatever the program is."""
+
+    max_pecks: dict[float, float]  #: how deep a drill of each size may be fed at once
+    stop: tuple[str, float, float]  #: name, minimum and maximum of the axis along the bar
+    never_back: bool  #: whether the bar only goes on
+    step: float  #: of written lengths, with some rounding
+    per_minute: float  #: makes mm/min of a feed in a template's unit
+    tools: dict[str, tuple[float, ...]]  #: the sizes of each kind that the shop has
+    dwells: bool  #: whether a word of its own dwells
+
+
+def _limits(machine: Machine) -> CellLimits:
+    form, layout = machine.format, machine.layout
+    return CellLimits(
+        _max_pecks(machine),
+        limits_of(machine, "X"),
+        layout is not None and layout.order == "saw-drill",
+        form.resolution + EPSILON,
+        60.0 if form.feed_unit == "mm/s" else 1.0,
+        {
+            kind: tuple(sorted({d for t in machine.tools if t.kind == kind for d in t.sizes}))
+            for kind in {tools.kind for tools in machine.tools}
+        },
+        "drill-cycle-dwell" in machine.codes.values()
+        or any(_DWELL.search(t) for t in _lines(machine)),
+    )
+
+
+def _lines(machine: Machine) -> Iterator[str]:
+    """The lines of all templates of work."""
+    for name in machine.words.__struct_fields__:
+        template = getattr(machine.words, name)
+        yield from template if isinstance(template, tuple) else ()
+
+
+limits_of_cell = PerObject("verify.cells", _limits)
+
+
+def _max_pecks(machine: Machine) -> dict[float, float]:
+    """How deep a drill of each size may be fed at once, where its size has a limit."""
+    found: dict[float, float] = {}
+    for tools in machine.tools:
+        if tools.kind == "drill":
+            for size in tools.sizes:
+                found[size] = max(found.get(size, 0.0), tools.max_peck or inf)
+    return {size: peck for size, peck in found.items() if peck < inf}
+
+
+# --- bar limits -----------------------------------------------------------------------------------
+
+# What the machine can hold of a bar: its size, both its ends, and the parts that come off it.
+#
+# | front trim |# part 1 ####|kerf|# part 2 ####|kerf|   remnant   | end trim | dead zone |
+# bar x 0                                            last cut ends                     length
+
+
+def bar_faults(
+    laid: Sequence[LaidPart], machine: Machine, saw: Saw, bar: float | None, name: str
+) -> Iterator[Diagnostic]:
+    """What of the parts on a bar the machine cannot hold, and the bar needed where it is unknown.
+
+    `bar` is the length of the bar. On a line without a saw the part is the bar.
+    """
+    layout = machine.layout
+    if layout is None or not laid:
+        return
+    if machine.saw is None:
+        yield from _size_faults(laid[0].part.length, layout.min_bar, layout, EPSILON, name)
+        return
+    # Places of parts are worked out from figures that are rounded.
+    slack = machine.format.resolution + EPSILON
+    yield from _short_parts([one.part for one in laid], layout)
+    first = min(laid, key=lambda one: one.start)
+    if first.start < layout.front_trim - slack:
+        yield rules.BAR_START.at(
+            Source(name), mark=first.part.mark, found=f"{first.start:.3f}",
+            expected=f"{layout.front_trim:g}",
+        )  # fmt: skip
+    trim = layout.end_trim + layout.dead_zone
+    ends = max(one.start + one.part.length + one.ends[1].kerf(saw) for one in laid)
+    if bar is None:
+        yield from _size_faults(ends + trim, 0.0, layout, slack, name)
+        if trim:
+            yield rules.BAR_NEEDED.at(Source(name), found=f"{ends + trim:.3f}", trim=f"{trim:g}")
+        return
+    yield from _size_faults(bar, layout.min_bar, layout, EPSILON, name)
+    if ends > bar - trim + slack:
+        yield rules.BAR_END.at(
+            Source(name), found=f"{ends:.3f}", expected=f"{bar - trim:.3f}", trim=f"{trim:g}"
+        )
+    last = max(laid, key=lambda one: one.start)
+    if bar - last.start < layout.min_bar_left - slack:
+        yield rules.BAR_LEFT.at(
+            Source(name), found=f"{bar - last.start:.3f}", mark=last.part.mark,
+            expected=f"{layout.min_bar_left:g}",
+        )  # fmt: skip
+
+
+def _short_parts(parts: Sequence[Part], layout: Layout) -> Iterator[Diagnostic]:
+    """Parts that the machine cannot hand out, each once."""
+    for part in {id(one): one for one in parts}.values():
+        if part.length < layout.min_part - EPSILON:
+            yield rules.PART_SHORT.at(
+                part.source, mark=part.mark, found=f"{part.length:.3f}",
+                expected=f"{layout.min_part:g}",
+            )  # fmt: skip
+
+
+def _size_faults(
+    bar: float, least: float, layout: Layout, slack: float, name: str
+) -> Iterator[Diagnostic]:
+    """A bar that is too short or too long for the machine."""
+    greatest = inf if layout.max_bar is None else layout.max_bar
+    if not least - slack <= bar <= greatest + slack:
+        yield rules.BAR_SIZE.at(
+            Source(name), found=f"{bar:.3f}", least=f"{layout.min_bar:g}", greatest=f"{greatest:g}"
+        )

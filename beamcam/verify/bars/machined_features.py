@@ -48,7 +48,7 @@ class MachinedPath(Struct, frozen=True, gc=False):
     feed_mm_min: float
 
 
-class ToldText(Struct, frozen=True, gc=False):
+class StampedText(Struct, frozen=True, gc=False):
     """A text that a stamp or printer was told."""
 
     line: int
@@ -61,7 +61,7 @@ class ToldText(Struct, frozen=True, gc=False):
     angle: float  #: degrees
 
 
-Thing = Cut | Bore | MachinedPath | ToldText
+Thing = Cut | Bore | MachinedPath | StampedText
 
 
 class MachinedFeatures(Struct, frozen=True):
@@ -72,7 +72,7 @@ class MachinedFeatures(Struct, frozen=True):
     bores: tuple[Bore, ...]
     paths: tuple[MachinedPath, ...]
     order: tuple[Thing, ...]  #: all of them, as they follow one another
-    texts: tuple[ToldText, ...] = ()
+    texts: tuple[StampedText, ...] = ()
 
 
 def made_in_order(
@@ -85,5 +85,5 @@ def made_in_order(
         tuple([o for o in order if type(o) is Bore]),
         tuple([o for o in order if type(o) is MachinedPath]),
         tuple(order),
-        tuple([o for o in order if type(o) is ToldText]),
+        tuple([o for o in order if type(o) is StampedText]),
     )

@@ -21,7 +21,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.verify.bars import BarRun, compared, run, run_of_events, section_of
 from beamcam.verify.bars.machined_features import MachinedFeatures
-from beamcam.verify.bars.stop_comments import comment_faults, stop_comments
+from beamcam.verify.bars.sequence import comment_faults, stop_comments
 from beamcam.verify.rules import NO_OPERATION, STOP_COMMENT, TOOL_CHANGE, WORK_ORDER
 
 #: M words that begin another operation, or end the program.

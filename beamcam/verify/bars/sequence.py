@@ -9,6 +9,7 @@ An arrow is asked about wherever its right side stands in the program. That what
 is there at all, in its size and place, is asked elsewhere.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from math import dist
 
@@ -16,20 +17,20 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Spindle
 from beamcam.model.part import Profile, Slot
 from beamcam.verify import rules
-from beamcam.verify.bars.layout import LaidPart
 from beamcam.verify.bars.machined_features import (
     Bore,
     Cut,
     MachinedFeatures,
     MachinedPath,
+    StampedText,
     Thing,
-    ToldText,
 )
-from beamcam.verify.bars.pieces import CutPlane
-from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.pieces import CutPlane, LaidPart
 from beamcam.verify.bars.targets import Pocket
+from beamcam.verify.bars.tools import Changed, Chosen, Tool, ToolCatalogue
 
 NOUNS = {"drill": "hole", "tap": "thread", "punch": "punch mark", "mill": "slot", "scribe": "line"}
 
@@ -38,7 +39,7 @@ class Done(Struct, frozen=True, gc=False):
     """Work that was found to be of a part on the bar."""
 
     part: int
-    work: Bore | MachinedPath | ToldText
+    work: Bore | MachinedPath | StampedText
 
 
 def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterator[Diagnostic]:
@@ -55,7 +56,10 @@ def place_faults(made: MachinedFeatures, machine: Machine, name: str) -> Iterato
 
 
 def entry_faults(
-    made: MachinedFeatures, milled: Iterable[tuple[MachinedPath, Pocket]], shop: Shop, name: str
+    made: MachinedFeatures,
+    milled: Iterable[tuple[MachinedPath, Pocket]],
+    shop: ToolCatalogue,
+    name: str,
 ) -> Iterator[Diagnostic]:
     """Slots whose mill goes down into the full steel, where the machine drills their ends."""
     slack = 2 * shop.machine.format.resolution + 1e-6
@@ -122,7 +126,7 @@ def _is_hole_of(work: Bore, other: Thing, near: float) -> bool:
     )
 
 
-def _is_drilled_first(target: Pocket, shop: Shop) -> bool:
+def _is_drilled_first(target: Pocket, shop: ToolCatalogue) -> bool:
     """Whether the machine's file has the ends of a slot drilled before it is milled."""
     slot = target.source
     return (
@@ -147,3 +151,130 @@ def _cut_off(work: Thing, cut: int, name: str) -> Diagnostic:
         what = f"a {NOUNS.get(work.kind, work.kind)}"
     x = work.points[0][0] if isinstance(work, MachinedPath) else work.x
     return rules.CUT_OFF.at(Source(name, work.line), what=what, found=f"{x:g}", cut=cut)
+
+
+# --- stop comments --------------------------------------------------------------------------------
+
+# What a program tells the operator at a stop for a tool, held against what it then does.
+#
+#     (web station 3: mill 16 for drill 18)        station 3 of that spindle holds the drill 18, and
+#     N113 M06 K2 L16                              from here on the mill 16
+#
+# The comment is what the operator goes by: where it names another tool than the program works with
+# next, another spindle, a station that holds something else, or sends away a tool that is still
+# needed, the work goes on with the wrong tool. What stands in a station before its first stop no
+# program says.
+
+
+_TOOL = r"([a-z]+)\s+m?([0-9.]+)\b[^()]*?"
+_STOP = re.compile(
+    rf"(\S[^():]*?)\s+station\s+([0-9]+)\s*:\s*{_TOOL}(?:\s+for\s+{_TOOL})?\s*(?:[)\]]|$)"
+)
+
+
+class StopComment(Struct, frozen=True):
+    """What the operator is told to do."""
+
+    line: int
+    spindle: str  #: its name
+    station: int
+    new: Tool
+    old: Tool | None
+
+    def __str__(self) -> str:
+        out = f" for {_shown(self.old)}" if self.old else ""
+        return f"{self.spindle} station {self.station}: {_shown(self.new)}{out}"
+
+
+def stop_comments(text: str) -> tuple[StopComment, ...]:
+    """What a program tells the operator about tools, in its order."""
+    found = []
+    for number, line in enumerate(text.splitlines(), 1):
+        match = _STOP.search(line.lower()) if "station" in line.lower() else None
+        if match is not None:
+            spindle, station, kind, size, old_kind, old_size = match.groups()
+            old = (old_kind, float(old_size)) if old_kind else None
+            name = " ".join(spindle.split()).lstrip("([;")
+            found.append(StopComment(number, name, int(station), (kind, float(size)), old))
+    return tuple(found)
+
+
+def comment_faults(
+    comments: Sequence[StopComment], tools: Sequence[Chosen | Changed], machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """What of the comments is not so. `tools` are the choices and the stops of the program."""
+    said: dict[int, StopComment] = {}  #: by the line of their stop
+    stops = [one.line for one in tools if isinstance(one, Changed)]
+    for comment in comments:
+        line = next((line for line in stops if line >= comment.line), None)
+        if line is None or line in said:
+            yield _wrong(comment, "no stop behind it", "a stop of its own", name)
+        else:
+            said[line] = comment
+    for line in stops if said else ():
+        if line not in said:
+            expected = "a comment that says which tool goes where, as others have"
+            yield rules.STOP_COMMENT.at(Source(name, line), found="a stop", expected=expected)
+    for spindle in machine.spindles:
+        yield from _of_spindle(spindle, said, tools, machine, name)
+
+
+def _of_spindle(
+    spindle: Spindle, said: dict[int, StopComment], tools: Sequence[Chosen | Changed],
+    machine: Machine, name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """Faults of what is said of the stations of one spindle."""
+    numbers = {p.number for p in machine.pairs if spindle.face in p.faces} | {spindle.number}
+    stations: dict[int, Tool] = {}
+    held: set[Tool] = set()  #: that the program worked with, or that were put in
+    gone: dict[Tool, StopComment] = {}
+    for index, one in enumerate(tools):
+        if isinstance(one, Chosen):
+            if one.spindle in numbers:
+                if one.tool in gone:
+                    said_before = gone[one.tool]
+                    yield rules.STOP_COMMENT.at(
+                        Source(name, one.line), found=f"a {_shown(one.tool)} chosen",
+                        expected=f"another tool, line {said_before.line} says '{said_before}'",
+                    )  # fmt: skip
+                held.add(one.tool)
+            continue
+        comment = said.get(one.line)
+        is_of = one.spindle == spindle.number
+        if one.spindle is None:
+            is_of = comment is not None and comment.spindle == spindle.name.lower()
+        if comment is None or not is_of:
+            continue
+        new, old = comment.new, comment.old
+        later = [
+            t.tool for t in tools[index:] if isinstance(t, Chosen) and t.spindle in numbers
+        ]  # fmt: skip
+        if comment.spindle != spindle.name.lower():
+            yield _wrong(comment, f"a stop for spindle {spindle.number}", spindle.name, name)
+        if one.diameter is not None and abs(one.diameter - new[1]) > 0.0006:
+            yield _wrong(comment, f"a stop for a tool of {one.diameter:g}", _shown(new), name)
+        if new not in later:
+            yield _wrong(comment, f"no work with {_shown(new)} behind it", "some", name)
+        if not 1 <= comment.station <= spindle.stations:
+            expected = f"a station from 1 to {spindle.stations}"
+            yield _wrong(comment, f"station {comment.station}", expected, name)
+        there = stations.get(comment.station)
+        if old is not None and (old != there if there else old not in held):
+            found = f"{_shown(there)} in the station" if there else f"no {_shown(old)} before"
+            yield _wrong(comment, found, _shown(old), name)
+        if old is not None:
+            gone[old] = comment
+            held.discard(old)
+        gone.pop(new, None)
+        held.add(new)
+        stations[comment.station] = new
+
+
+def _shown(tool: Tool) -> str:
+    return f"{tool[0]} {tool[1]:g}"
+
+
+def _wrong(comment: StopComment, found: str, expected: str, name: str) -> Diagnostic:
+    return rules.STOP_COMMENT.at(
+        Source(name, comment.line), found=f"'{comment}' and {found}", expected=expected
+    )

@@ -9,7 +9,7 @@ line to mark       a scribed line
 outer contour      nothing, where the ends of the stock give it
 end plane          nothing, where it is the start or the end
 
-What nothing of the machine makes is a `Lack`.
+What nothing of the machine makes is a `Unmakeable`.
 """
 
 from collections.abc import Iterator
@@ -22,8 +22,7 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.absent import saw_of
 from beamcam.machine.tools import FLAT_DEG
-from beamcam.model.description import description
-from beamcam.model.marks import policy_on
+from beamcam.model.description import description, policy_on
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -37,10 +36,10 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.model.section import OTHER_SIDE, corners
-from beamcam.verify.bars.part_ends import ANGLE_TOLERANCE_DEG, End, off_outline
-from beamcam.verify.bars.shop import Shop
-from beamcam.verify.bars.walls import wall_thickness
-from beamcam.verify.by_hand import is_by_hand
+from beamcam.verify.bars.cuts import ANGLE_TOLERANCE_DEG, End, off_outline
+from beamcam.verify.bars.stations import wall_thickness
+from beamcam.verify.bars.tools import ToolCatalogue
+from beamcam.verify.left_out import is_by_hand
 
 PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
 PLANE_TOLERANCE = 0.1  #: mm between an end plane and the end that it states, at any corner
@@ -87,7 +86,7 @@ class Pocket(Struct, frozen=True, gc=False):
     source: Hole | Slot
 
 
-class Course(Struct, frozen=True, gc=False):
+class MarkingPath(Struct, frozen=True, gc=False):
     """A line that a scribe is led along."""
 
     feature: int
@@ -97,7 +96,7 @@ class Course(Struct, frozen=True, gc=False):
     what: str = "line to mark"
 
 
-class Lack(Struct, frozen=True, gc=False):
+class Unmakeable(Struct, frozen=True, gc=False):
     """A feature, or a part of one, that the machine cannot make."""
 
     feature: int
@@ -107,10 +106,10 @@ class Lack(Struct, frozen=True, gc=False):
     place: Point | None = None  #: of an outline
 
 
-Target = Round | Pocket | Course | Lack
+Target = Round | Pocket | MarkingPath | Unmakeable
 
 
-def targets_of(part: Part, ends: tuple[End, End], shop: Shop) -> list[Target]:
+def targets_of(part: Part, ends: tuple[End, End], shop: ToolCatalogue) -> list[Target]:
     """Requirements of every feature of a part; duplicate holes count once."""
     kinds: dict[tuple[object, ...], tuple[RoundKind, ...] | None] = {}
     found: list[Target] = []
@@ -130,7 +129,7 @@ def targets_of(part: Part, ends: tuple[End, End], shop: Shop) -> list[Target]:
 Either = TypeVar("Either", bound=Hole | Slot)
 
 
-def from_behind(hole: Either, part: Part, shop: Shop) -> Either:
+def from_behind(hole: Either, part: Part, shop: ToolCatalogue) -> Either:
     """A through hole or slot on the plate's other side, if it is only there that it is made."""
     if shop.works_on(hole.face, part):
         return hole
@@ -139,7 +138,7 @@ def from_behind(hole: Either, part: Part, shop: Shop) -> Either:
     return replace(hole, face=other) if through and other in shop.faces else hole
 
 
-def _once(part: Part, shop: Shop) -> Iterator[tuple[int, Feature]]:
+def _once(part: Part, shop: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
     """The features, those made from the plate's other side there, holes written twice once."""
     works = {face for face in shop.faces if shop.works_on(face, part)}
     tolerance = shop.twice
@@ -173,12 +172,12 @@ def is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
 
 
 def _targets(
-    f: int, feature: Feature, part: Part, ends: tuple[End, End], shop: Shop
+    f: int, feature: Feature, part: Part, ends: tuple[End, End], shop: ToolCatalogue
 ) -> Iterator[Target]:
     if is_by_hand(feature, shop.machine):
         return
     if policy_on(feature, shop.machine.marks) == "refuse":
-        yield Lack(f, f"the {description(feature)}", "mark", feature)
+        yield Unmakeable(f, f"the {description(feature)}", "mark", feature)
         return
     match feature:
         case Hole():
@@ -188,25 +187,25 @@ def _targets(
         case Contour(process="cut", kind="outer"):
             off = off_outline(feature, part, ends)
             if off is not None:
-                yield Lack(f, "the outline", "cope", feature, off)
+                yield Unmakeable(f, "the outline", "cope", feature, off)
             elif _unsawn_bevel(feature, ends, saw_of(shop.machine).min_mitre):
-                yield Lack(f, "the bevel", "bevel", feature)
+                yield Unmakeable(f, "the bevel", "bevel", feature)
         case Contour(process="cut"):
-            yield Lack(f, "the cut-out", "cutout", feature)
+            yield Unmakeable(f, "the cut-out", "cutout", feature)
         case Contour():
             if shop.works_on(feature.face, part) and any(shop.of("scribe", feature.face)):
-                yield Course(f, feature.face, feature.curves, feature)
+                yield MarkingPath(f, feature.face, feature.curves, feature)
             else:
-                yield Lack(f, "the line to mark", "mark", feature)
+                yield Unmakeable(f, "the line to mark", "mark", feature)
         case TextMark():
             return  # its position is taken from the program: see texts.py
         case Bend():
-            yield Lack(f, "the bend", "other", feature)
+            yield Unmakeable(f, "the bend", "other", feature)
         case EndPlane():
             if not _is_end(feature, part, ends):
-                yield Lack(f, "the end plane", "other", feature)
+                yield Unmakeable(f, "the end plane", "other", feature)
         case Camber():
-            yield Lack(f, "the camber", "other", feature)
+            yield Unmakeable(f, "the camber", "other", feature)
 
 
 def _is_end(plane: EndPlane, part: Part, ends: tuple[End, End]) -> bool:
@@ -231,7 +230,7 @@ def _unsawn_bevel(contour: Contour, ends: tuple[End, End], least_deg: float) -> 
     )
 
 
-def _drilled(hole: Hole, part: Part, shop: Shop) -> tuple[RoundKind, ...] | None:
+def _drilled(hole: Hole, part: Part, shop: ToolCatalogue) -> tuple[RoundKind, ...] | None:
     """The drilled hole that a plain hole requires; None if no drill makes it."""
     if not shop.works_on(hole.face, part):
         return None
@@ -242,10 +241,10 @@ def _drilled(hole: Hole, part: Part, shop: Shop) -> tuple[RoundKind, ...] | None
     return (RoundKind("drill", f"hole {hole.diameter:g}", *limits, fitting[0], hole),)
 
 
-def _hole(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
+def _hole(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
     size = f"{hole.diameter:g}"
     if not shop.works_on(hole.face, part):
-        yield Lack(f, f"the hole {size}", "face", hole)
+        yield Unmakeable(f, f"the hole {size}", "face", hole)
     elif hole.kind in PLAIN_KINDS:
         # Drilled ones are known by now.
         if shop.mills_round(hole.diameter, hole.face):
@@ -254,7 +253,7 @@ def _hole(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
                 f"hole {size}", hole,
             )  # fmt: skip
         else:
-            yield Lack(f, f"the hole {size}", "tool", hole)
+            yield Unmakeable(f, f"the hole {size}", "tool", hole)
     elif hole.kind in THREADS:
         yield from _thread(f, hole, part, shop)
     elif hole.kind == "countersink":
@@ -264,19 +263,19 @@ def _hole(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
         kind = RoundKind("punch", "punch mark", 0.0, float("inf"), own, hole)
         yield Round(f, hole.x, hole.y, hole.face, kind)
     else:
-        yield Lack(f, "the punch mark", "mark", hole)
+        yield Unmakeable(f, "the punch mark", "mark", hole)
 
 
-def _thread(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
+def _thread(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
     name = f"thread M{hole.diameter:g}"
     tap = shop.tap(hole)
     drills = shop.fits("drill", tap[2], hole.face) if tap else ()
     if tap is None or not drills:
-        yield Lack(f, f"the {name}", "tool", hole)
+        yield Unmakeable(f, f"the {name}", "tool", hole)
         return
     size, pitch, before = tap
     if _too_deep(hole, part, pitch, drills[0], shop):
-        yield Lack(f, f"the {name}", "thread-depth", hole)
+        yield Unmakeable(f, f"the {name}", "thread-depth", hole)
         return
     least, most = shop.fit(before) or (before, before)
     place = (f, hole.x, hole.y, hole.face)
@@ -284,7 +283,7 @@ def _thread(f: int, hole: Hole, part: Part, shop: Shop) -> Iterator[Target]:
     yield Round(*place, RoundKind("tap", name, size, size, size, hole, pitch))
 
 
-def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: Shop) -> bool:
+def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: ToolCatalogue) -> bool:
     """Whether the drill before a blind thread would come out on the other side."""
     thickness = wall_thickness(part.profile, hole.face)
     if hole.depth is None or not thickness:
@@ -293,21 +292,21 @@ def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: Shop) ->
     return reach > thickness + 1e-9
 
 
-def _countersink(f: int, sink: Hole, part: Part, shop: Shop) -> Iterator[Target]:
+def _countersink(f: int, sink: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
     name = f"countersink {sink.diameter:g}"
     pilot = _pilot(sink, part, shop)
     if pilot is None:
-        yield Lack(f, f"the {name}", "countersink", sink)
+        yield Unmakeable(f, f"the {name}", "countersink", sink)
         return
     lack, limits = _sink_tools(sink, pilot, shop)
     if lack:
-        yield Lack(f, f"the {name}", lack, sink)
+        yield Unmakeable(f, f"the {name}", lack, sink)
         return
     kind = RoundKind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
     yield Round(f, sink.x, sink.y, sink.face, kind)
 
 
-def _sink_tools(sink: Hole, pilot: float, shop: Shop) -> tuple[str, tuple[float, float]]:
+def _sink_tools(sink: Hole, pilot: float, shop: ToolCatalogue) -> tuple[str, tuple[float, float]]:
     """What a countersink lacks, "" if nothing, and the diameters of the tools that make it."""
     cone = sink.angle or FLAT_DEG
     limits = shop.fit(sink.diameter) or (sink.diameter, sink.diameter)
@@ -327,7 +326,7 @@ def _sink_tools(sink: Hole, pilot: float, shop: Shop) -> tuple[str, tuple[float,
     return ("" if any(d >= wide[0] for d in sizes) else "tool"), wide
 
 
-def _pilot(sink: Hole, part: Part, shop: Shop) -> float | None:
+def _pilot(sink: Hole, part: Part, shop: ToolCatalogue) -> float | None:
     """Diameter of the widest hole that a countersink stands on; None if there is none."""
     tolerance = shop.drill.merge_tolerance + 1e-9
     near = (
@@ -343,16 +342,16 @@ def _pilot(sink: Hole, part: Part, shop: Shop) -> float | None:
     return max(below, default=None)
 
 
-def _slot(f: int, slot: Slot, part: Part, shop: Shop) -> Iterator[Target]:
+def _slot(f: int, slot: Slot, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
     along, across = slot.length + slot.diameter, slot.height + slot.diameter
     what = f"slot {along:g} x {across:g}"
     mills = shop.sizes("mill", slot.face)
     fits = bool(mills) and mills[0] <= slot.diameter + shop.drill.twin
     if slot.kind not in PLAIN_KINDS or not fits:
-        yield Lack(f, f"the {what}", "slot", slot)
+        yield Unmakeable(f, f"the {what}", "slot", slot)
         return
     if not shop.works_on(slot.face, part):
-        yield Lack(f, f"the {what}", "face", slot)
+        yield Unmakeable(f, f"the {what}", "face", slot)
         return
     yield Pocket(
         f, slot.face, slot.x, slot.y, slot.length, slot.height, slot.angle, slot.diameter,

@@ -9,17 +9,17 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.absent import text_x
-from beamcam.model.marks import policy_on
+from beamcam.model.description import policy_on
 from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.verify.bars.ability import is_within
-from beamcam.verify.bars.machined_features import MachinedPath, ToldText
-from beamcam.verify.bars.part_ends import End
-from beamcam.verify.bars.shop import Shop
+from beamcam.verify.bars.cuts import End
+from beamcam.verify.bars.machined_features import MachinedPath, StampedText
 from beamcam.verify.bars.stations import choices_of, stroke_values
-from beamcam.verify.bars.targets import Course, slot_corners
-from beamcam.verify.by_hand import by_hand, is_by_hand
+from beamcam.verify.bars.targets import MarkingPath, slot_corners
+from beamcam.verify.bars.tools import ToolCatalogue
 from beamcam.verify.drawn_texts import DrawnPieces, DrawnText
+from beamcam.verify.left_out import by_hand, is_by_hand
 from beamcam.verify.lettering import (
     TEXT,
     TEXT_EXTRA,
@@ -40,14 +40,18 @@ CHORDS = 48  #: of a hole
 
 
 def texts_of(
-    part: Part, ends: tuple[End, End], paths: Sequence[MachinedPath], from_x: float, shop: Shop
-) -> tuple[list[Course], list[Diagnostic]]:
+    part: Part,
+    ends: tuple[End, End],
+    paths: Sequence[MachinedPath],
+    from_x: float,
+    shop: ToolCatalogue,
+) -> tuple[list[MarkingPath], list[Diagnostic]]:
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
 
     One that it does not letter is needed where the part has it, unless it can stand nowhere: then
     it is left for manual work.
     """
-    courses: list[Course] = []
+    courses: list[MarkingPath] = []
     said: list[Diagnostic] = []
     texts: dict[Face, list[tuple[int, TextMark]]] = {}
     for f, feature in enumerate(part.features):
@@ -70,12 +74,12 @@ def texts_of(
 class ToldTexts:
     """What a program tells a stamp or printer, of which each text of the parts takes its own."""
 
-    def __init__(self, texts: Sequence[ToldText], shop: Shop, name: str) -> None:
+    def __init__(self, texts: Sequence[StampedText], shop: ToolCatalogue, name: str) -> None:
         self.shop, self.name = shop, name
         self.at = text_x(shop.machine)
         self.left = list(texts)
         #: the number of a part, and the text that it has there
-        self.taken: list[tuple[int, ToldText]] = []
+        self.taken: list[tuple[int, StampedText]] = []
 
     def check(
         self, p: int, part: Part, ends: tuple[End, End], start: float
@@ -162,7 +166,7 @@ class ToldTexts:
             )
 
 
-def _is_told_as(text: Wanted, one: ToldText) -> bool:
+def _is_told_as(text: Wanted, one: StampedText) -> bool:
     """Whether a text that is told is of the characters and at the angle of one that is wanted."""
     apart = abs((one.angle - text.feature.angle + 180.0) % 360.0 - 180.0)
     return one.text == text.text and apart < ANGLE_DEG
@@ -177,8 +181,8 @@ def _is_over(text: Wanted, found: DrawnText, part: Part, ends: tuple[End, End]) 
 
 def _on_face(
     face: Face, texts: Sequence[tuple[int, TextMark]], part: Part, ends: tuple[End, End],
-    paths: Sequence[MachinedPath], from_x: float, shop: Shop,
-) -> tuple[list[Course], list[Diagnostic]]:  # fmt: skip
+    paths: Sequence[MachinedPath], from_x: float, shop: ToolCatalogue,
+) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     marks = shop.machine.marks
     steel = _steel(face, part, ends, _sides(face, part))
     bounds = _within_axes(face, part, shop)
@@ -195,7 +199,7 @@ def _on_face(
     standing = standings(
         asked, drawn, steel, sure, marks, lambda text, one: _is_over(text, one, part, ends)
     )
-    courses: list[Course] = []
+    courses: list[MarkingPath] = []
     said: list[Diagnostic] = []
     for (f, feature), text, one in zip(texts, asked, standing, strict=True):
         if one is None:
@@ -206,10 +210,12 @@ def _on_face(
     return courses, said
 
 
-def _strokes(f: int, text: Wanted, x: float, y: float, height: float) -> Iterator[Course]:
+def _strokes(f: int, text: Wanted, x: float, y: float, height: float) -> Iterator[MarkingPath]:
     for pieces in text.strokes(x, y, height):
         lines = tuple(Line(a, b) for a, b in pieces)
-        yield Course(f, text.feature.face, lines, text.feature, f"stroke of the text {text.text!r}")
+        yield MarkingPath(
+            f, text.feature.face, lines, text.feature, f"stroke of the text {text.text!r}"
+        )
 
 
 def _sides(face: Face, part: Part) -> tuple[float, float]:
@@ -225,7 +231,7 @@ def _sides(face: Face, part: Part) -> tuple[float, float]:
     return beside, (width if profile.code == "L" else width - beside)
 
 
-def _within_axes(face: Face, part: Part, shop: Shop) -> tuple[float, float] | None:
+def _within_axes(face: Face, part: Part, shop: ToolCatalogue) -> tuple[float, float] | None:
     """y that a spindle's axes come to with something to spare; None if they come to none."""
     (spindle,) = (s for s in shop.machine.spindles if s.face == face)
     station = choices_of(shop.machine, part.profile)[spindle.number].stations[0]

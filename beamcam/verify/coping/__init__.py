@@ -13,8 +13,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import is_row_for, material_said
 from beamcam.model.part import Part
-from beamcam.verify.by_hand import by_hand, left_to_hand
-from beamcam.verify.left_out import left_out
+from beamcam.verify.left_out import by_hand, left_out, left_to_hand
 
 
 def verify_coping(

@@ -11,8 +11,8 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
-from beamcam.verify.by_hand import is_by_hand
 from beamcam.verify.coping.section import Section, pieces_of
+from beamcam.verify.left_out import is_by_hand
 
 Shape = Any  #: of shapely
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from beamcam.errors import Diagnostic
+from beamcam.verify.left_out import UNCUT
 from beamcam.verify.sheets.work import Work
-from beamcam.verify.uncut import UNCUT
 
 if TYPE_CHECKING:
     from beamcam.verify.sheets.corners import UncutCorner

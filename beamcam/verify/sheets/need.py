@@ -15,11 +15,10 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.materials import is_row_for, material_said
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import key_of, process_of
+from beamcam.model.description import policy_on
 from beamcam.model.drawing import extent
-from beamcam.model.marks import policy_on
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Process, Slot, TextMark
-from beamcam.verify.by_hand import by_hand, is_by_hand
-from beamcam.verify.left_out import left_out
+from beamcam.verify.left_out import by_hand, is_by_hand, left_out
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
-from beamcam.model.part_data import PART_DATA
+from beamcam.model.description import PART_DATA
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.ability import expected_feeds
 from beamcam.verify.sheets.controller_state import ControllerState, Setting

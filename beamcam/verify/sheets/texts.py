@@ -11,10 +11,10 @@ from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.marks import policy_on
+from beamcam.model.description import policy_on
 from beamcam.model.part import Part, TextMark
-from beamcam.verify.by_hand import by_hand, is_by_hand
 from beamcam.verify.drawn_texts import EXACT, NEAR, DrawnPieces
+from beamcam.verify.left_out import by_hand, is_by_hand
 from beamcam.verify.lettering import (
     Steel,
     box_of,

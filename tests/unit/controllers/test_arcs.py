@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers.arcs import sweep_of
-from beamcam.controllers.codesys.arcs import arc_fault, radius_centre
+from beamcam.controllers.codesys.curves import arc_fault, radius_centre
 
 lengths = st.floats(-500, 500)
 

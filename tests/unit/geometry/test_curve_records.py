@@ -4,7 +4,7 @@ from math import inf, pi, sqrt
 
 import pytest
 
-from beamcam.geometry import bernstein
+from beamcam.geometry import bezier
 from beamcam.geometry.conics import arc_between, ellipse_of
 from beamcam.geometry.curves import (
     Arc,
@@ -110,10 +110,10 @@ def test_tangent_where_a_curve_stands_still():
 
 
 def test_bernstein_roots():
-    thirds = bernstein.product([-1 / 3, 2 / 3], [-2 / 3, 1 / 3])
-    assert bernstein.roots(thirds) == pytest.approx([1 / 3, 2 / 3])
-    assert bernstein.roots([0.0, 0.0, 0.0]) == []
-    assert bernstein.roots(bernstein.product([-0.5, 0.5], [-0.5, 0.5])) == pytest.approx([0.5])
+    thirds = bezier.product([-1 / 3, 2 / 3], [-2 / 3, 1 / 3])
+    assert bezier.roots(thirds) == pytest.approx([1 / 3, 2 / 3])
+    assert bezier.roots([0.0, 0.0, 0.0]) == []
+    assert bezier.roots(bezier.product([-0.5, 0.5], [-0.5, 0.5])) == pytest.approx([0.5])
 
 
 def test_integral_of_a_kink():

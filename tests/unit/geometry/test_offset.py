@@ -8,10 +8,9 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.corners import intersections
 from beamcam.geometry.curves import Arc, EllipseArc, Line, signed_area
-from beamcam.geometry.offset import Offset, Vanished, offset_chains
-from beamcam.geometry.refit import refit_ring
+from beamcam.geometry.offset import Offset, Vanished, offset_chains, refit_ring
+from beamcam.geometry.raw_offset import intersections
 from beamcam.geometry.sampling import points_at
 from tests.rings import polygon_of
 

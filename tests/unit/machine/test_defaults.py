@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from beamcam.machine import load, shipped
-from beamcam.machine.defaults import (
+from beamcam.machine.names import (
     DEFAULT_MACHINE,
     DEFAULTS,
     default_machines,

@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from beamcam.cli import main
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
-from beamcam.machine.former_keys import former_name, with_present_keys
 from beamcam.machine.keys import machine_keys
+from beamcam.machine.overlay import former_name, with_present_keys
 
 FORMER = """base = "beamline"
 [layout]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.load import settings
-from beamcam.machine.more_rows import with_more_rows
+from beamcam.machine.overlay import with_more_rows
 from beamcam.machine.torch import TorchRow
 
 ROW = "[[torch.more_rows]]\nprocess = 'cut'\nup_to = {up_to}\nfeed_mm_min = {feed}\n"

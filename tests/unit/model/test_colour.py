@@ -7,6 +7,7 @@ import pytest
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.model.colour import (
+    NAMES,
     colour_name,
     hue_deg,
     hue_distance_deg,
@@ -14,7 +15,6 @@ from beamcam.model.colour import (
     parse_colour,
     process_of,
 )
-from beamcam.model.colour_names import NAMES
 from beamcam.model.part import Contour
 
 TABLE = ("red", "blue", "black", "lime", "aqua", "yellow", "magenta", "white")

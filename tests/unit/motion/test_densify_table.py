@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line, NewtonCurve
-from beamcam.motion.densify import DensifyRules, densify
-from beamcam.motion.rounding import truncated
+from beamcam.motion.densify import DensifyRules, densify, truncated
 from beamcam.motion.spans import chord_step_rad
 
 ELLIPSE = EllipseArc((0, 0), (9, 0), 0.5, 0, 90)

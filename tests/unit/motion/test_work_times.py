@@ -8,12 +8,12 @@ from msgspec.structs import replace
 
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Arc, Line
-from beamcam.geometry.moves import move_seconds
+from beamcam.geometry.ramps import move_seconds
 from beamcam.machine import Machine, load
 from beamcam.machine.path_limits import path_limits
 from beamcam.model.part import Part
+from beamcam.model.plan import WorkTime
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed
-from beamcam.model.work_time import WorkTime
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits

@@ -12,7 +12,7 @@ from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.section import corners
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.operations import other
-from beamcam.verify.bars.part_ends import ends_of
+from beamcam.verify.bars.cuts import ends_of
 from beamcam.verify.bars.turned import standing
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part
 

@@ -22,7 +22,7 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.kinds import KINDS, kind_of
+from beamcam.planning.operations.work import KINDS, kind_of
 from beamcam.planning.rules import SKIP_NAMES
 from tests.unit.planning.shop import SOURCE, hole, part
 

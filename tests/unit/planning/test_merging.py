@@ -13,8 +13,12 @@ from beamcam.model.part import Part
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
-from beamcam.planning.operations.hole_pairs import refuse_too_near
-from beamcam.planning.operations.merging import drop_duplicates, merge_pairs, unmerged_because
+from beamcam.planning.operations.hole_pairs import (
+    drop_duplicates,
+    merge_pairs,
+    refuse_too_near,
+    unmerged_because,
+)
 from tests.unit.planning.shop import hole, part, plan
 
 

@@ -12,9 +12,8 @@ from beamcam.model.part import Profile
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.explain import SAID, explain
-from beamcam.planning.orientation import plan_oriented
+from beamcam.planning.orientation import plan_oriented, try_turns
 from beamcam.planning.times import work_time
-from beamcam.planning.turn_choice import try_turns
 from beamcam.planning.turning import TURNS
 from tests.unit.planning.shop import CHANNEL, TUBE, hole, part, plan
 

@@ -16,7 +16,7 @@ from beamcam.model.part import Bevel, Contour, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_file
 from beamcam.solid.opinion import solid_faults
-from beamcam.solid.plate_pieces import plate_of
+from beamcam.solid.plates import plate_of
 from beamcam.solid.sheet_solid import pieces_cut, rows_for, starting_words, strokes_of
 from tests.conftest import ROOT
 from tests.unit.solid.programs import SRC

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from beamcam.cli import main
 from beamcam.readers import read
-from beamcam.readers.dstv.encoding import decode, guessed
+from beamcam.readers.dstv.blocks import decode, guessed
 from tests.runs import part
 
 WORDS = {

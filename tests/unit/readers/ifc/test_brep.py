@@ -11,11 +11,14 @@ from beamcam.model.part import Hole, Part, Slot
 from beamcam.readers.ifc import kernel, read
 from beamcam.readers.ifc.brep import (
     BrepError,
+    Cone,
+    Cylinder,
+    Plane,
+    Unnamed,
     surfaces_of,
 )
 from beamcam.readers.ifc.kernel import build_both
 from beamcam.readers.ifc.space import cross, dot, size, sub
-from beamcam.readers.ifc.surfaces import Cone, Cylinder, Plane, Unnamed
 from tests.unit.readers.ifc.models import Small, opened
 from tests.unit.readers.ifc.test_features import contours, only
 

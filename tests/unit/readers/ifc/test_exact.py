@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line, Point
+from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.exact import circles_in, with_exact_arcs
 from beamcam.readers.ifc.space import Frame
-from beamcam.readers.ifc.surfaces import Cylinder
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 

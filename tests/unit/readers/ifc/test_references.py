@@ -8,8 +8,7 @@ import pytest
 from beamcam.geometry.curves import Arc, Line
 from beamcam.readers.ifc import Options, kernel, read
 from beamcam.readers.ifc.entities import Entity, Unreadable
-from beamcam.readers.ifc.kernel import build, reached
-from beamcam.readers.ifc.references import broken_reference
+from beamcam.readers.ifc.kernel import broken_reference, build, reached
 from beamcam.readers.ifc.region import Circles, points_of
 from tests.conftest import SAMPLES
 from tests.unit.readers.ifc.models import Small, opened

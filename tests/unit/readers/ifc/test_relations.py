@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from beamcam.readers.ifc.entities import tied
 from beamcam.readers.ifc.records import Entity, File
-from beamcam.readers.ifc.relations import tied
 
 ELEMENTS = "".join(f"#{i}=IFCBEAM('g{i}',$,$,$,$,$,$,$);\n" for i in range(1, 6))
 SETS = "".join(f"#{i}=IFCPROPERTYSET('g{i}',$,'S',$,());\n" for i in range(11, 15))

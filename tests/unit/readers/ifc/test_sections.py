@@ -13,7 +13,7 @@ from beamcam.model.part import Profile
 from beamcam.readers.ifc import Options, read
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, points_chain
-from beamcam.readers.ifc.naming import named
+from beamcam.readers.ifc.marks import named
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
 from beamcam.readers.ifc.profiles import rounded_box
 from tests.property.ifc_builder import Member, bore_polygon, section_polygon

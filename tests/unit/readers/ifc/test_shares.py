@@ -9,9 +9,9 @@ import pytest
 
 from beamcam import processes
 from beamcam.errors import Severity
-from beamcam.readers.ifc import Options, Selection, member, read, shares
-from beamcam.readers.ifc.shares import SHARE, WORTH, workers_for
-from beamcam.readers.ifc.shares import shares as shared_out
+from beamcam.readers.ifc import Options, Selection, member, read, reader
+from beamcam.readers.ifc.reader import SHARE, WORTH, workers_for
+from beamcam.readers.ifc.reader import shares as shared_out
 from tests.property.ifc_builder import model_text, random_member
 from tests.unit.readers.ifc.models import Small
 
@@ -48,7 +48,7 @@ def test_other_processes_have_all_or_none() -> None:
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_processes_are_for_work_that_pays(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(shares, "start_method", lambda: method)
+    monkeypatch.setattr(reader, "start_method", lambda: method)
     for kernel in (False, True):
         worth = WORTH[method, kernel]  # type: ignore[index]
         two = Options(kernel=kernel, workers=2)
@@ -119,7 +119,7 @@ def few() -> bytes:
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_so_it_is_with_the_kernel(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     data = few()
-    for module in (shares, processes):
+    for module in (reader, processes):
         monkeypatch.setattr(module, "start_method", lambda: method)
     monkeypatch.setitem(WORTH, ("spawn", True), 4)
     alone = read(data, "model.ifc", options=Options(kernel=True))

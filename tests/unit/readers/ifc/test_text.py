@@ -7,9 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beamcam.readers import read
-from beamcam.readers.ifc.doubts import Typed, values_of
 from beamcam.readers.ifc.records import Entity, File
-from beamcam.readers.ifc.text import Malformed, look_over, plain, records
+from beamcam.readers.ifc.text import Malformed, Typed, look_over, plain, records, values_of
 from tests.conftest import SAMPLES
 from tests.unit.readers.ifc.models import Small
 

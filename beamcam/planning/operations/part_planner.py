@@ -1,14 +1,17 @@
 """Planning state of one part on one line: the limits of its work, and the results so far."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.machine.machine import Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Hole, Part, Slot
+from beamcam.model.plan import Plan, WorkOp
 from beamcam.model.section import OTHER_SIDE
 from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.ends import Ends
@@ -34,7 +37,7 @@ ANGLE_FACE = Rule(
 RULES = (FROM_BEHIND, ANGLE_FACE)
 
 
-class Bench:
+class PartPlanner:
     """The one thing of planning that changes while it is looked at: the account of a part."""
 
     def __init__(self, part: Part, ends: Ends, line: BarLine) -> None:
@@ -109,3 +112,36 @@ class Bench:
     def remarks(self) -> Iterator[Diagnostic]:
         """Remarks on the features that are not refused."""
         return (said for f, said in self.told if f not in self.refused)
+
+
+# --- kind -----------------------------------------------------------------------------------------
+
+# The interface of a kind of work on a bar.
+#
+# Each is a module of this package that ends with its `Kind`, and a row of `kinds.KINDS`. Messages
+# that are errors refuse a feature, by the first of them; it may then be left out if its code is
+# allowed by name.
+
+
+Numbered = tuple[int, Any]  #: index of a feature, and the feature
+
+
+def nothing(*_: Any) -> Iterator[Any]:
+    """Of a kind that has nothing to say."""
+    return iter(())
+
+
+class Kind(Struct, frozen=True):
+    """One kind of work."""
+
+    name: str
+    makes: Callable[[Feature], bool]  #: whether a feature is of this kind
+    #: What the machine lacks for a feature; None if it has everything.
+    needs: Callable[[Any, PartPlanner], Diagnostic | None]
+    #: What is wrong with the place of a feature on the finished part, or odd.
+    refusals: Callable[[Any, PartPlanner], Iterable[Diagnostic]] = nothing
+    #: The steps of all its features of a part together.
+    steps: Callable[[Sequence[Numbered], PartPlanner], Iterable[Found]] = nothing
+    reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
+    #: What might have been done instead of an operation, and why it was not.
+    rejected: Callable[[WorkOp, Plan, Machine], Iterator[str]] = nothing
