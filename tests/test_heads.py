@@ -36,7 +36,8 @@ def test_every_shipped_machine_has_its_head_in_every_golden_program(name: str) -
     assert programs
     for path in programs:
         head = head_of(path.read_text(encoding="utf-8"))
-        assert head == Head(FORM, name, machine.checksum, ()), path
+        by_hand = int(path.stem == "stub")  # whose bevelled edges are manual work
+        assert head == Head(FORM, name, machine.checksum, (), by_hand), path
     assert FORM == VERSION
 
 
