@@ -1,10 +1,11 @@
 """Ways to make a coper's program wrong, all to be refused by the read-back.
 
 By classes: what the planner could get wrong (the side of the kerf, a mirrored or moved contour,
-sharp corners, leads in the part, a cut that is missing or ends too early, the order, the row of the
-cut chart), and what of a program's text (A, F, heights, waits, switches, blending).
+sharp corners, leads in the part, a cut that is missing, made twice or ends too early, the order,
+the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
+switches, blending). So many random profiles are tried, and as many tubes:
 
-    python -m benchmarks.coping_faults [PARTS]
+    python benchmarks/coping_faults.py 20
 """
 
 import random
@@ -22,7 +23,9 @@ from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping import plan as planner
 from beamcam.posts import head_lines, post_of
+from benchmarks.script import arguments, at_least, start
 from tests.random_copes import random_cope
+from tests.random_tubes import random_tube
 
 Lines = list[str]
 OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
@@ -150,6 +153,13 @@ def _shortened(path: tuple[tuple[float, float], ...], by: float) -> tuple[tuple[
     return tuple(points)
 
 
+def twice(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut-out that is cut twice."""
+    k = chance.randrange(len(plan.operations))
+    cut = plan.operations[k]
+    return replace(plan, operations=(*plan.operations[:k], cut, *plan.operations[k:]))
+
+
 def reordered(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut of the far end before all others."""
     far = [cut for cut in plan.operations if cut.kind == "far"]
@@ -201,7 +211,7 @@ def extra(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut somewhere in the scrap before the part."""
     cut = plan.operations[0]
     return replace(plan, operations=(
-        replace(cut, path=((-20.0, 60.0), (-20.0, 40.0), (-20.0, 60.0))), *plan.operations
+        replace(cut, path=((-20.0, 60.0), (-20.0, 40.0), (-20.0, 61.0))), *plan.operations
     ))  # fmt: skip
 
 
@@ -240,8 +250,16 @@ def _higher(lines: Lines, chance: random.Random, by: float) -> Lines | None:
 
 def _elsewhere(lines: Lines, chance: random.Random) -> Lines | None:
     """A place of a path, behind its lead, 9 mm along the bar."""
+
+    def is_along(k: int) -> bool:
+        """Whether a path goes on along the bar there, so that it hardly matters."""
+        across = [line.split()[2:4] for line in lines[k - 1 : k + 2]]
+        ys = [[float(word[1:]) for word in words] for words in across]
+        return all(abs(max(of) - min(of)) < 1.0 for of in zip(*ys, strict=True))
+
     which = [k for k, line in enumerate(lines)
-             if k > 3 and all(one.startswith("G1") for one in lines[k - 3 : k + 2])]  # fmt: skip
+             if k > 3 and all(one.startswith("G1") for one in lines[k - 3 : k + 2])
+             and not is_along(k)]  # fmt: skip
     if not which:
         return None
     k = chance.choice(which)
@@ -291,46 +309,123 @@ TEXTS: dict[str, OfText] = {
 }  # fmt: skip
 
 
-def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tuple[str, str]]:
-    """A wrong program of each class that the part has something for. Raises PlanError."""
-    job = Job(Request((part,), machine, name="JOB"), (0,))
-    plan = planner.plan_coping((part,), machine)
-    right = program_of(plan, job)
-    plans: dict[str, OfPlan] = {
+def _other_way(lines: Lines) -> Lines | None:
+    """Every turn the other way round, of a tube with cut-outs."""
+    if "(cut-out)" not in lines:
+        return None
+    return [re.sub(r" A(-?)([\d.]+)", lambda m: f" A{'' if m[1] else '-'}{m[2]}", line)
+            for line in lines]  # fmt: skip
+
+
+#: Of a program for a tube, whose torch stands still across and whose F are inverse times.
+TUBE_TEXTS: dict[str, OfText] = {
+    **{name: TEXTS[name] for name in (
+        "pierce too short", "torch not started", "torch not stopped", "rapid with the torch on",
+        "corners cut short", "inches", "relative", "cut off in the middle", "beyond an axis",
+    )},
+    "A of a place": _line(
+        r"(G1 .* A)(-?[\d.]+)( .*)", lambda m, c: f"{m[1]}{float(m[2]) + c.choice((-9, 9)):g}{m[3]}"
+    ),
+    "A missing": _dropped(r"G0 A-?[\d.]+"),
+    "A the other way round": lambda lines, c: _other_way(lines),
+    "F of a block": _line(
+        r"(G1 .* F)([\d.]+)", lambda m, c: f"{m[1]}{float(m[2]) * c.choice((0.7, 1.2)):g}"
+    ),
+    "F missing": _line(r"(G1 .*) F[\d.]+", lambda m, c: m[1]),
+    "no inverse time": _dropped("G93"),
+    "beside the axis": _line(r"(G1 .* Y)0( .*)", lambda m, c: f"{m[1]}3{m[2]}"),
+    "tip too high": _line(
+        r"(G1 .* Z)([\d.]+)( .*)", lambda m, c: f"{m[1]}{float(m[2]) + 1:g}{m[3]}"
+    ),
+    "tip too low": _line(
+        r"(G1 .* Z)([\d.]+)( .*)", lambda m, c: f"{m[1]}{float(m[2]) - 1:g}{m[3]}"
+    ),
+    "through the tube": _line(r"G0 X(\S+) Y0 Z(\S+)", lambda m, c: f"G0 X{m[1]} Y0 Z10"),
+}  # fmt: skip
+
+
+def mirrored_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut-out of a tube whose arc counts the other way round."""
+    return _changed(
+        plan, chance,
+        lambda cut: replace(cut, path=tuple((x, -u) for x, u in cut.path)),
+        lambda cut: cut.kind == "inner",
+    )  # fmt: skip
+
+
+def elsewhere_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut-out of a tube a quarter of a turn on."""
+    turn = 3.141592653589793 * plan.profile.height
+    return _changed(
+        plan, chance,
+        lambda cut: replace(cut, path=tuple((x, u + turn / 4) for x, u in cut.path)),
+        lambda cut: cut.kind == "inner",
+    )  # fmt: skip
+
+
+def ends_before_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """An end of a tube that is not cut all round."""
+    return _changed(
+        plan, chance, lambda cut: replace(cut, path=_shortened(cut.path, 6.0)),
+        lambda cut: cut.kind != "inner",
+    )  # fmt: skip
+
+
+def plan_faults(machine: Machine) -> dict[str, OfPlan]:
+    """Ways to make a plan wrong."""
+    of_all: dict[str, OfPlan] = {
         "moved along": _placed(lambda x, y: (x + 0.6, y)),
         "moved across": lambda p, c: _changed(
             p, c, lambda cut: replace(cut, path=tuple((x, y + 0.6) for x, y in cut.path)),
             lambda cut: cut.kind == "inner",
         ),
-        "mirrored along": mirrored_along, "mirrored across": mirrored_across,
-        "cut left out": left_out, "face left out": face_left_out, "other face": on_other_face,
-        "too short": too_short, "order": reordered, "pierced in the part": pierced_in_part,
-        "kerf on the part": on_the_part, "other row": other_row(machine), "bulge": bulge,
-        "extra": extra,
+        "mirrored along": mirrored_along, "cut left out": left_out, "too short": too_short,
+        "order": reordered, "twice": twice, "kerf on the part": on_the_part,
+        "other row": other_row(machine), "bulge": bulge, "extra": extra,
     }  # fmt: skip
-    for name, of_plan in plans.items():
+    if machine.coper is not None and machine.coper.turns == "bar":
+        return of_all | {
+            "mirrored round": mirrored_round, "elsewhere round": elsewhere_round,
+            "ends before the seam": ends_before_the_seam,
+        }  # fmt: skip
+    return of_all | {
+        "mirrored across": mirrored_across, "face left out": face_left_out,
+        "other face": on_other_face, "pierced in the part": pierced_in_part,
+    }  # fmt: skip
+
+
+def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tuple[str, str]]:
+    """A wrong program of each class that the part has something for. Raises PlanError."""
+    job = Job(Request((part,), machine, name="JOB"), (0,))
+    plan = planner.plan_coping((part,), machine)
+    right = program_of(plan, job)
+    for name, of_plan in plan_faults(machine).items():
         wrong = of_plan(plan, chance)
         if wrong is not None:
             yield name, program_of(wrong, job)
-    for name, of_text in TEXTS.items():
+    coper = machine.coper
+    assert coper is not None
+    for name, of_text in (TEXTS if coper.turns == "torch" else TUBE_TEXTS).items():
         lines = of_text(right.split("\n"), chance)
         if lines is not None and "\n".join(lines) != right:
             yield name, "\n".join(lines)
     if any("corner" in said.message for said in plan.remarks):
-        coper = machine.coper
-        assert coper is not None
         sharp = replace(machine, coper=replace(coper, corner_radius=2.5))
         yield "sharp corners", program_of(planner.plan_coping((part,), sharp), job)
 
 
 def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, str, str]], int]:
-    """Wrong programs by class, those that the read-back took, and sound ones that it refused."""
-    machine, chance = load("coper-linuxcnc"), random.Random(seed)
+    """Wrong programs by class, those that the read-back took, and sound ones that it refused.
+
+    They are those of so many profiles and so many tubes.
+    """
+    chance = random.Random(seed)
     tried: Counter[str] = Counter()
     taken: list[tuple[int, str, str]] = []
     refused = 0
-    for number in range(count):
-        part = random_cope(number)
+    for number in range(2 * count):
+        machine = load(("coper-linuxcnc", "tube-linuxcnc")[number % 2])
+        part = (random_cope, random_tube)[number % 2](number // 2)
         job = Job(Request((part,), machine, name="JOB"), (0,))
         verify = post_of(machine).verify
         try:
@@ -345,16 +440,18 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
     return tried, taken, refused
 
 
-def main(arguments: list[str]) -> int:
+def main() -> None:
     """Prints how many wrong programs of each class there were, and which were taken."""
-    tried, taken, refused = survivors(int(arguments[0]) if arguments else 20)
+    parser = arguments(__doc__)
+    parser.add_argument("parts", type=at_least(1), nargs="?", default=20)
+    tried, taken, refused = survivors(parser.parse_args().parts)
     for name, count in sorted(tried.items()):
         print(f"{count:5}  {name}")
     for number, name, _ in taken:
         print(f"taken: {name}, part {number}")
     print(f"{tried.total()} wrong programs, {len(taken)} taken; {refused} sound ones refused")
-    return bool(taken or refused)
+    sys.exit(bool(taken or refused))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    start(main)

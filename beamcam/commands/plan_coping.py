@@ -8,9 +8,8 @@ from beamcam.commands.plan_sheet import not_made_lines
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import CopeCut, CopePlan, WorkTime
+from beamcam.motion.coping import NAMES
 from beamcam.report.run import as_message
-
-NAMES = {"inner": "cut-out", "notch": "notch", "near": "near end", "far": "far end"}
 
 
 def path_of(cut: CopeCut) -> float:

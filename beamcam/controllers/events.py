@@ -45,6 +45,7 @@ class Move(Struct, Generic[Where], frozen=True, gc=False):
     feed_mm_min: float  #: 0 without an F before it
     own_feed: bool = False  #: whether the feed is in its own block
     curve: Curve | None = None  #: in X and Y; None for a straight one
+    minutes: float = 0.0  #: that it takes, in inverse time (G93); 0 where a feed holds
     a_deg: tuple[float, float] = (nan, nan)  #: A at its start and end, where the machine has it
 
 

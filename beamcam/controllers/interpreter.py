@@ -85,6 +85,7 @@ class Interpreter(ABC):
         self._next = 0  #: plain move
         self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
         self._a_deg = nan  #: of a machine that has A
+        self._inverse = False  #: whether F is the inverse of a move's time (G93)
         self._feed = 0.0  #: in the unit of F words
         self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
         self._share = 1.0  #: of the feed, at which a table's head moves
@@ -287,8 +288,13 @@ class Interpreter(ABC):
         before = self._a_deg
         if "A" in words:
             self._a_deg = words["A"] + (0.0 if self._absolute else before)
-        a_deg = before, self._a_deg
-        self._add(Move(line, motion == 0, start, end, feed, own_feed, curve, a_deg))
+        a_deg, minutes = (before, self._a_deg), 0.0
+        if self._inverse and motion:
+            if not own_feed or not self._feed > 0.0:
+                self._wrong(line, "no F in that block", "one in each block of inverse time (G93)")
+                return
+            feed, minutes = 0.0, 1.0 / self._feed
+        self._add(Move(line, motion == 0, start, end, feed, own_feed, curve, minutes, a_deg))
 
     def _is_lost(self, line: int, motion: int, start: Place, end: Place, words: Words) -> bool:
         """Whether a move leads from or to nowhere; says so.

@@ -359,7 +359,7 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     lines += _filled(machine, "turn", x="0", y="0", z="50", a="-90")
     lines += _filled(machine, "traverse", x="10", y="20", z="30")
     lines += _filled(machine, "cut_on")
-    lines += _filled(machine, "feed", x="11", y="21", z="31")
+    lines += _filled(machine, "feed", x="11", y="21", z="31", a="-90", inverse="100")
     lines += (*_filled(machine, "cut_off"), *_filled(machine, "footer"))
     events, said = cell_events(_text(lines), machine, "")
     yield from _said(lines, said)

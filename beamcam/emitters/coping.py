@@ -12,10 +12,13 @@ from beamcam.model.program import (
     StartProfile,
     ToolOff,
     ToolOn,
+    TorchRound,
     TorchTo,
     TurnTorch,
 )
 from beamcam.plain_text import comment_text
+
+INVERSE_DECIMALS = 4  #: of a time's inverse, 1/min
 
 
 def emit(program: Program, machine: Machine) -> str:
@@ -37,6 +40,11 @@ def _blocks(
         case TorchTo(x, y, z, rapid):
             template = words.traverse if rapid else words.feed
             values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
+        case TorchRound(x, y, z, a_deg, per_minute):
+            template = words.feed
+            values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
+            values["a"] = number(a_deg, machine.format.angle_decimals)
+            values["inverse"] = number(per_minute, INVERSE_DECIMALS)
         case TurnTorch(x, y, z, a_deg):
             template = words.turn
             values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}

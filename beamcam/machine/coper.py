@@ -20,9 +20,13 @@ class Coper(Keys, frozen=True):
     max_height: Positive  #: of the section, along Y
     max_width: Positive  #: of the section, along Z
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
-    profiles: tuple[Literal["I", "U", "L"], ...] = ("I", "U", "L")  #: DSTV codes that it takes
+    turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a round tube
+    #: DSTV codes that it takes: I, U and L, or RO where the bar turns
+    profiles: tuple[Literal["I", "U", "L", "RO"], ...] = ("I", "U", "L")
     length: Positive = 12000.0  #: of the bar
     material: str = ""  #: of a part that does not say
+    chuck: NotNegative = 0.0  #: of a bar that turns, held behind what is cut
+    seam: float = 0.0  #: where the ends of a tube are pierced, degrees round it from u 0
     trim: Positive = 30.0  #: of the bar before a part and behind it, for leads and pierces
     torch_width: Positive = 16.0  #: diameter of the torch from its tip to its holder
     torch_length: Positive = 200.0  #: from the tip to the holder

@@ -28,6 +28,13 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
     for name in ("turn", "traverse", "feed", "cut_on", "cut_off"):
         if not getattr(words, name):
             yield f"words.{name}", [], "a template, since there is a coper"
+    round_bar = coper.turns == "bar"
+    for name in ("a", "inverse"):
+        if any("{" + name in line for line in words.feed) != round_bar:
+            expected = f"{{{name}}} where coper.turns is bar, and nowhere else"
+            yield "words.feed", list(words.feed), expected
+    if round_bar == bool({*coper.profiles} - {"RO"}):
+        yield "coper.profiles", list(coper.profiles), "RO where the bar turns, else I, U and L"
     if coper.tcp == bool(coper.pivot):
         expected = "0 where tcp is true, and above 0 where it is false"
         yield "coper.pivot", coper.pivot, expected

@@ -120,7 +120,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "change": frozenset({"spindle", "station", "diameter", "text"}),
     "traverse": frozenset({"x", "y", "z"}),
     "turn": frozenset({"x", "y", "z", "a"}),
-    "feed": _TO_NAMES | {"z"},
+    "feed": _TO_NAMES | {"z", "a", "inverse"},
     "arc_cw": _ARC_NAMES,
     "arc_ccw": _ARC_NAMES,
     "parabola": _ARC_NAMES,

@@ -260,6 +260,7 @@ class CopePlan(Struct, frozen=True):
     outcomes: tuple[Outcome, ...]  #: one for every feature
     remarks: tuple[Diagnostic, ...] = ()
     reloads: tuple[ToolLoad, ...] = ()  #: none: there is one torch
+    min_bevel: float = 0.0  #: degrees; a smaller bevel counts as square
 
 
 AnyPlan = Plan | SheetPlan | CopePlan

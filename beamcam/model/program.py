@@ -257,11 +257,22 @@ class TorchTo(Struct, frozen=True, gc=False):
     rapid: bool
 
 
+class TorchRound(Struct, frozen=True, gc=False):
+    """The torch along a line while the bar turns below it."""
+
+    x: float
+    y: float
+    z: float
+    a_deg: float
+    per_minute: float  #: inverse of the time that it takes
+
+
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
     StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool
-    | Comment | StartSheet | StartProfile | TurnTorch | TorchTo | ChooseTool | ChooseMaterial
-    | ToolOn | CloseCut | ToolOff | Pace | Power | PassEnd | Compensate | Traverse | Movement
+    | Comment | StartSheet | StartProfile | TurnTorch | TorchTo | TorchRound | ChooseTool
+    | ChooseMaterial | ToolOn | CloseCut | ToolOff | Pace | Power | PassEnd | Compensate | Traverse
+    | Movement
 )  # fmt: skip
 
 

@@ -8,6 +8,7 @@
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 from math import acos, ceil, cos, degrees, dist, radians, sin
 
 from beamcam.machine.coper import A_OF_FACE, Coper
@@ -22,6 +23,7 @@ from beamcam.model.program import (
     StartProfile,
     ToolOff,
     ToolOn,
+    TorchRound,
     TorchTo,
     TurnTorch,
 )
@@ -37,7 +39,7 @@ NAMES: dict[str, str] = {
 def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     """The commands that carry out a plan, in its order."""
     coper = machine.needed(machine.coper, "coper")
-    torch = _Torch(plan, coper)
+    torch = _Torch(plan, coper) if coper.turns == "torch" else _Bar(plan, coper)
     commands: list[Command] = [StartProfile(plan.profile.height, plan.profile.width)]
     for cut in plan.operations:
         commands += torch.make(cut)
@@ -144,6 +146,56 @@ class _Torch:
             yield TurnTorch(*self._programmed(tip, a_deg), a_deg)
 
 
+class _Bar:
+    """A torch that stands upright over a round tube, which turns below it about Y 0, Z 0."""
+
+    def __init__(self, plan: CopePlan, coper: Coper) -> None:
+        self._coper, self._start = coper, plan.pieces[0].start
+        (self._patch,) = surface_of(plan.profile)
+        self._over = self._patch.radius + coper.clearance
+        self._a_deg: float | None = None
+
+    def make(self, cut: CopeCut) -> Iterator[Command]:
+        """The commands of a cut, from where the torch stands clear of the tube.
+
+        A block takes as long as its way on the surface does at the feed of the row.
+        """
+        row, high = cut.row, self._patch.radius
+
+        def at(place: tuple[float, float]) -> tuple[float, float]:
+            return place[0] + self._start, self._turn_of(place[1])
+
+        x, a_deg = at(cut.path[0])
+        yield Comment(NAMES[cut.kind])
+        yield TorchTo(x, 0.0, self._over, True)
+        if a_deg != self._a_deg:
+            yield TurnTorch(x, 0.0, self._over, a_deg)
+        yield TorchTo(x, 0.0, high + row.pierce_height, True)
+        yield ToolOn(
+            row.process, row.feed_mm_min, row.power, row.pierce_s, cut.source, row.pierce_height,
+            row.cut_height,
+        )  # fmt: skip
+        down = row.pierce_height - row.cut_height
+        if down > 0.0:
+            yield TorchRound(x, 0.0, high + row.cut_height, a_deg, row.feed_mm_min / down)
+        for before, place in pairwise(cut.path):
+            x, a_deg = at(place)
+            way = dist(before, place)
+            if way > 0.0:
+                yield TorchRound(x, 0.0, high + row.cut_height, a_deg, row.feed_mm_min / way)
+        yield ToolOff(row.process)
+        yield TorchTo(x, 0.0, self._over, True)
+        self._a_deg = a_deg
+
+    def home(self) -> Iterator[Command]:
+        """Nothing: the torch stands clear of the tube."""
+        return iter(())
+
+    def _turn_of(self, u: float) -> float:
+        """A at which a place of the surface is on top, counted on from turn to turn."""
+        return 90.0 - degrees(self._patch.first_rad + u / self._patch.radius)
+
+
 def coping_time(plan: CopePlan, program: Program, machine: Machine) -> WorkTime:
     """How long each cut takes, its travels and turns before it included, and the way back."""
     speeds: dict[str, float] = {axis.moves: axis.speed for axis in machine.axes}
@@ -164,6 +216,9 @@ def coping_time(plan: CopePlan, program: Program, machine: Machine) -> WorkTime:
                 elif at is not None:
                     spent += 60.0 * dist(at, (x, y, z)) / feed
                 at = x, y, z
+            case TorchRound():
+                spent += 60.0 / command.per_minute
+                at, a_deg = (command.x, command.y, command.z), command.a_deg
             case ToolOn():
                 spent, feed = spent + command.pierce_s, command.feed_mm_min
             case ToolOff():

@@ -11,7 +11,7 @@ from typing import TypedDict
 
 from beamcam.errors import Source
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.plan import AnyPlan, SheetPlan, unfinished
+from beamcam.model.plan import AnyPlan, Plan, unfinished
 from beamcam.plain_text import harmless_cell
 
 MARKS = ("text", "point", "line")  #: kinds of rows that are marks
@@ -53,7 +53,7 @@ LIST_BEGIN = (",".join(HEAD) + "\n").encode()  #: of every list that was written
 def hand_rows(plan: AnyPlan) -> list[HandRow]:
     """A row for each mark that is left for manual work; pieces of one part share theirs."""
     rows: dict[tuple[int, int], list[HandRow]] = {}
-    least = plan.min_bevel if isinstance(plan, SheetPlan) else 0.0
+    least = 0.0 if isinstance(plan, Plan) else plan.min_bevel
     for outcome in unfinished(plan.outcomes):
         if not outcome.by_hand:
             continue

@@ -381,7 +381,7 @@ COLOURS = {
 
 
 def test_every_machine_stands_here() -> None:
-    assert {*BARS, *COLOURS, "coper-linuxcnc"} == set(shipped())
+    assert {*BARS, *COLOURS, "coper-linuxcnc", "tube-linuxcnc"} == set(shipped())
     for name, colours in COLOURS.items():
         torch = load(name).torch
         assert torch is not None
@@ -464,3 +464,11 @@ def test_figures_of_the_coper() -> None:
     assert len({row.feed_mm_min for row in coper.rows}) == len(coper.rows)
     assert {(row.process, row.cut_height) for row in coper.rows} == {("cut", 3.0)}
     assert (coper.corner_radius, coper.trim, coper.lead, coper.k_area) == (10, 30, 8, "pass")
+
+
+def test_the_tube_machine_has_the_torch_of_the_coper() -> None:
+    tube, coper = load("tube-linuxcnc").coper, load("coper-linuxcnc").coper
+    assert tube is not None
+    assert coper is not None
+    assert tube.rows == coper.rows
+    assert (tube.turns, tube.profiles, tube.chuck, tube.seam) == ("bar", ("RO",), 250, 0)

@@ -128,6 +128,7 @@ class _Words:
         self._lifts = dialect.lifting is not None  #: whether its programs move Z
         self._actions: list[Action] = []
         self._foreign = False  #: whether a G or M word is not known
+        self._of_copers = ("G93",) if dialect.stock == "profile" else ()
         self._faults: list[tuple[str, str]] = []
         self._unknown: list[tuple[str, str]] = []
         self._values: dict[str, float] = {}
@@ -297,7 +298,9 @@ class _Words:
                     self._actions.append((action, values.get("H", 0.0)))
                 for letter in variant.idle[code] & values.keys():
                     del values[letter]
-            elif self._is_table and code in variant.offsets:
+            elif (self._is_table and code in variant.offsets) or (
+                code == "G93" and self._dialect.stock == "profile"
+            ):
                 continue
             elif code not in ("G90", "G91") and code not in variant.settings:
                 self._unexplained(code)

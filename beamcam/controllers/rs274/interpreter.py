@@ -100,6 +100,8 @@ class Rs274(HeadWords, Interpreter):
                 "G0": found["G0"] | {"Z"},
                 "G1": found["G1"] | {"Z"},
             }
+        if self._dialect.stock == "profile":
+            found["G93"] = frozenset()
         if self._flat:
             found |= variant.idle | {f"M{n}": known for n, known in variant.idle_switches.items()}
             found |= dict.fromkeys((*variant.offsets, "S", "T"), frozenset())
@@ -154,6 +156,8 @@ class Rs274(HeadWords, Interpreter):
         for code in block.settings:
             if code in ("G90", "G91"):
                 self._absolute = code == "G90"
+            elif code in ("G93", "G94"):
+                self._inverse = code == "G93"
             elif code in ("G98", "G99"):
                 self._back_to_near = code == "G99"
             elif self._flat and code in self._variant.offsets:

@@ -25,7 +25,7 @@ ROUND = 8  #: sides of a quarter of a path round a corner
 SHARE_OVER = 0.98  #: of half a kerf, by which a path is followed beyond a free edge
 LEADS = (1.0, 0.75, 0.5, 0.25, 0.0)  #: shares of the lead that are tried
 STARTS = 12  #: stretches of a closed path on which a start is looked for
-SLACK = 1e-6  #: mm
+SLACK = 0.005  #: mm that paths round corners may be nearer than half a kerf
 
 End = Literal["low", "high", ""]  #: the border of the reach at which a path ends; "": it is closed
 
@@ -55,7 +55,11 @@ def paths_of(shape: Shape, half_kerf: float, wall: Wall) -> Shape:
     """
     from shapely import box, union_all
 
-    round_corners = shape.buffer(half_kerf, ROUND)
+    round_corners = next(
+        (found for sides in (ROUND, ROUND + 1, ROUND + 3)
+         if (found := shape.buffer(half_kerf, sides)).is_valid),
+        shape.buffer(half_kerf, ROUND),
+    )  # fmt: skip
     straight = shape.buffer(half_kerf, join_style="mitre", mitre_limit=MITRE)
     left, _, right, _ = straight.bounds
     edges = [

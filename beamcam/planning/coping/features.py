@@ -61,17 +61,18 @@ def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | N
     if not isinstance(feature, Hole | Slot | Contour):
         what = type(feature).__name__.lower()
         return bar_rules.OTHER.at(feature.source, found=f"a feature of kind {what}")
-    faces = "vhu" if profile.code == "L" else "vhou"
+    faces = {"L": "vhu", "RO": "v"}.get(profile.code, "vhou")
     kind = type(feature).__name__.lower()
     if feature.face not in faces:
         expected = f"a face that the torch looks at: {', '.join(faces)}"
         return bar_rules.NO_SPINDLE.at(
             feature.source, kind=kind, found=feature.face, expected=expected
         )
-    least = max(coper.min_hole, coper.min_hole_share * profile.thickness(feature.face))
+    wall = profile.thickness(feature.face) or profile.flange_thickness
+    least = max(coper.min_hole, coper.min_hole_share * wall)
     if isinstance(feature, Contour):
         steep = [b.angle for b in feature.bevels if abs(b.angle) >= coper.min_bevel]
-        if steep:
+        if steep and coper.turns == "torch":
             return rules.BEVEL.at(feature.source, found=f"{steep[0]:g}", face=feature.face)
         if feature.process != "cut" or feature.kind == "open" or not feature.closed:
             return bar_rules.OTHER.at(feature.source, found="an open line to cut")

@@ -4,20 +4,24 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Literal
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for, material_said
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Face, Part
-from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
+from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
 from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import SHARE_OVER, Chain, chains_of, led, paths_of
 from beamcam.planning.coping.features import Sorted, sorted_features
+from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.regions import Region, features_on, region_of
 from beamcam.planning.coping.roots import root_faults
+from beamcam.planning.coping.tube import outcomes_of, plan_tube
 from beamcam.planning.coping.walls import EDGE, Wall, walls_of
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
@@ -38,10 +42,22 @@ def plan_coping(
     that the machine cannot make; nothing is left out that is not in the plan's outcomes.
     """
     coper = machine.needed(machine.coper, "coper")
+    told: tuple[Diagnostic, ...] = ()
+    if coper.turns == "bar":
+        pipes = [as_pipe(part) for part in parts]
+        parts, told = [part for part, _ in pipes], tuple(said for _, said in pipes if said)
+        if errors_in(told):
+            raise PlanError(told)
     refusals = [*_stock_faults(parts, machine, coper, bar)]
     if refusals:
         raise PlanError(refusals)
     (part,) = parts
+    if coper.turns == "bar":
+        ends = [*_end_faults(part)]
+        if ends:
+            raise PlanError(ends)
+        plan = plan_tube(part, machine, coper, skips)
+        return replace(plan, remarks=(*told, *plan.remarks))
     found = sorted_features(part, machine, coper, skips)
     refusals = [*_end_faults(part), *found.refusals]
     if refusals:
@@ -63,7 +79,7 @@ def plan_coping(
         said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
     plan = CopePlan(
         part.profile, (Piece(part, coper.trim),), needed, tuple(cuts),
-        tuple(_outcomes(part, found)), tuple(said),
+        tuple(outcomes_of(part, found, coper.min_bevel)), tuple(said),
     )  # fmt: skip
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")
@@ -100,7 +116,7 @@ def _stock_faults(
     if deep > coper.torch_length:
         expected = f"{coper.torch_length - coper.clearance:g}"
         yield rules.DEEP.at(source, found=f"{profile.face_depth('v'):g}", expected=expected)
-    needed = part.length + 2 * coper.trim
+    needed = part.length + 2 * coper.trim + coper.chuck
     if needed > coper.length:
         yield bar_rules.BAR_LONG.at(source, found=f"{needed:g}", expected=f"{coper.length:g}")
     if bar is not None and bar < needed:
@@ -115,37 +131,6 @@ def _end_faults(part: Part) -> Iterator[Diagnostic]:
         if abs(angle) > NOISE_DEG:
             source = part.cut_source(kind, at)
             yield rules.END.at(source, kind=kind, found=f"{angle:g}", end=at)
-
-
-class Chart:
-    """The rows of a cut chart for the steel of a part."""
-
-    def __init__(self, part: Part, coper: Coper) -> None:
-        self.material = material_said(part.grade, coper.material)
-        self._rows = sorted(
-            (row for row in coper.rows if is_row_for(row.material, self.material)),
-            key=lambda row: row.up_to,
-        )
-        self._fallback = coper.rows[0]
-
-    @property
-    def deepest(self) -> float:
-        """The greatest thickness that is cut; 0 if the steel has no rows."""
-        return self._rows[-1].up_to if self._rows else 0.0
-
-    @property
-    def cut_height(self) -> float:
-        """The least height of the torch over the steel."""
-        return min((row.cut_height for row in self._rows), default=self._fallback.cut_height)
-
-    def row(self, thickness: float) -> TorchRow | None:
-        """The first row that is deep enough."""
-        return next((row for row in self._rows if thickness <= row.up_to + 1e-9), None)
-
-    def depth(self, thickness: float) -> float:
-        """How deep the row for a thickness cuts; the thickness itself where there is none."""
-        row = self.row(thickness)
-        return row.up_to if row else thickness
 
 
 def _regions(
@@ -181,7 +166,7 @@ def _cuts(
         source = part.features[features[0][1]].source if features else part.source
         for chain, row, thickness, root in _chains(region, chart):
             if row is None:
-                said.append(_too_thick(thickness, face, chart, source))
+                said.append(chart.too_thick(thickness, face, source))
                 continue
             way = led(chain, region.wall, region.shape, row, coper)
             if way is None:
@@ -201,13 +186,6 @@ def _cuts(
         tuple(ORDER).index(cut.kind), ORDER[cut.kind].index(cut.face), cut.path[0],
     ))  # fmt: skip
     return cuts, [*dict.fromkeys(said)]
-
-
-def _too_thick(thickness: float, face: Face, chart: Chart, source: Source) -> Diagnostic:
-    return rules.THICK.at(
-        source, found=f"{thickness:.4g}", material=chart.material or "steel", face=face,
-        expected=f"{chart.deepest:g}",
-    )  # fmt: skip
 
 
 def _chains(region: Region, chart: Chart) -> Iterator[tuple[Chain, TorchRow | None, float, bool]]:
@@ -249,13 +227,3 @@ def _kind(chain: Chain, region: Region) -> CopeKind:
     if max(xs) >= high:
         return "far"
     return "near" if min(xs) <= low else "notch"
-
-
-def _outcomes(part: Part, found: Sorted) -> Iterator[Outcome]:
-    for index in range(len(part.features)):
-        if index in found.listed:
-            yield Outcome((0, index), "listed", found.listed[index])
-        elif index in found.skipped:
-            yield Outcome((0, index), "skipped", found.skipped[index].code)
-        else:
-            yield Outcome((0, index), "made", "cut")

@@ -49,7 +49,7 @@ def region_of(
     strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
     whole: Shape = box(0.0, 0.0, part.length, wall.width)
     if outer:
-        whole = union_all([_on_edges(shape_of(c.curves), wall) for c in outer]).intersection(strip)
+        whole = union_all([on_edges(shape_of(c.curves), wall) for c in outer]).intersection(strip)
     said: list[Diagnostic] = []
     shape = whole
     for feature in taken:
@@ -62,10 +62,10 @@ def region_of(
     if shape.is_empty:
         return Region(wall, shape, 0), said
     corners = [p for c in (*outer, *taken) if isinstance(c, Contour) for p in sharp_corners(c)]
-    return _rounded(wall, shape, corners, part, coper, said)
+    return rounded(wall, shape, corners, part, coper, said)
 
 
-def _rounded(
+def rounded(
     wall: Wall,
     shape: Shape,
     corners: Sequence[Point],
@@ -79,7 +79,7 @@ def _rounded(
     sides of a corner it ends at radius / tan(angle / 2), which at 60 degrees is 1.73 times the
     radius; what reaches farther belongs to a sharper corner or to a notch that is too narrow.
     """
-    from shapely import MultiPoint, union_all
+    from shapely import MultiPoint, segmentize, union_all
 
     if not corners:
         return Region(wall, shape, 0), said
@@ -90,7 +90,8 @@ def _rounded(
         if piece.distance(places) > CHORD:
             continue
         mine = [p for p in places.geoms if piece.distance(p) <= CHORD]
-        deep = max(MultiPoint(mine).distance(p) for p in MultiPoint(piece.exterior.coords).geoms)
+        places_round = MultiPoint(segmentize(piece.exterior, radius / 4).coords).geoms
+        deep = max(MultiPoint(mine).distance(place) for place in places_round)
         if deep <= 2 * CHORD:
             continue
         if deep > MOST_ROUNDED * radius:
@@ -114,7 +115,7 @@ def _polygons(shape: Shape) -> Iterator[Shape]:
             yield one
 
 
-def _on_edges(shape: Shape, wall: Wall) -> Shape:
+def on_edges(shape: Shape, wall: Wall) -> Shape:
     """An outline whose places near an edge of the wall lie on it."""
     from shapely import make_valid, transform
 

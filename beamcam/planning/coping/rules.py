@@ -66,4 +66,17 @@ BAR = _note(
     "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
     "Leads and pierces of both ends lie in the scrap before and behind the part.",
 )
-RULES = (ALONE, END, BEVEL, ROOT, K_AREA, NARROW, OFF, DEEP, THICK, ROUNDED, BAR)
+PIPE = _note(
+    "pipe",
+    "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
+    "diameter, and is cut as that pipe",
+    "Some exporters write a pipe as a plate as wide as its circumference. On a machine for sheets "
+    "--unrolled cuts it flat.",
+)
+NO_PIPE = _error(
+    "no-pipe",
+    "found a plate {found} {height} mm wide; expected {expected} mm, the circumference of a pipe "
+    "{diameter} mm in diameter",
+    "Name and width of an unrolled pipe contradict each other, and only one can be right.",
+)
+RULES = (PIPE, NO_PIPE, ALONE, END, BEVEL, ROOT, K_AREA, NARROW, OFF, DEEP, THICK, ROUNDED, BAR)

@@ -13,7 +13,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import is_row_for, material_said
 from beamcam.model.part import Part
-from beamcam.verify.left_out import left_out, left_to_hand
+from beamcam.verify.left_out import by_hand, left_out, left_to_hand
 
 
 def verify_coping(
@@ -32,7 +32,8 @@ def verify_coping(
     from beamcam.verify.coping.collisions import strike_faults
     from beamcam.verify.coping.compare import compare
     from beamcam.verify.coping.section import Section
-    from beamcam.verify.coping.strokes import Torch
+    from beamcam.verify.coping.strokes import ProfileTorch
+    from beamcam.verify.coping.tube import cut_square, tube_faults, unrolled_pipe
     from beamcam.verify.coping.wanted import may_be_left, wanted_on
 
     coper = machine.needed(machine.coper, "coper")
@@ -41,19 +42,26 @@ def verify_coping(
         return tuple(said)
     if len(parts) > 1:
         return (*said, rules.PARTS.at(Source(name), found=len(parts)))
-    (part,) = parts
-    if part.profile.code not in ("I", "U", "L"):
-        found = part.profile.code
-        return (*said, rules.SECTION.at(Source(name), found=found, expected="I, U or L"))
-    section = Section(part.profile)
+    part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
+    code, codes = part.profile.code, ("RO",) if coper.turns == "bar" else ("I", "U", "L")
+    if code not in codes:
+        expected = ", ".join(codes)
+        return (*said, rules.SECTION.at(Source(name), found=code, expected=expected))
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
-    torch = Torch(machine, coper, section, rows, name)
+    left = may_be_left(part, machine, coper, skips)
+    if coper.turns == "bar":
+        said += tube_faults(events, part, machine, coper, rows, left, name)
+        if errors_in(said):
+            return tuple(said)
+        hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
+        return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))
+    section = Section(part.profile)
+    torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)
     said = [*said, *torch.said, *strike_faults(torch.ways, section, coper, name)]
     if errors_in(said):
         return tuple(said)
-    left = may_be_left(part, machine, coper, skips)
     wanted = {face: wanted_on(part, face, section, coper, left) for face in section.faces}
     step = machine.format.resolution
     said += compare(torch.strokes, wanted, part, section, coper, rows, step, name)

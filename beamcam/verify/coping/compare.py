@@ -16,13 +16,13 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Part
 from beamcam.verify.coping import rules
-from beamcam.verify.coping.section import Section, pieces_of
+from beamcam.verify.coping.section import ARC, Section, kerf_of, line_of, pieces_of
 from beamcam.verify.coping.strokes import Stroke
 from beamcam.verify.coping.wanted import FINE, Wanted
 
 Shape = Any  #: of shapely
-ARC = 16  #: sides of a quarter of a kerf's end
 SPECK = 0.05  #: mm2 that is nothing
+TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 SURE = 0.01  #: mm that figures of a thickness may be off
 
 
@@ -56,15 +56,10 @@ def compare(
             yield from _stroke_faults(
                 stroke, strokes, wanted[face].cut, part.length, section, coper, rows, slack, name
             )
+        yield from _twice(face, own, name)
     for face in section.faces[1:]:
         yield from _holding(face, left, section, slack, name)
     yield from _order_faults(strokes, wanted, name)
-
-
-def _line(points: Sequence[tuple[float, float]]) -> Shape:
-    from shapely import LineString, Point
-
-    return LineString(points) if len(set(points)) > 1 else Point(points[0])
 
 
 def _gone(
@@ -75,7 +70,7 @@ def _gone(
 
     found: list[tuple[Shape, Shape]] = []
     for stroke in own:
-        kerf = _line(stroke.points).buffer(stroke.row.kerf / 2, ARC)
+        kerf = kerf_of(stroke.points, stroke.row.kerf / 2)
         pierced = Point(stroke.points[0]).buffer(stroke.row.pierce_radius, ARC)
         found.append((kerf, union_all([kerf, pierced])))
     if face == "v":
@@ -94,7 +89,7 @@ def _below(stroke: Stroke, section: Section) -> Iterator[tuple[Shape, Shape]]:
     ends = (high - deep, high) if stroke.face == "o" else (low, low + deep)
     web = box(-1e6, section.back, 1e6, section.front)
     over = box(-1e6, section.back - half, 1e6, section.front + half)
-    run = _line(stroke.points)
+    run = line_of(stroke.points)
     crossed = run.intersection(web)
     for one in pieces_of(run.intersection(over)):
         if deep <= 0.0:
@@ -129,7 +124,7 @@ def _hurt(
         hurt = at_most.intersection(inner)
         if hurt.area > 0.0:
             x, y = hurt.representative_point().coords[0]
-            deep = slack + max(inner.boundary.distance(_line([p])) for p in _outline(hurt))
+            deep = slack + max(inner.boundary.distance(line_of([p])) for p in _outline(hurt))
             yield rules.HURT.at(
                 Source(name), found=f"{deep:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}",
                 expected=f"{slack:.2f}",
@@ -175,7 +170,7 @@ def _standing(
     over = left.part.difference(wanted.buffer(slack, join_style="mitre"))
     for piece in pieces_of(over):
         if piece.area > SPECK:
-            far = max(wanted.distance(_line([p])) for p in _outline(piece))
+            far = max(wanted.distance(line_of([p])) for p in _outline(piece))
             x, y = piece.representative_point().coords[0]
             yield rules.LEFT.at(
                 Source(name), found=f"{far:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}"
@@ -261,6 +256,21 @@ def _stroke_faults(
         )  # fmt: skip
 
 
+def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
+    """A stroke along what is cut already."""
+    for k, stroke in enumerate(own):
+        run = line_of(stroke.points)
+        for before in own[:k]:
+            if not run.intersects(line_of(before.points)):
+                continue
+            again = run.difference(kerf_of(before.points, before.row.kerf / 2))
+            if again.length < TWICE * run.length:
+                x, y = stroke.points[0]
+                yield rules.EXTRA.at(
+                    Source(name, stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=face
+                )
+
+
 def _off_contour(
     stroke: Stroke, wanted: Shape, extent: tuple[float, float], slack: float
 ) -> tuple[float, float] | None:
@@ -272,7 +282,7 @@ def _off_contour(
 
     near = wanted.boundary.buffer(stroke.row.kerf / 2 + slack)
     wall = box(-1e6, extent[0], 1e6, extent[1])
-    off = _line(stroke.points[1:]).intersection(wall).difference(near)
+    off = line_of(stroke.points[1:]).intersection(wall).difference(near)
     if off.length <= slack:
         return None
     x, y = off.representative_point().coords[0]

@@ -25,6 +25,7 @@ _LINUXCNC = (
     Owner(("G4",), ("P",), ("verify-coping-pierce", "verify-coping-torch"),
         "waits where the torch is off"),
     Owner(("G17", "G21", "G90", "G94", "G91.1"), (), (), _AGAIN),
+    Owner(("G93",), (), ("verify-word", "verify-coping-feed"), "no move follows"),
     Owner(("G40",), (), (), "no compensation is on"),
     Owner(("G41.1", "G42.1"), (), ("verify-coping-torch",)),
     Owner(("G41.1", "G42.1"), ("D",), ("verify-coping-torch",)),
@@ -51,7 +52,7 @@ _LINUXCNC = (
 _EVENTS = (
     Owner(("Move.rapid",), (), ("verify-coping-torch",)),
     Owner(("Move.start", "Move.end", "Move.a_deg"), (), (*_ON_THE_WAY, *_CUT), _FAR),
-    Owner(("Move.feed_mm_min",), (), ("verify-coping-feed",)),
+    Owner(("Move.feed_mm_min", "Move.minutes"), (), ("verify-coping-feed",)),
     Owner(("Move.own_feed",), (), (), "the feed that holds is looked at, wherever it is said"),
     Owner(("Move.curve",), (), ("verify-coping-torch",)),
     Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-coping-torch",)),

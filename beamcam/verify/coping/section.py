@@ -3,19 +3,44 @@
 Its plates as boxes in (Y, Z), its root fillets, and the plane that each face is.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
+from itertools import pairwise
 from math import cos, pi, sin
 from typing import Any, Literal
 
 from beamcam.model.part import Profile
 
 FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm
+ARC = 16  #: sides of a quarter of a kerf's end
 Box = tuple[float, float, float, float]  #: least Y and Z, greatest Y and Z
 
 
 def pieces_of(shape: Any) -> list[Any]:
     """The single shapes that one of shapely consists of."""
     return [one for one in getattr(shape, "geoms", (shape,)) if not one.is_empty]
+
+
+def line_of(points: Sequence[tuple[float, float]]) -> Any:
+    """A path as a line, or as a place where it has no length."""
+    from shapely import LineString, Point
+
+    return LineString(points) if len(set(points)) > 1 else Point(points[0])
+
+
+def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
+    """All that lies within half a kerf of a path.
+
+    That of a connected path is one polygon. GEOS fails at it now and then where a path comes back
+    to its start; then it is put together of its stretches.
+    """
+    from shapely import LineString, union_all
+
+    whole = line_of(points).buffer(half_kerf, ARC)
+    if whole.geom_type == "Polygon" and whole.is_valid:
+        return whole
+    ways = [LineString(way) for way in pairwise(points) if way[0] != way[1]]
+    return union_all([way.buffer(half_kerf, ARC) for way in ways])
 
 
 class Section:

@@ -1,6 +1,7 @@
 """What the torch of a coper does: each stroke from pierce to end, and what is wrong on its way."""
 
-from collections.abc import Iterator, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
 from math import cos, dist, isfinite, radians, sin
 
 from msgspec import Struct
@@ -54,16 +55,16 @@ class Way(Struct, frozen=True):
     a_deg: tuple[float, float]
 
 
-class Torch:
+class Torch(ABC):
     """Follows the events of a program."""
 
-    def __init__(
-        self, machine: Machine, coper: Coper, section: Section, rows: Sequence[TorchRow], name: str
-    ) -> None:
+    turning = False  #: whether A may turn with the torch on, which is upright then
+
+    def __init__(self, machine: Machine, coper: Coper, rows: Sequence[TorchRow], name: str) -> None:
         self.said: list[Diagnostic] = []
         self.strokes: list[Stroke] = []
         self.ways: list[Way] = []
-        self._machine, self._coper, self._section = machine, coper, section
+        self._machine, self._coper = machine, coper
         self._rows, self._name = rows, name
         self._on_words, self._off_words = (
             _switches(machine, "cut_on"),
@@ -143,7 +144,7 @@ class Torch:
                 self._wrong(move.line, "a cut from or to nowhere", "X, Y, Z and A before")
             self._a_deg = a_deg if isfinite(a_deg) else None
             return
-        if is_on and move.a_deg[0] != a_deg:
+        if is_on and not self.turning and move.a_deg[0] != a_deg:
             self._say(rules.ANGLE.at(Source(self._name, move.line), found=f"{a_deg:g}, turning"))
         end = self._tip_of(move.end, a_deg)
         if self._tip is not None and isfinite(move.a_deg[0]) and all(map(isfinite, move.start)):
@@ -172,12 +173,48 @@ class Torch:
                 )  # fmt: skip
 
     def _end(self, line: int) -> None:
-        """A stroke that is whole: its wall, its heights, its row."""
+        """A stroke that is whole."""
         moves = [m for m in self._moves if isfinite(sum(m.start)) and isfinite(sum(m.end))]
-        source = Source(self._name, line)
-        if not moves:
+        if moves:
+            self._take(line, moves)
+        else:
             self._wrong(line, "the torch started and stopped in one place", "a cut between")
-            return
+
+    @abstractmethod
+    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
+        """Adds the stroke of some moves, and says what is wrong with it."""
+
+    def _pierce_time(self, source: Source, row: TorchRow) -> None:
+        if abs(self._waited - row.pierce_s) > TIME_SLACK_S:
+            found = f"{self._waited:g}"
+            self._say(rules.PIERCE.at(source, found=found, expected=f"{row.pierce_s:g}"))
+
+    def _height(
+        self, source: Source, face: str, over: Iterable[float], wanted: float, does: str
+    ) -> None:
+        """Says where the tip is not as high over the steel as wanted."""
+        for found in over:
+            if abs(found - wanted) > HEIGHT_SLACK:
+                self._say(
+                    rules.HEIGHT.at(
+                        source, found=f"{found:.3f}", face=face, does=does, expected=f"{wanted:g}"
+                    )
+                )
+                return
+
+
+class ProfileTorch(Torch):
+    """A torch that goes round an I, a U or an L."""
+
+    def __init__(
+        self, machine: Machine, coper: Coper, section: Section, rows: Sequence[TorchRow], name: str
+    ) -> None:
+        super().__init__(machine, coper, rows, name)
+        self._section = section
+
+    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
+        """A stroke: its wall, its heights, its row."""
+        source = Source(self._name, line)
         a_deg = moves[0].a_deg[1]
         face = next((f for a, f in ANGLES.items() if abs(a - a_deg) <= ANGLE_SLACK_DEG), None)
         if face is None or face not in self._section.faces:
@@ -191,30 +228,16 @@ class Torch:
             self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
             return
         row = rows[0]
-        if abs(self._waited - row.pierce_s) > TIME_SLACK_S:
-            found = f"{self._waited:g}"
-            self._say(rules.PIERCE.at(source, found=found, expected=f"{row.pierce_s:g}"))
+        self._pierce_time(source, row)
         tips = [self._tip_of(moves[0].start, a_deg), *(self._tip_of(m.end, a_deg) for m in moves)]
-        self._height(source, face, tips[:1], row.pierce_height, "pierces")
-        self._height(source, face, tips[1:], row.cut_height, "cuts")
+        over = [self._section.over(face, y, z) for _, y, z in tips]
+        self._height(source, face, over[:1], row.pierce_height, "pierces")
+        self._height(source, face, over[1:], row.cut_height, "cuts")
         if dist(_across(tips[0], face), _across(tips[1], face)) > HEIGHT_SLACK:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         start = self._coper.trim
         points = tuple((x - start, y if face == "v" else z) for x, y, z in tips[1:])
         self.strokes.append(Stroke(line, face, points, tuple((y, z) for _, y, z in tips), row))
-
-    def _height(
-        self, source: Source, face: str, tips: Sequence[Place], wanted: float, does: str
-    ) -> None:
-        for _, y, z in tips:
-            found = self._section.over(face, y, z)
-            if abs(found - wanted) > HEIGHT_SLACK:
-                self._say(
-                    rules.HEIGHT.at(
-                        source, found=f"{found:.3f}", face=face, does=does, expected=f"{wanted:g}"
-                    )
-                )
-                return
 
 
 def _across(tip: Place, face: str) -> tuple[float, float]:

@@ -48,24 +48,24 @@ def wanted_on(
         rings = [[_at_edge(p, wide) for p in ring_of(one.curves)] for one in outlines]
         drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
-    corners = [p for one in outlines for p in _corners(one.curves, drawn)]
+    corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     for feature in features:
         if isinstance(feature, Hole):
             ring = list(_round(feature.x, feature.y, feature.diameter / 2, 0.0, 360.0))
         elif isinstance(feature, Slot):
-            ring = list(_slot_ring(feature))
+            ring = list(slot_ring(feature))
         elif isinstance(feature, Contour) and feature.kind != "outer":
             ring = ring_of(feature.curves)
             without = drawn.difference(make_valid(Polygon(ring)))
-            corners += _corners(feature.curves, without)
+            corners += corners_of(feature.curves, without)
         else:
             continue
         gone = make_valid(Polygon(ring))
         drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
-    return Wanted(drawn, _with_round_corners(drawn, corners, coper.corner_radius))
+    return Wanted(drawn, with_round_corners(drawn, corners, coper.corner_radius))
 
 
-def _with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
+def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
     """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
     from shapely import MultiPoint, union_all
 
@@ -105,7 +105,7 @@ def _round(x: float, y: float, radius: float, first: float, sweep: float) -> Ite
         yield x + radius * cos(turn), y + radius * sin(turn)
 
 
-def _slot_ring(slot: Slot) -> Iterator[Point]:
+def slot_ring(slot: Slot) -> Iterator[Point]:
     c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
     for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
         x = slot.x + a * slot.length * c - b * slot.height * s
@@ -120,7 +120,7 @@ def _at_edge(point: Point, wide: float) -> Point:
     return (x, wide) if abs(y - wide) <= EDGE_NOISE else point
 
 
-def _corners(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
+def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     """Where a closed chain turns by more than CORNER_DEG with more steel than air round it."""
     from shapely import Point as Place
 
@@ -167,9 +167,10 @@ def _kind(feature: object, part: Part, coper: Coper) -> str:
         return "other" if feature.kind == "open" or not feature.closed else ""
     if not isinstance(feature, Hole | Slot):
         return "other"
-    if feature.face not in ("v", "h", "u", *(("o",) if part.profile.code != "L" else ())):
+    faces = {"L": "vhu", "RO": "v"}.get(part.profile.code, "vhou")
+    if feature.face not in faces:
         return "face"
-    wall = part.profile.web_thickness or 0.0
+    wall = part.profile.web_thickness or part.profile.flange_thickness
     if feature.face in "ou":
         wall = part.profile.flange_thickness
     least = max(coper.min_hole, coper.min_hole_share * wall)

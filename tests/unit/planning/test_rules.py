@@ -21,11 +21,12 @@ from beamcam.planning.rules import SKIP_NAMES
 from tests.conftest import SAMPLES
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
 
-#: Of bars; sheets have rules and cases of their own, and so have maps and what is left out.
+#: Of bars; sheets and copers have rules and cases of their own, and so have maps and what is left
+#: out.
 RULES = [
     rule
     for module in pkgutil.walk_packages(planning.__path__, "beamcam.planning.")
-    if not module.name.startswith("beamcam.planning.contours")
+    if not module.name.startswith(("beamcam.planning.contours", "beamcam.planning.coping"))
     and module.name not in ("beamcam.planning.left_out", "beamcam.planning.map_keys")
     for rule in getattr(importlib.import_module(module.name), "RULES", ())
 ]

@@ -1,0 +1,192 @@
+"""The plan of a round tube that turns under a torch: its surface unrolled, and wrapped again.
+
+   x 0                   The surface lies flat, x along the tube and u round its outside, from
+u  |   ( )     |  end    the lowest line towards v. What crosses u 0 is there again a turn on:
+   |           |         the region is laid three times above itself, and each cut is taken
+0  |___________|         once. The ends go all round, from the seam to the seam.
+"""
+
+from collections.abc import Collection, Iterator
+from math import asin, cos, inf, pi, sin
+
+from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.geometry.curves import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import TorchRow
+from beamcam.model.part import Contour, Feature, Hole, Part
+from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
+from beamcam.planning import rules as bar_rules
+from beamcam.planning.by_hand import BEVEL
+from beamcam.planning.coping import rules
+from beamcam.planning.coping.chart import Chart
+from beamcam.planning.coping.cuts import ROUND, Chain, chains_of, led
+from beamcam.planning.coping.features import Sorted, sorted_features
+from beamcam.planning.coping.regions import (
+    CHORD,
+    Cut,
+    Region,
+    Shape,
+    curves_of,
+    on_edges,
+    rounded,
+    shape_of,
+    sharp_corners,
+)
+from beamcam.planning.coping.walls import Wall
+
+STEPS = 96  #: places round a hole
+
+
+def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
+    """The work that cuts a round tube from a bar. Raises PlanError as `plan_coping` does."""
+    found = sorted_features(part, machine, coper, skips)
+    if found.refusals:
+        raise PlanError(found.refusals)
+    chart, wall = Chart(part, coper), part.profile.thickness("v") or part.profile.flange_thickness
+    row = chart.row(wall)
+    if row is None:
+        raise PlanError(chart.too_thick(wall, "v", part.source))
+    surface = Wall("v", pi * part.profile.height, wall, -inf, inf, ())
+    region, said = _region(surface, part, found, coper)
+    cuts: list[CopeCut] = []
+    if not errors_in(said):
+        cuts, more = _cuts(part, region, found, row, coper)
+        said += more
+    if errors_in(said):
+        raise PlanError(errors_in(said))
+    if region.rounded:
+        said.append(
+            rules.ROUNDED.at(
+                part.source, count=region.rounded // 3, face="v", radius=f"{coper.corner_radius:g}"
+            )
+        )
+    needed = part.length + 2 * coper.trim + coper.chuck
+    said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
+    if part.quantity > 1:
+        said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
+    outcomes = tuple(outcomes_of(part, found, coper.min_bevel))
+    piece = Piece(part, coper.trim)
+    return CopePlan(
+        part.profile, (piece,), needed, tuple(cuts), outcomes, tuple(said),
+        min_bevel=coper.min_bevel,
+    )  # fmt: skip
+
+
+def outcomes_of(part: Part, found: Sorted, least: float) -> Iterator[Outcome]:
+    """The outcome of each feature, in order; edges bevelled by `least` degrees are cut square."""
+    for index in range(len(part.features)):
+        if index in found.listed:
+            yield Outcome((0, index), "listed", found.listed[index])
+        elif index in found.skipped:
+            yield Outcome((0, index), "skipped", found.skipped[index].code)
+        else:
+            left = BEVEL if has_bevels(part.features[index], least) else ""
+            yield Outcome((0, index), "made", "cut", left)
+
+
+def has_bevels(feature: Feature, least: float) -> bool:
+    """Whether edges of a contour are bevelled by so many degrees."""
+    return isinstance(feature, Contour) and any(abs(b.angle) >= least for b in feature.bevels)
+
+
+def _region(
+    surface: Wall, part: Part, found: Sorted, coper: Coper
+) -> tuple[Region, list[Diagnostic]]:
+    """What stays of the surface, three times above itself, and what is wrong with it."""
+    from shapely import box, make_valid, union_all
+    from shapely.affinity import translate
+
+    round_it = surface.width
+    own = [f for f in map(part.features.__getitem__, found.cut) if isinstance(f, Cut)]
+    outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
+    whole: Shape = box(0.0, 0.0, part.length, round_it)
+    if outer:
+        strip = box(-part.length, 0.0, 2 * part.length, round_it)
+        drawn = [on_edges(shape_of(c.curves), surface) for c in outer]
+        whole = union_all(drawn).intersection(strip)
+    turns = [k * round_it for k in range(3)]
+    shape = union_all([translate(whole, 0.0, turn) for turn in turns])
+    said: list[Diagnostic] = []
+    corners: list[Point] = []
+    for feature in own:
+        if isinstance(feature, Contour):
+            corners += [(x, y + turn) for x, y in sharp_corners(feature) for turn in turns]
+            if feature.kind == "outer":
+                continue
+        gone = _taken(feature, part)
+        if not gone.intersects(union_all([translate(whole, 0.0, t - round_it) for t in turns])):
+            said.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
+        around = [translate(gone, 0.0, k * round_it) for k in range(-1, 4)]
+        shape = shape.difference(union_all(around))
+    return rounded(surface, make_valid(shape), corners, part, coper, said)
+
+
+def _taken(feature: Cut, part: Part) -> Shape:
+    """What a feature takes of the unrolled surface.
+
+    A hole is drawn as a drill makes it, square to the axis of the tube: at y from its middle along
+    the section it meets the outside at R asin(y / R) of arc.
+    """
+    from shapely import Polygon
+
+    radius = part.profile.height / 2
+    if not isinstance(feature, Hole):
+        return shape_of(curves_of(feature))
+    r = min(feature.diameter / 2, radius)
+    turns = [2 * pi * k / STEPS for k in range(STEPS)]
+    return Polygon(
+        [(feature.x + r * cos(t), feature.y + radius * asin(r * sin(t) / radius)) for t in turns]
+    )
+
+
+def _cuts(
+    part: Part, region: Region, found: Sorted, row: TorchRow, coper: Coper
+) -> tuple[list[CopeCut], list[Diagnostic]]:
+    """The cuts in order: what lies in the surface, the near end, the far end."""
+    wall, half = region.wall, row.kerf / 2
+    paths = region.shape.buffer(half, ROUND)
+    seam = wall.width + coper.seam * wall.width / 360.0
+    cuts: list[CopeCut] = []
+    said: list[Diagnostic] = []
+    features = tuple((0, f) for f in found.cut)
+    source = part.features[found.cut[0]].source if found.cut else part.source
+    end = region.shape.bounds[2]
+    inside = Wall("v", wall.width, wall.thickness, 0.0, 3 * wall.width, ())
+    for chain in (*_whole(paths, wall), *_ends(paths, seam, wall)):
+        xs = [x for x, _ in chain.points]
+        kind: CopeKind = "inner"
+        if chain.start:
+            kind = "far" if max(xs) >= end else "near"
+        way = led(chain, inside, region.shape, row, coper)
+        if way is None:
+            x, y = chain.points[0]
+            said.append(
+                rules.NARROW.at(
+                    source, what="no room to pierce", x=f"{x:g}", y=f"{y:g}", face="v",
+                    expected=f"scrap {2 * row.pierce_radius:g} mm wide beside the contour",
+                )
+            )  # fmt: skip
+            continue
+        path = tuple((x, u - wall.width) for x, u in way.path)
+        cuts.append(CopeCut(kind, "v", path, way.lead, wall.thickness, row, features, source))
+    order = ("inner", "near", "far")
+    cuts.sort(key=lambda cut: (order.index(cut.kind), cut.path[0]))
+    if [cut.kind for cut in cuts].count("near") != 1 or cuts[-1].kind != "far":
+        said.append(rules.OFF.at(source, what="no end that goes all round the tube"))
+    return cuts, said
+
+
+def _whole(paths: Shape, wall: Wall) -> Iterator[Chain]:
+    """The rings of cut-outs, each once: those that begin in the second turn."""
+    for chain in chains_of(paths, -CHORD, 3 * wall.width + CHORD):
+        low = min(u for _, u in chain.points)
+        if not chain.start and wall.width <= low < 2 * wall.width:
+            yield chain
+
+
+def _ends(paths: Shape, seam: float, wall: Wall) -> Iterator[Chain]:
+    """The paths that go all round, from the seam of the second turn to that of the third."""
+    for chain in chains_of(paths, seam, seam + wall.width):
+        if {chain.start, chain.end} == {"low", "high"}:
+            yield chain

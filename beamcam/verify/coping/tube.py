@@ -1,0 +1,267 @@
+"""Programs of round tubes that turn under a torch, read back on the unrolled surface.
+
+The torch stands upright over the axis of the tube, which is Y 0, Z 0. A place of the surface is on
+top at A; it lies at u = R (90 - A) of arc from the lowest line towards v. A block of inverse time
+turns the tube and moves along it evenly, so that its way on the surface is straight.
+"""
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from math import asin, dist, pi, radians, sin
+from typing import Any
+
+from msgspec.structs import replace
+
+from beamcam.controllers.events import BarEvent, Move, Place
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import TorchRow
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.verify.coping import rules
+from beamcam.verify.coping.section import kerf_of, line_of, pieces_of
+from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
+from beamcam.verify.coping.wanted import FINE, corners_of, ring_of, slot_ring, with_round_corners
+
+Shape = Any  #: of shapely
+
+SPECK = 0.05  #: mm2 that is nothing
+SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, and
+SPEED_SLACK = 0.004  #: mm of it, as figures are written
+HOLE_STEPS = 120
+_CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
+TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
+
+
+class TubeTorch(Torch):
+    """An upright torch over a tube of some radius."""
+
+    turning = True
+
+    def __init__(
+        self, machine: Machine, coper: Coper, radius: float, rows: Sequence[TorchRow], name: str
+    ) -> None:
+        super().__init__(machine, coper, rows, name)
+        self._radius = radius
+
+    def _surface(self, x: float, a_deg: float) -> Point:
+        return x - self._coper.trim, self._radius * radians(90.0 - a_deg)
+
+    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
+        source, top = Source(self._name, line), self._radius
+        if any(abs(y) > HEIGHT_SLACK for m in moves for _, y, _ in (m.start, m.end)):
+            self._say(rules.ANGLE.at(source, found="beside the axis of the tube"))
+            return
+        points = [self._surface(moves[0].start[0], moves[0].a_deg[0])]
+        points += [self._surface(m.end[0], m.a_deg[1]) for m in moves]
+        ways = [
+            dist((*a, m.start[2]), (*b, m.end[2]))
+            for a, b, m in zip(points, points[1:], moves, strict=False)
+        ]
+        row = self._row(ways, moves)
+        if row is None:
+            shown = min((w / m.minutes if m.minutes else m.feed_mm_min)
+                        for w, m in zip(ways, moves, strict=True))  # fmt: skip
+            of_chart = ", ".join(f"{one.feed_mm_min:g}" for one in self._rows)
+            self._say(
+                rules.FEED.at(source, found=f"{shown:.0f}", thickness="steel", expected=of_chart)
+            )
+            return
+        self._pierce_time(source, row)
+        over = [moves[0].start[2] - top, *(m.end[2] - top for m in moves)]
+        self._height(source, "v", over[:1], row.pierce_height, "pierces")
+        self._height(source, "v", over[1:], row.cut_height, "cuts")
+        if dist(points[0], points[1]) > HEIGHT_SLACK:
+            self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
+        places = tuple((m.end[1], m.end[2]) for m in moves)
+        self.strokes.append(Stroke(line, "v", tuple(points[1:]), places, row))
+
+    def _row(self, ways: Sequence[float], moves: Sequence[Move[Place]]) -> TorchRow | None:
+        """The row at whose feed every block goes along the surface."""
+        for row in self._rows:
+            wanted = [row.feed_mm_min * m.minutes for m in moves]
+            if all(
+                abs(way - want) <= SPEED_SHARE * way + SPEED_SLACK
+                for way, want in zip(ways, wanted, strict=True)
+            ):
+                return row
+        return None
+
+
+def unrolled_pipe(part: Part) -> Part:
+    """A plate that is called a pipe as a tube whose circumference is its width; else the part."""
+    plate = part.profile
+    if plate.code != "B" or not _CALLED_PIPE.match(plate.name):
+        return part
+    across, wall = plate.height / pi, plate.web_thickness or 0.0
+    return replace(part, profile=replace(
+        plate, code="RO", height=across, width=across, flange_thickness=wall,
+    ))  # fmt: skip
+
+
+def cut_square(feature: Feature, coper: Coper) -> bool:
+    """Whether a contour has bevels, which an upright torch cuts square."""
+    bevels = feature.bevels if isinstance(feature, Contour) else ()
+    return any(abs(bevel.angle) >= coper.min_bevel for bevel in bevels)
+
+
+def tube_faults(
+    events: Sequence[BarEvent],
+    part: Part,
+    machine: Machine,
+    coper: Coper,
+    rows: Sequence[TorchRow],
+    left: Collection[int],
+    name: str,
+) -> list[Diagnostic]:
+    """All that a program makes otherwise than a tube, and what is wrong on its way."""
+    radius = part.profile.height / 2
+    torch = TubeTorch(machine, coper, radius, rows, name)
+    torch.follow(events)
+    said = [*torch.said, *_strikes(torch.ways, radius, coper, name)]
+    if errors_in(said):
+        return said
+    step = machine.format.resolution + radius * radians(10.0**-machine.format.angle_decimals)
+    return [*said, *_compared(torch.strokes, part, coper, rows, left, step, name)]
+
+
+def _strikes(ways: Sequence[Way], radius: float, coper: Coper, name: str) -> Iterator[Diagnostic]:
+    """Moves at which the tip is not above the tube."""
+    for way in ways:
+        low = min(way.start[2], way.end[2]) - radius
+        if low < coper.play - HEIGHT_SLACK:
+            _, y, z = way.end
+            yield rules.STRIKES.at(
+                Source(name, way.line), found=f"{low:.2f}", a=f"{way.a_deg[1]:g}", y=f"{y:.1f}",
+                z=f"{z:.1f}", expected=f"{coper.play:g}",
+            )  # fmt: skip
+            return
+
+
+def _compared(
+    strokes: Sequence[Stroke],
+    part: Part,
+    coper: Coper,
+    rows: Sequence[TorchRow],
+    left: Collection[int],
+    step: float,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """What is left of the unrolled surface, on three turns one above the other."""
+    from shapely import MultiPolygon, Point, box, union_all
+    from shapely.affinity import translate
+
+    turn, slack = pi * part.profile.height, coper.tolerance + 2 * step + FINE
+    drawn, wanted = _wanted(part, coper, left, turn)
+    wall = part.profile.web_thickness or part.profile.flange_thickness
+    fits = next((r for r in sorted(rows, key=lambda r: r.up_to) if r.up_to >= wall - 1e-6), None)
+    kept = wanted.buffer(-slack, join_style="mitre")
+    near = wanted.boundary
+    gone: list[Shape] = []
+    bar = box(-coper.trim, -turn / 2, part.length + coper.trim, 1.5 * turn)
+    parting = False
+    for stroke in strokes:
+        source, half = Source(name, stroke.line), stroke.row.kerf / 2
+        us = [u for _, u in stroke.points]
+        back = -turn * ((min(us) + slack) // turn)  # of its start into the first turn
+        points = [(x, u + back) for x, u in stroke.points]
+        run = line_of(points)
+        burnt = union_all(
+            [kerf_of(points, half), Point(points[0]).buffer(stroke.row.pierce_radius)]
+        )
+        hurt = burnt.intersection(kept)
+        if hurt.area > 0.0:
+            x, u = hurt.representative_point().coords[0]
+            deep = slack + max(kept.boundary.distance(Point(p)) for p in _places(hurt))
+            yield rules.HURT.at(
+                source, found=f"{deep:.2f}", face="v", x=f"{x:.1f}", y=f"{u:.1f}",
+                expected=f"{slack:.2f}",
+            )  # fmt: skip
+            return
+        off = line_of(points[1:]).difference(near.buffer(half + slack))
+        if off.length > slack:
+            x, u = off.representative_point().coords[0]
+            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face="v")
+            return
+        if gone and run.difference(union_all(gone)).length < TWICE * run.length:
+            x, u = points[0]
+            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face="v")
+        if not -coper.trim - slack <= points[0][0] <= part.length + coper.trim + slack:
+            yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face="v")
+        if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
+            yield rules.FEED.at(
+                source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{wall:g}",
+                expected=f"{fits.feed_mm_min:g}" if fits else "none",
+            )  # fmt: skip
+        is_far = max(x for x, _ in points) > drawn.bounds[2]
+        if parting and not is_far:
+            yield rules.ORDER.at(source, face="v")
+        parting = parting or is_far
+        gone += [translate(kerf_of(points, half), 0.0, k * turn) for k in range(-3, 3)]
+    pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
+    core = drawn.buffer(-2 * slack, join_style="mitre")
+    mine = MultiPolygon([p for p in pieces if p.intersection(core).area > SPECK])
+    if mine.is_empty:
+        yield rules.GONE.at(Source(name), face="v")
+    for piece in pieces_of(mine.difference(wanted.buffer(slack, join_style="mitre"))):
+        if piece.area > SPECK:
+            far = max(wanted.distance(Point(p)) for p in _places(piece))
+            x, u = piece.representative_point().coords[0]
+            yield rules.LEFT.at(
+                Source(name), found=f"{far:.2f}", face="v", x=f"{x:.1f}", y=f"{u:.1f}"
+            )
+            return
+
+
+def _places(shape: Shape) -> list[Point]:
+    from shapely import get_coordinates
+
+    return [tuple(p) for p in get_coordinates(shape).tolist()]
+
+
+def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tuple[Shape, Shape]:
+    """What has to stay of the surface on three turns, without and with its corners rounded."""
+    from shapely import Polygon, box, make_valid, union_all
+    from shapely.affinity import translate
+
+    features = [f for k, f in enumerate(part.features) if k not in left]
+    outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
+    one: Shape = box(0.0, 0.0, part.length, turn)
+    if outlines:
+        rings = [[_on_seam(p, turn) for p in ring_of(c.curves)] for c in outlines]
+        one = union_all([make_valid(Polygon(ring)) for ring in rings])
+        one = one.intersection(box(-1e6, 0.0, 1e6, turn))
+    drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
+    corners = [p for c in outlines for p in corners_of(c.curves, drawn)]
+    radius = part.profile.height / 2
+    for feature in features:
+        if isinstance(feature, Hole):
+            ring = list(_drilled(feature, radius))
+        elif isinstance(feature, Slot):
+            ring = list(slot_ring(feature))
+        elif isinstance(feature, Contour) and feature.kind == "inner":
+            ring = ring_of(feature.curves)
+            corners += corners_of(feature.curves, drawn.difference(make_valid(Polygon(ring))))
+        else:
+            continue
+        gone = make_valid(Polygon(ring))
+        gone = gone.convex_hull if isinstance(feature, Slot) else gone
+        drawn = drawn.difference(
+            union_all([translate(gone, 0.0, k * turn) for k in (-2, -1, 0, 1, 2)])
+        )
+    everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
+    return drawn, with_round_corners(drawn, everywhere, coper.corner_radius)
+
+
+def _on_seam(point: Point, turn: float) -> Point:
+    x, u = point
+    return (x, 0.0) if abs(u) <= 1.0 else (x, turn) if abs(u - turn) <= 1.0 else point
+
+
+def _drilled(hole: Hole, radius: float) -> Iterator[Point]:
+    """Where a drill through the axis meets the outside: r sin t across it, R asin of it along u."""
+    r = min(hole.diameter / 2, radius)
+    for k in range(HOLE_STEPS):
+        t = 2 * pi * k / HOLE_STEPS
+        yield hole.x + r * sin(t + pi / 2), hole.y + radius * asin(r * sin(t) / radius)
