@@ -9,47 +9,35 @@ import msgspec
 from msgspec import Struct
 
 from beamcam.conversion import nearest
-from beamcam.errors import BeamcamError, Diagnostic, Source, rule_makers
+from beamcam.errors import BeamcamError, Diagnostic, Source, error
 from beamcam.machine.machine import Machine
 from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
 from beamcam.plain_text import MAX_COMMENT, terminal_text
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES
 
-_error, _, _ = rule_makers("ask")
-
-ASK_TYPE = _error(
-    "type",
+ASK_TYPE = error("ask-type",
     "found {found} for {name}; expected {expected}",
-    "A value of another type would be misread, or fail in the middle of the work.",
-)
-ASK_BAR = _error(
-    "bar",
+    "A value of another type would be misread, or fail in the middle of the work.")  # fmt: skip
+ASK_BAR = error("ask-bar",
     "found a bar of {found} mm; expected a finite length above 0, or none",
-    "Without a length the bar is as long as the parts need.",
-)
-ASK_JOB = _error(
-    "job",
+    "Without a length the bar is as long as the parts need.")  # fmt: skip
+ASK_JOB = error("ask-job",
     "found the job name {found}; expected {expected}",
     "The name is written in the program's first line; a line end in it would turn the rest into "
-    "blocks, and what a controller's line does not hold would be cut off.",
-)
-ASK_SKIP = _error(
-    "skip",
+    "blocks, and what a controller's line does not hold would be cut off.")  # fmt: skip
+ASK_SKIP = error("ask-skip",
     "found {found!r} among the skips; expected {expected}",
-    "A misspelt name would leave out nothing, or another kind than was meant.",
-)
-ASK_NUMBER = _error(
-    "number",
+    "A misspelt name would leave out nothing, or another kind than was meant.")  # fmt: skip
+ASK_NUMBER = error("ask-number",
     "found {found} as {name} of the part; expected a finite number",
-    "A part that was put together by a program may hold nan or inf, which no axis can move to.",
-)
+    "A part that was put together by a program may hold nan or inf, which no axis can move "
+    "to.")  # fmt: skip
 
-ASK_VALUE = _error(
-    "value",
+ASK_VALUE = error("ask-value",
     "found a wrong value of {name} ({fault}); expected one that the option of that name takes",
-    "The options of the library are those of the command line and of beamcam.toml, by their names.",
-)
+    "The options of the library are those of the command line and of beamcam.toml, by their "
+    "names.")  # fmt: skip
 
 RULES = (ASK_VALUE, ASK_TYPE, ASK_BAR, ASK_JOB, ASK_SKIP, ASK_NUMBER)
 _HERE = Source("beamcam")

@@ -6,7 +6,7 @@ those that its message shows: nothing is decided by the message. What cannot be 
 `BeamcamError` that carries its diagnostics.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from enum import Enum
 from typing import Any
 
@@ -114,28 +114,26 @@ def add_few(said: list[Diagnostic], one: Diagnostic) -> None:
         said.append(one)
 
 
-RuleMaker = Callable[[str, str, str], Rule]
+def error(code: str, message: str, reason: str) -> Rule:
+    """A rule whose diagnostics refuse the job."""
+    return Rule(code, Severity.ERROR, message, reason)
 
 
-def rule_makers(family: str) -> tuple[RuleMaker, RuleMaker, RuleMaker]:
-    """Makers of the errors, warnings and notes whose codes begin with `family`.
-
-    Each takes the rest of the code, the message and the reason.
-    """
-
-    def maker(severity: Severity) -> RuleMaker:
-        return lambda code, message, reason: Rule(f"{family}-{code}", severity, message, reason)
-
-    return maker(Severity.ERROR), maker(Severity.WARNING), maker(Severity.NOTE)
+def warning(code: str, message: str, reason: str) -> Rule:
+    """A rule whose diagnostics do not stop the job, unless it is strict."""
+    return Rule(code, Severity.WARNING, message, reason)
 
 
-MORE = Rule(
-    "more-messages",
-    Severity.NOTE,
+def note(code: str, message: str, reason: str) -> Rule:
+    """A rule whose diagnostics are worth knowing and never stop a job."""
+    return Rule(code, Severity.NOTE, message, reason)
+
+
+MORE = note("more-messages",
     "found {found} more messages {code}, {of} in all; `inspect --json` and the report of a batch "
     "hold each",
-    "A fault of an exporter often repeats in each line; the first twenty messages show it.",
-)
+    "A fault of an exporter often repeats in each line; the first twenty messages show "
+    "it.")  # fmt: skip
 RULES = (MORE,)
 
 

@@ -6,27 +6,21 @@ from typing import TypeVar, overload
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError, Rule, Severity, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source, error, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.model.request import Request
 
 Made = TypeVar("Made")
 
-CHOSEN = Rule(
-    "plan-machine",
-    Severity.NOTE,
+CHOSEN = note("plan-machine",
     "made on {found}; {others}",
     "Where no machine is named, those of the configuration, or else the shipped ones, are tried in "
-    "their order. The first that makes all of a part takes it. --machine names one.",
-)
-NONE_MAKES_IT = Rule(
-    "plan-no-machine",
-    Severity.ERROR,
+    "their order. The first that makes all of a part takes it. --machine names one.")  # fmt: skip
+NONE_MAKES_IT = error("plan-no-machine",
     "found no machine that makes the whole part ({found}); expected one",
     "Each machine that was tried is listed with the codes of what it cannot make. The messages "
-    "above are those of the machine that lacks least. `beamcam codes CODE` explains a code and "
-    "the ways out.",
-)
+    "above are those of the machine that lacks least. `beamcam codes CODE` explains a code and the "
+    "ways out.")  # fmt: skip
 RULES = (CHOSEN, NONE_MAKES_IT)
 
 

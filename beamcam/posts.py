@@ -131,7 +131,7 @@ def trigger_post() -> Post:
         return _of_asked(verify_triggers, job, text, text)
 
     def time(plan: SheetPlan, table: Any, machine: Machine) -> WorkTime:
-        from beamcam.motion.table_times import trigger_time
+        from beamcam.motion.sheet_times import trigger_time
 
         return trigger_time(plan, table, machine)
 
@@ -156,7 +156,7 @@ def step_post() -> Post:
         return _of_asked(partial(verify_table, form), job, pieces, beginning(program))
 
     def time(plan: SheetPlan, _: Any, machine: Machine) -> WorkTime:
-        from beamcam.motion.table_times import step_time
+        from beamcam.motion.sheet_times import step_time
 
         return step_time(plan, machine)
 
@@ -224,7 +224,7 @@ def _of_asked(
     found = verify(program, parts, machine, w.skips, w.name)
     if not parts or errors_in(found) or not carries_head(job):
         return found
-    from beamcam.verify.sheets.shared import told_faults
+    from beamcam.verify.sheets.controller_state import told_faults
 
     return (*found, *told_faults(begin, parts, machine, w.skips, w.name))
 

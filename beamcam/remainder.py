@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from msgspec.structs import replace
 
 from beamcam.emitters import gcode
-from beamcam.errors import Diagnostic, PlanError, Rule, Severity, errors_in
+from beamcam.errors import Diagnostic, PlanError, error, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import Operation, Plan, SawOp
 from beamcam.model.program import (
@@ -30,12 +30,9 @@ from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
 from beamcam.planning.magazine import tool_loads
 from beamcam.verify.bars.remainder import verify_remainder
 
-OPERATION = Rule(
-    "plan-operation",
-    Severity.ERROR,
+OPERATION = error("plan-operation",
     "found operation {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",
-    "Operation 1 begins the whole program.",
-)
+    "Operation 1 begins the whole program.")  # fmt: skip
 RULES = (OPERATION,)
 _WORK = (SawStroke, DrillCycle, PathCycle, TellText)
 

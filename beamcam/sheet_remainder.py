@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from msgspec.structs import replace
 
 from beamcam.emitters import cutting
-from beamcam.errors import Diagnostic, PlanError, Rule, Severity, errors_in
+from beamcam.errors import Diagnostic, PlanError, error, errors_in
 from beamcam.model.plan import SheetPlan
 from beamcam.model.program import Comment, Program
 from beamcam.model.request import Job
@@ -17,13 +17,10 @@ from beamcam.pipeline import Posted, RefusedProgram
 from beamcam.posts import post_of
 from beamcam.verify.sheets.remainder import SAID, rest_faults
 
-CONTOUR = Rule(
-    "plan-contour",
-    Severity.ERROR,
+CONTOUR = error("plan-contour",
     "found contour {found} to begin with; expected the number of a contour to cut from 2 to "
     "{expected}, as `beamcam plan` counts",
-    "Contour 1 begins the whole program, and marks are made before the first cut.",
-)
+    "Contour 1 begins the whole program, and marks are made before the first cut.")  # fmt: skip
 RULES = (CONTOUR,)
 
 

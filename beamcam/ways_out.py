@@ -5,7 +5,7 @@ from itertools import chain, islice
 
 from msgspec.structs import replace
 
-from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.plan import AnyPlan
@@ -20,41 +20,26 @@ GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to 
 ROTATED_DEG = 15  #: from one turn that is tried to the next
 UNITS = ("mm", "in")  #: that drawings are made in
 
-WAYS_OUT = Rule(
-    "plan-ways-out",
-    Severity.NOTE,
+WAYS_OUT = note("plan-ways-out",
     "with {found} it can be made",
     "Each option was tried before it was named. The machine may belong to another shop; what "
-    "--allow-skips leaves out is missing from the part.",
-)
-NO_WAY_OUT = Rule(
-    "plan-no-way-out",
-    Severity.NOTE,
+    "--allow-skips leaves out is missing from the part.")  # fmt: skip
+NO_WAY_OUT = note("plan-no-way-out",
     "found no way out: no shipped machine makes it, not even with features left out",
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
-    "do more.",
-)
-UNTRIED = Rule(
-    "plan-ways-untried",
-    Severity.NOTE,
+    "do more.")  # fmt: skip
+UNTRIED = note("plan-ways-untried",
     "found {found} features, looked for no way out; expected at most {expected} for that",
     "Each option would be tried by planning all of it, some fifty times. `beamcam codes CODE` says "
-    "what to do about the errors.",
-)
-WAYS_TO_READ = Rule(
-    "read-ways-out",
-    Severity.NOTE,
+    "what to do about the errors.")  # fmt: skip
+WAYS_TO_READ = note("read-ways-out",
     "with {found} it can be read",
     "The option was tried before it was named. Look whether it says what the drawing means: the "
-    "size of the work follows from it.",
-)
-NO_WAY_TO_READ = Rule(
-    "read-no-way-out",
-    Severity.NOTE,
+    "size of the work follows from it.")  # fmt: skip
+NO_WAY_TO_READ = note("read-no-way-out",
     "found no way out: no option reads the file as it stands; expected it corrected where the "
     "messages say",
-    "Whoever wrote the file has to export it again; a guess would make another part.",
-)
+    "Whoever wrote the file has to export it again; a guess would make another part.")  # fmt: skip
 RULES = (WAYS_OUT, NO_WAY_OUT, UNTRIED, WAYS_TO_READ, NO_WAY_TO_READ)
 #: Options of the readers, as on a command line and as they take them, by the file's format.
 _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {

@@ -19,11 +19,11 @@ from script import arguments, start
 from beamcam.emitters.step_table import as_bytes, as_text
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
-from beamcam.model.steps import StepRows, StepTable
+from beamcam.model.program import StepRows, StepTable
 from beamcam.motion import steps
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.step_events import events
-from beamcam.motion.velocity_table import Way
+from beamcam.motion.steps import Way
 from beamcam.verify.steps import verify_table
 
 ROUNDS = 15

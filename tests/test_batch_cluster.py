@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from beamcam.batch import Here, Shop, cluster, find_inputs, processes, run
-from beamcam.batch.head_start import MOST_BYTES, HeadStart
+from beamcam.batch.processes import MOST_BYTES, HeadStart
 from beamcam.batch.work import FileResult, Task, make_all
 from beamcam.machine import load
 from tests.conftest import ROOT

@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 
 from beamcam.cli import main
 from beamcam.commands import common
-from beamcam.commands.grouped import GROUPS, OTHER, Grouped, heading_of
+from beamcam.commands.common import GROUPS, OTHER, Grouped, heading_of
 from beamcam.commands.kinds import KINDS, NO_PROGRAMS
 from beamcam.machine.names import DEFAULTS
 from tests.conftest import SAMPLES
@@ -29,7 +29,7 @@ def call(*words: object) -> Result:
 def test_every_option_stands_in_a_group(words: str) -> None:
     options = [p for p in WORDS[words].params if isinstance(p, click.Option)]
     others = [o.name for o in options if heading_of(str(o.name)) == OTHER]
-    assert len(others) <= 6, f"give them a heading in commands/grouped.py: {others}"
+    assert len(others) <= 6, f"give them a heading in commands/common.py: {others}"
     said = call(words, "--help").stdout
     assert "\nOptions:" not in said
     for option in options:

@@ -10,8 +10,7 @@ from click.testing import CliRunner, Result
 from beamcam import system
 from beamcam.cli import main
 from beamcam.config import places
-from beamcam.config.apply import with_tolerances
-from beamcam.config.load import ConfigError, load
+from beamcam.config.load import ConfigError, load, with_tolerances
 from beamcam.config.places import ConfigFiles, config_files
 from beamcam.config.values import Config, ConfigFile, over
 from beamcam.machine import load as load_machine

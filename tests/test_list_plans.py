@@ -18,7 +18,7 @@ from beamcam.model.part import Part
 from beamcam.model.section import corners
 from beamcam.pipeline import read_file
 from beamcam.planning.jobs import numbered
-from beamcam.report.weights import Weights, weights_of
+from beamcam.report.part_list import Weights, weights_of
 from beamcam.solid.part_solid import part_solid
 from beamcam.verify.bars import run as read_bar
 from beamcam.verify.bars.pieces import pieces as pieces_between

@@ -12,7 +12,7 @@ from beamcam.pictures.line import line_scene
 from beamcam.pictures.scene import Circle, Polyline, Text
 from beamcam.planning.held_up import held_up
 from beamcam.solid.bar_solid import reaches
-from beamcam.solid.section import walls
+from beamcam.solid.kernel import walls
 from tests.conftest import ROOT
 
 SPINDLES = """

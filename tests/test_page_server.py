@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from beamcam.commands import page_server
-from beamcam.commands.page_server import MOST_CALLERS, PageServer, is_own_host
+from beamcam.commands import monitor
+from beamcam.commands.monitor import MOST_CALLERS, PageServer, is_own_host
 from tests.runs import wait_until
 
 LOOPBACK = "127.0.0.1"
@@ -65,7 +65,7 @@ def test_hosts(named: str | None, bound: str, own: bool) -> None:
 def test_callers_who_say_nothing_are_few_and_soon_ended(
     server: PageServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(page_server, "ANSWERED_S", 1000.0)
+    monkeypatch.setattr(monitor, "ANSWERED_S", 1000.0)
     silent = []
     for wanted in range(1, MOST_CALLERS + 1):
         silent.append(socket.create_connection((LOOPBACK, server.server_port), 5))
@@ -73,9 +73,9 @@ def test_callers_who_say_nothing_are_few_and_soon_ended(
         wait_until(lambda wanted=wanted: len(server.callers) == wanted)  # type: ignore[misc]
     assert not is_answered(server)  # one too many
     assert len(server.callers) == MOST_CALLERS
-    monkeypatch.setattr(page_server, "ANSWERED_S", 0.0)
+    monkeypatch.setattr(monitor, "ANSWERED_S", 0.0)
     wait_until(lambda: not server.callers)
-    monkeypatch.setattr(page_server, "ANSWERED_S", 1000.0)
+    monkeypatch.setattr(monitor, "ANSWERED_S", 1000.0)
     assert is_answered(server)
     for caller in silent:
         caller.close()
@@ -89,7 +89,7 @@ def is_answered(server: PageServer) -> bool:
 
 
 def test_a_caller_who_drips_is_ended(server: PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_server, "ANSWERED_S", 0.3)
+    monkeypatch.setattr(monitor, "ANSWERED_S", 0.3)
     with socket.create_connection((LOOPBACK, server.server_port), 5) as caller:
         wait_until(lambda: is_ended(caller))
 

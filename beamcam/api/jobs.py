@@ -116,7 +116,7 @@ def load(
     asked = converted(tables, ConfigFile)
     config = Config(loaded.name, sheet=asked.sheet, map=asked.map, tolerances=asked.tolerances)
     if config.tolerances:
-        from beamcam.config.apply import with_tolerances
+        from beamcam.config.load import with_tolerances
 
         loaded = with_tolerances(loaded, config)
     if not (config.map or sheet):

@@ -19,11 +19,11 @@ from msgspec.structs import replace
 
 from beamcam.batch import rules
 from beamcam.batch.find import Input, read_input
+from beamcam.batch.names import other_content
 from beamcam.batch.pool import Workers, driven
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import Record
 from beamcam.batch.run import BatchError, Run, Slot, recorded
-from beamcam.batch.same_marks import other_content
 from beamcam.batch.shares import Look, Lot, ShareTask, stems_of, tasks_of
 from beamcam.batch.work import Shop, Task, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError

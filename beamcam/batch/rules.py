@@ -1,131 +1,76 @@
 """Rules for a batch, apart from the parts in it."""
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import error, note, warning
 
-NOTHING = Rule(
-    "batch-nothing",
-    Severity.ERROR,
+# fmt: off
+
+NOTHING = error("batch-nothing",
     "found no input for {found!r}; expected a file, a folder that holds one, or a pattern",
-    "A pattern that matches nothing is often a wrong folder.",
-)
-LOOP = Rule(
-    "batch-loop",
-    Severity.WARNING,
+    "A pattern that matches nothing is often a wrong folder.")
+LOOP = warning("batch-loop",
     "found a link back to {found}, which is not followed",
-    "Following it would never end, or would post files outside the inputs.",
-)
-FOLDER = Rule(
-    "batch-folder",
-    Severity.ERROR,
+    "Following it would never end, or would post files outside the inputs.")
+FOLDER = error("batch-folder",
     "found a folder that cannot be listed ({found}); expected one that can be read",
-    "Its files would be left out silently.",
-)
-NO_PART = Rule(
-    "batch-no-part",
-    Severity.ERROR,
+    "Its files would be left out silently.")
+NO_PART = error("batch-no-part",
     "found no part in the file; expected at least one",
-    "Exporting an empty selection writes such a file.",
-)
-SAME_NAME = Rule(
-    "batch-same-name",
-    Severity.ERROR,
-    "found {found!r} for the output's name, which {other} has; expected a name of its own, "
-    "by --tree or --name",
-    "One program would be written over by the other.",
-)
-OTHER_CONTENT = Rule(
-    "list-mark-twice",
-    Severity.ERROR,
+    "Exporting an empty selection writes such a file.")
+SAME_NAME = error("batch-same-name",
+    "found {found!r} for the output's name, which {other} has; expected a name of its own, by "
+    "--tree or --name",
+    "One program would be written over by the other.")
+OTHER_CONTENT = error("list-mark-twice",
     "found another part with the mark {found!r}{where} in {other}; expected one content for one "
     "mark of an order, or --mark-from drawing, file or position",
     "Two parts that differ under one mark of an order and phase get mixed up in the shop. Give one "
-    "of them another mark, leave its file out, or take the marks from where they differ.",
-)
-REMNANT_OF = Rule(
-    "batch-remnant",
-    Severity.ERROR,
+    "of them another mark, leave its file out, or take the marks from where they differ.")
+REMNANT_OF = error("batch-remnant",
     "found the remnant {found}; expected {expected}",
-    "The parts are of several sections or grades, and a remnant is of one of them.",
-)
-STALE_SHARE = Rule(
-    "batch-stale-share",
-    Severity.WARNING,
+    "The parts are of several sections or grades, and a remnant is of one of them.")
+STALE_SHARE = warning("batch-stale-share",
     "{found!r} still stands from an earlier run over stock; expected it to be of this one",
-    "The pieces lie on other bars or sheets now; whoever runs the older program makes them twice.",
-)
-OVER_INPUT = Rule(
-    "batch-over-input",
-    Severity.ERROR,
+    "The pieces lie on other bars or sheets now; whoever runs the older program makes them twice.")
+OVER_INPUT = error("batch-over-input",
     "found the output {found!r}, which is the file {read!r} that this run reads; expected another "
     "name or folder",
-    "The program would be written over a part, the configuration or a machine file.",
-)
-LINK = Rule(
-    "batch-link",
-    Severity.ERROR,
+    "The program would be written over a part, the configuration or a machine file.")
+LINK = error("batch-link",
     "found {found!r}, which leads out of the folder of the outputs by a link, to {to!r}; expected "
     "a place in the folder, remove the link",
-    "Writing through such a link would overwrite a file outside the folder.",
-)
-NOT_OURS = Rule(
-    "batch-not-ours",
-    Severity.ERROR,
+    "Writing through such a link would overwrite a file outside the folder.")
+NOT_OURS = error("batch-not-ours",
     "found {found!r} there already, {why}; expected a program as a batch made it, `batch --force` "
     "writes over it",
-    "What somebody else put there, edited, or made read-only is not lost without being asked for.",
-)
-NO_END = Rule(
-    "batch-no-end",
-    Severity.WARNING,
+    "What somebody else put there, edited, or made read-only is not lost without being asked for.")
+NO_END = warning("batch-no-end",
     "found no end of the file for {found} s (EN, END-ISO-10303-21, EOF, </svg>, the closing "
     "bracket); expected its writer to be done, --end-wait waits longer",
-    "A writer may pause in mid file. A file that stays without its end is read as it stands.",
-)
-WRITE = Rule(
-    "batch-write",
-    Severity.ERROR,
+    "A writer may pause in mid file. A file that stays without its end is read as it stands.")
+WRITE = error("batch-write",
     "{found!r} cannot be written ({reason}); expected a folder with room that may be written to",
-    "The disk is full, or the folder may not be written to. The old file, if any, still stands.",
-)
-KEPT = Rule(
-    "verify-kept",
-    Severity.NOTE,
+    "The disk is full, or the folder may not be written to. The old file, if any, still stands.")
+KEPT = note("verify-kept",
     "the refused program is kept in {found}; look at the lines that the messages name",
     "A program that does not make the part is never written where a machine would take it. Under "
-    "this name it can be inspected, or sent in with a report.",
-)
-RECORD = Rule(
-    "batch-record",
-    Severity.WARNING,
+    "this name it can be inspected, or sent in with a report.")
+RECORD = warning("batch-record",
     "the record of the batch cannot be kept ({found}); the next run does these files again",
-    "Without its record a batch does not know which inputs are unchanged.",
-)
-STALE = Rule(
-    "batch-stale",
-    Severity.WARNING,
+    "Without its record a batch does not know which inputs are unchanged.")
+STALE = warning("batch-stale",
     "{found!r} still stands from an earlier run; expected it to be of this input",
-    "The input was posted before and is refused now; a machine should not run the older program.",
-)
-DIED = Rule(
-    "batch-worker",
-    Severity.ERROR,
-    "found the worker process dead at this file, twice; expected it to finish (out of memory, or "
-    "a fault in a library)",
-    "The process was ended by the system, most often for its memory. Other files are not touched.",
-)
-INTERNAL = Rule(
-    "batch-internal",
-    Severity.ERROR,
+    "The input was posted before and is refused now; a machine should not run the older program.")
+DIED = error("batch-worker",
+    "found the worker process dead at this file, twice; expected it to finish (out of memory, or a "
+    "fault in a library)",
+    "The process was ended by the system, most often for its memory. Other files are not touched.")
+INTERNAL = error("batch-internal",
     "found a fault of beamcam: {found}; expected none, please report it with the file",
-    "The part was not posted. Other files are not touched.",
-)
-SCHEDULER = Rule(
-    "batch-scheduler",
-    Severity.ERROR,
+    "The part was not posted. Other files are not touched.")
+SCHEDULER = error("batch-scheduler",
     "found no cluster that works at {address} ({found}); expected a Dask scheduler with workers "
     "that have beamcam {version}",
-    "Install the extra `dask` here, and the same beamcam on every worker.",
-)
+    "Install the extra `dask` here, and the same beamcam on every worker.")
 
 RULES = (
     NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OTHER_CONTENT, REMNANT_OF,

@@ -18,12 +18,10 @@ from msgspec import Struct
 
 from beamcam.batch import rules
 from beamcam.batch.find import Input, read_input
-from beamcam.batch.names import folded
+from beamcam.batch.names import MarkKey, folded, other_content
 from beamcam.batch.pool import CHUNK_BYTES, Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
-from beamcam.batch.record import RECORD_NAME, Record, partly
-from beamcam.batch.same_marks import MarkKey, other_content
-from beamcam.batch.standing import Standing
+from beamcam.batch.record import RECORD_NAME, Record, Standing, partly
 from beamcam.batch.work import FileResult, Shop, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole

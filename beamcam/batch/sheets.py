@@ -20,7 +20,7 @@ from beamcam.machine_choice import first_that_makes
 from beamcam.model.description import marked
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
-from beamcam.pictures.styles import css
+from beamcam.pictures.scene import css
 from beamcam.pictures.svg import inline_svg
 from beamcam.pipeline import Posted, begin, counted, finished, sound
 from beamcam.processes import Died, Pool

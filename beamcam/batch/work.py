@@ -17,8 +17,7 @@ from msgspec.structs import replace
 
 from beamcam import budget
 from beamcam.batch import rules
-from beamcam.batch.names import FileNames, output_name
-from beamcam.batch.same_marks import mark_key, other_content
+from beamcam.batch.names import FileNames, mark_key, other_content, output_name
 from beamcam.budget import Limits
 from beamcam.caches import cached
 from beamcam.errors import BeamcamError, ReadError, Source
@@ -365,7 +364,7 @@ def _mapped(part: Part, machine: Machine) -> dict[str, int]:
     """The curves that each key of the machine's map of colours and layers stands for."""
     if machine.torch is None:
         return {}
-    from beamcam.planning.map_keys import curves_by_key
+    from beamcam.planning.left_out import curves_by_key
 
     return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
 

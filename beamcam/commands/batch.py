@@ -12,8 +12,7 @@ from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import path_from, recipe_of
 from beamcam.batch.rules import WRITE
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, keep_apart, say_lines
-from beamcam.commands.grouped import Grouped
+from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, keep_apart, say_lines
 from beamcam.commands.over_stock import write_lists
 from beamcam.commands.running import (
     Report,

@@ -13,8 +13,7 @@ from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Voice, cannot_write, say_json, say_lines
 from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
 from beamcam.commands.over_stock import is_stock_list
-from beamcam.commands.parts import request_of
-from beamcam.commands.programs import program_text
+from beamcam.commands.parts import program_text, request_of
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
 from beamcam.commands.rules import NO_SAMPLE, NOTHING, UNKNOWN
 from beamcam.commands.settings import machine_for, settled

@@ -6,7 +6,7 @@ from pathlib import PurePath
 import click
 
 from beamcam import readers
-from beamcam.api.comparison import compared
+from beamcam.api.results import compared
 from beamcam.commands.kinds import KINDS, STANDARD, expected
 from beamcam.diff.differ import diff_parts
 from beamcam.diff.pairing import Difference
@@ -72,7 +72,7 @@ def drawn_over(
         ]
         compared = [compared_programs(*programs)]
     if suffix == ".html":
-        from beamcam.setup_sheet.diff_page import diff_page
+        from beamcam.setup_sheet.study_page import diff_page
 
         return diff_page((PurePath(data[0][0]).name, PurePath(data[1][0]).name), compared, found)
     return picture([one.scene for one in compared], suffix)

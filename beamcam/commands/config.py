@@ -85,7 +85,7 @@ def command(
 
 def _used(config: Config, voice: Voice) -> str:
     """Whose configuration it is, and the machines for bars and sheets with their checksums."""
-    from beamcam.commands.provenance import settings_line
+    from beamcam.commands.configuration import settings_line
     from beamcam.machine.names import default_machines
 
     stocks: tuple[Stock, ...] = ("beam", "sheet")
@@ -105,8 +105,7 @@ def _remember(folders: tuple[str, ...], voice: Voice) -> None:
     for folder in folders:
         if not os.path.isdir(folder):
             raise click.UsageError(f"found no folder {folder!r}; expected one that is there.")
-    from beamcam.config.places import CONFIG_NAME
-    from beamcam.config.remember import remember
+    from beamcam.config.places import CONFIG_NAME, remember
     from beamcam.system import user_folder
 
     try:

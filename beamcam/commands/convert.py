@@ -11,6 +11,7 @@ from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import (
     REFUSED,
+    Grouped,
     Voice,
     cannot_write,
     over_input,
@@ -18,8 +19,7 @@ from beamcam.commands.common import (
     say_json,
     write,
 )
-from beamcam.commands.grouped import Grouped
-from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.parts import member_choice, member_options
 from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN
 from beamcam.commands.settings import files_read, settled, with_thickness
 from beamcam.commands.sheets import drawing_choice, drawing_options, thickness

@@ -6,18 +6,16 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, followed, say_json, say_lines
-from beamcam.commands.grouped import Grouped
-from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.common import REFUSED, Grouped, Voice, followed, say_json, say_lines
+from beamcam.commands.parts import member_choice, member_options
 from beamcam.commands.settings import settled, with_thickness
 from beamcam.commands.sheets import drawing_choice, drawing_options, thickness
 from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
 from beamcam.readers.content import Reading, shown_name
-from beamcam.report.member_table import member_table
-from beamcam.report.part_table import part_table
 from beamcam.report.run import as_message
+from beamcam.report.tables import member_table, part_table
 
 SCHEMA = "beamcam/inspect/1"
 

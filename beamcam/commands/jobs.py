@@ -11,8 +11,7 @@ from msgspec.structs import replace
 
 from beamcam.commands.common import STANDARD, Voice
 from beamcam.commands.comparison import is_part
-from beamcam.commands.parts import read_parts, request_of
-from beamcam.commands.programs import input_bytes
+from beamcam.commands.parts import input_bytes, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic

@@ -11,10 +11,9 @@ import click
 from beamcam.api.shop_lists import label_lines, programs_of
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, write
-from beamcam.commands.grouped import Grouped
+from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, write
 from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_missing
-from beamcam.commands.members import member_options
+from beamcam.commands.parts import member_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, settled
 from beamcam.commands.sheets import drawing_options, torch_options

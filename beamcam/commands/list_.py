@@ -9,10 +9,9 @@ from msgspec.structs import replace
 
 from beamcam.api.shop_lists import bars_of, not_made, planned_counts
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, wants_colour, write
-from beamcam.commands.grouped import Grouped
+from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, wants_colour, write
 from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_missing
-from beamcam.commands.members import member_options
+from beamcam.commands.parts import member_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, machine_of_stock, settled
 from beamcam.commands.sheets import drawing_options, torch_options

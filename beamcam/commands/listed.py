@@ -5,10 +5,10 @@ from itertools import compress
 from typing import Any
 
 from beamcam.batch.find import FoundInputs, find_inputs
-from beamcam.batch.same_marks import other_content
+from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands.common import Voice, read_all
-from beamcam.commands.members import member_choice
+from beamcam.commands.parts import member_choice
 from beamcam.commands.rules import MISSING_EXTRA
 from beamcam.commands.settings import machines_of_stock, with_thickness
 from beamcam.commands.sheets import drawing_choice

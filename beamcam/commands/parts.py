@@ -3,13 +3,15 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+import click
+
 from beamcam.commands import options
 from beamcam.commands.common import Voice, read_all
-from beamcam.commands.members import member_choice, member_options
+from beamcam.commands.options import group
 from beamcam.commands.quantities import quantity
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.values import Config
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine.machine import Machine
 from beamcam.model.description import marked
 from beamcam.model.part import Part
@@ -17,6 +19,53 @@ from beamcam.model.plan import Order
 from beamcam.model.request import Quantity, Request
 from beamcam.pipeline import counted, parts_of
 from beamcam.planning.rules import named_skips
+from beamcam.readers.content import content
+from beamcam.system import cores
+
+# --- members --------------------------------------------------------------------------------------
+
+# Options of the commands that take building models: which members, how far they are trusted.
+
+
+#: Which members of a model are meant: `marks`, `guids`, `classes` and `assemblies`.
+selection_options = group(
+    click.option("--mark", "marks", multiple=True, help="Members of a model with this mark."),
+    click.option("--guid", "guids", multiple=True, help="The member with this GlobalId."),
+    click.option("--class", "classes", multiple=True, help="Members of this IFC class."),
+    click.option("--assembly", "assemblies", multiple=True, help="Members of this assembly."),
+)
+letter = click.option(
+    "--letter", type=click.Choice(["mark"]), help="Letter the members of a model with their marks."
+)
+#: The same, and `force`: whether they are trusted where their data contradict each other.
+member_options = group(
+    selection_options,
+    click.option("--force", is_flag=True, help="Accept members with contradictory data."),
+    letter,
+)
+
+
+def member_choice(
+    values: Mapping[str, Any], kernel: bool, workers: int | None = None
+) -> dict[str, object]:
+    """The options of a reader of models; `kernel` has every member checked by a second route.
+
+    So many `workers` read the members of a large model, or as many as there are cores. Two at
+    least: while the kernel builds in another process, this one hears of an interrupt.
+    """
+    from beamcam.readers.ifc import Options, Selection
+
+    names = ("marks", "guids", "classes", "assemblies")
+    return {
+        "selection": Selection(*(frozenset(values[name]) for name in names)),
+        "options": Options(
+            values.get("force", False),
+            kernel,
+            letter=values.get("letter") == "mark",
+            workers=workers or max(cores(), 2),
+        ),
+    }
+
 
 #: Which parts are meant, and how drawings and sheets are taken.
 part_options = options.group(member_options, options.mark_from, drawing_options, torch_options)
@@ -56,3 +105,21 @@ def request_of(
         parts, machine, named_skips(config.allow_skips), config.job, order, turn,
         config.stock_lengths, quantity=quantity, strict=config.strict,
     )  # fmt: skip
+
+
+# --- programs -------------------------------------------------------------------------------------
+
+# Shared by the commands that read programs.
+
+
+def input_bytes(path: str) -> bytes:
+    """Content of a file, `-` for standard input. Raises ReadError."""
+    data = content(path)
+    if isinstance(data, Diagnostic):
+        raise ReadError(data)
+    return data
+
+
+def program_text(path: str) -> str:
+    """The text of a program; bytes that are no text become `\\ufffd`. Raises ReadError."""
+    return input_bytes(path).decode("utf-8", "replace")

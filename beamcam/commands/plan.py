@@ -6,9 +6,8 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, write
+from beamcam.commands.common import Grouped, Voice, write
 from beamcam.commands.common import as_json as json_of
-from beamcam.commands.grouped import Grouped
 from beamcam.commands.kinds import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.plan_coping import coping_lines, coping_record
@@ -28,8 +27,7 @@ from beamcam.planning.explain import Explanation, explain
 from beamcam.planning.orientation import Trial, try_turns
 from beamcam.planning.stock import from_store
 from beamcam.posts import post_of
-from beamcam.report.ledger import ledger_of
-from beamcam.report.run import as_message
+from beamcam.report.run import as_message, ledger_of
 
 
 @click.command("plan", cls=Grouped)
@@ -126,7 +124,7 @@ def _print(
     machine: Machine,
 ) -> None:
     if as_json:
-        from beamcam.commands.provenance import used
+        from beamcam.commands.configuration import used
 
         record["settings"] = used(config, machine)
         write(output, json_of(record) + "\n", voice, read)

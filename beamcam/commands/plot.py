@@ -6,8 +6,7 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, write
-from beamcam.commands.grouped import Grouped
+from beamcam.commands.common import Grouped, Voice, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
 from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.pictures import check_paper, paper, picture, picture_suffix, unit

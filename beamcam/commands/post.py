@@ -9,8 +9,7 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import STANDARD, Voice, keep_apart, keep_refused, write
-from beamcam.commands.grouped import Grouped
+from beamcam.commands.common import STANDARD, Grouped, Voice, keep_apart, keep_refused, write
 from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.quantities import program_names, quantity
@@ -237,7 +236,7 @@ def _write(
     keep_apart((*paths, *(path for path, _ in frames)), read, voice)
     for name, posted, pieces in files:
         if voice.verbose:
-            from beamcam.report.ledger import ledger_of
+            from beamcam.report.run import ledger_of
 
             voice.did(f"{posted.job.machine.name}: {ledger_of(posted.plan.outcomes)}")
         write_list(posted, name, voice, read)

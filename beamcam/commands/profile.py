@@ -183,7 +183,7 @@ def command(
 
             data = picture([profile_scene(profile, shown)], suffix)
         elif suffix == ".html":
-            from beamcam.setup_sheet.guide_page import guide_page
+            from beamcam.setup_sheet.study_page import guide_page
 
             data = guide_page(profile, shown)
         else:

@@ -12,9 +12,8 @@ from beamcam.batch import Here, Shop
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import asked_again, path_below
-from beamcam.batch.record import RECORD_NAME, Noted, Record, noted_in, partly
+from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly
 from beamcam.batch.rules import LINK
-from beamcam.batch.standing import is_within
 from beamcam.batch.work import Task, make_all
 from beamcam.commands.golden import Checked, compared, named, sample_of
 from beamcam.commands.rules import GONE, NEW

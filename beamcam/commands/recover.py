@@ -7,18 +7,17 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, read_all, write
+from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, read_all, write
 from beamcam.commands.comparison import refuse_part
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
-from beamcam.commands.grouped import Grouped
-from beamcam.commands.programs import program_text
+from beamcam.commands.parts import program_text
 from beamcam.commands.rules import SECTION
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.commands.sheets import torch_options
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
-from beamcam.model.catalogue import measures_of
 from beamcam.model.part import Profile
+from beamcam.model.weight import measures_of
 from beamcam.pipeline import as_error
 from beamcam.readers.content import shown_name
 from beamcam.recovery import Stock, recover, with_marks

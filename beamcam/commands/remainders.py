@@ -6,7 +6,7 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.programs import input_bytes
+from beamcam.commands.parts import input_bytes
 from beamcam.errors import Diagnostic
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine

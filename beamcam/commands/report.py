@@ -7,13 +7,12 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Voice, write
-from beamcam.commands.grouped import Grouped
+from beamcam.commands.common import REFUSED, Grouped, Voice, write
+from beamcam.commands.configuration import configuration_line, machine_line, reference
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.parts import job_options
 from beamcam.commands.pictures import check_paper, paper, unit
-from beamcam.commands.provenance import configuration_line, machine_line, reference
 from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, errors_in

@@ -19,7 +19,7 @@ from beamcam.batch.shares import ShareTask
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
-from beamcam.commands.members import letter, member_choice, selection_options
+from beamcam.commands.parts import letter, member_choice, selection_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.rules import SETTINGS
 from beamcam.commands.settings import machines_of_stock
@@ -32,8 +32,7 @@ from beamcam.machine import Machine
 from beamcam.machine.dialects import DIALECTS
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
-from beamcam.report.ledger import ledger_line
-from beamcam.report.run import Counts, Message, Row, dumped, loaded, message_line
+from beamcam.report.run import Counts, Message, Row, dumped, ledger_line, loaded, message_line
 from beamcam.system import cores
 
 
@@ -134,7 +133,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
 
 def told_of(config: Config, shop: Shop) -> tuple[Diagnostic, ...]:
     """Whose configuration and machines a run has, for its report."""
-    from beamcam.commands.provenance import reference, settings_line
+    from beamcam.commands.configuration import reference, settings_line
 
     machines = (shop.machine, *([shop.sheets] if shop.sheets else ()), *shop.more)
     names = [reference(machine, config) for machine in machines]
@@ -162,7 +161,7 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
     """A note for each key of the job's map that no drawing of a whole run has curves for."""
     if not config.map or not counts.mapped:
         return ()
-    from beamcam.planning.map_keys import idle
+    from beamcam.planning.left_out import idle
 
     return tuple(idle(config.map, counts.mapped, config.sources.get("map", Source("--map"))))
 
@@ -185,7 +184,7 @@ def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]
         connect = partial(Cluster, shop, dask.scheduler, dask.answer_s, dask.chunks)
         if len(inputs) < FILES_OF_HEAD_START:
             return connect()
-        from beamcam.batch.head_start import HeadStart
+        from beamcam.batch.processes import HeadStart
 
         return HeadStart(shop, len(inputs), connect)
     count = min(jobs or cores(), len(inputs))
@@ -352,7 +351,7 @@ class Report:
         suffix = PurePath(self.path).suffix.lower()
         pieces: Iterable[bytes]
         if suffix == ".csv":
-            from beamcam.report.run_table import as_csv
+            from beamcam.report.run import as_csv
 
             # A table has rows of files and of what is wrong, for programs that read it.
             rows = [one for one in said if one["code"] != SETTINGS.code]

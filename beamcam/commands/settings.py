@@ -199,7 +199,7 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
     """
     if not config.map or machine.torch is None:
         return ()
-    from beamcam.planning.map_keys import curves_by_key, idle, unmatched
+    from beamcam.planning.left_out import curves_by_key, idle, unmatched
 
     here = {k: v for k, v in config.meanings.items() if _is_asked(config, k)}
     table = machine.torch.colours
@@ -285,7 +285,7 @@ def _told(name: str, machine: Machine, config: Config) -> Machine:
     """The machine; --verbose says whose file it is, and an untrusted one is always reported."""
     voice = running_voice()
     if voice is not None and (voice.verbose or name.endswith(".toml")):
-        from beamcam.commands.provenance import settings_line, strange
+        from beamcam.commands.configuration import settings_line, strange
 
         voice.remark(strange(name))
         if voice.verbose:
@@ -306,7 +306,7 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
     if config.tolerances:
-        from beamcam.config.apply import with_tolerances
+        from beamcam.config.load import with_tolerances
 
         machine = with_tolerances(machine, config)
     if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):

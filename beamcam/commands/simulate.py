@@ -9,8 +9,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.addresses import Address
-from beamcam.commands.common import STANDARD, Voice, say_lines, write
-from beamcam.commands.grouped import Grouped
+from beamcam.commands.common import STANDARD, Grouped, Voice, say_lines, write
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.kinds import PICTURES, of_kind
 from beamcam.commands.parts import job_options
@@ -151,8 +150,8 @@ def command(
             raise VerifyError(job.found)
         data, machine, name = job.program.data, job.program.machine, job.program.name
         from beamcam.simulate.limits import run_warnings
+        from beamcam.simulate.modbus import check_range
         from beamcam.simulate.program import simulate_program
-        from beamcam.simulate.registers import check_range
         from beamcam.simulate.trace import trace_rows
 
         done = simulate_program(data, machine, name, job.program.style)
@@ -186,7 +185,7 @@ def command(
             write(output, content, voice, files_read(config, inputs))
         voice.say(said)
         if serve is not None:
-            from beamcam.simulate.controller import serve as serve_rows
+            from beamcam.simulate.modbus import serve as serve_rows
 
             def tell(host: str, port: int) -> None:
                 if not (voice.quiet or as_json):

@@ -8,8 +8,8 @@ import click
 from beamcam.commands.common import STANDARD, Voice, write
 from beamcam.config.values import Config
 from beamcam.files import FilesRead, remove_made
-from beamcam.machine import Machine
 from beamcam.machine.dialects import DIALECTS
+from beamcam.machine.machine import Machine
 from beamcam.pipeline import Posted
 
 
@@ -51,7 +51,7 @@ def outputs(
     and before it, so that it never stands there without them.
     """
     if machine.controller in DIALECTS and output != STANDARD:
-        from beamcam.emitters.simotion_units import split_units
+        from beamcam.emitters.simotion import split_units
 
         (_, main), *more = split_units(posted.text)
         folder = PurePath(output).parent

@@ -7,11 +7,9 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json
+from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, say_json
 from beamcam.commands.comparison import refuse_part
-from beamcam.commands.grouped import Grouped
-from beamcam.commands.parts import looking_options, read_parts, request_of
-from beamcam.commands.programs import input_bytes
+from beamcam.commands.parts import input_bytes, looking_options, read_parts, request_of
 from beamcam.commands.remainders import (
     ONE_BAR,
     ONE_SHEET,

@@ -9,22 +9,14 @@ that is not an M word, or the end, and are then carried out together.
 from abc import ABC, abstractmethod
 from bisect import bisect_left
 from collections.abc import Callable
-from math import inf, isnan, nan
+from math import atan2, degrees, dist, inf, isnan, nan
 from typing import Any, Protocol
 
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
-from beamcam.controllers.events import (
-    BarEvent,
-    Curve,
-    Lettering,
-    Move,
-    Other,
-    Pause,
-    Place,
-    Switch,
-)
+from beamcam.controllers.events import BarEvent, Curve, Lettering, Move, Other, Pause, Place, Switch
 from beamcam.controllers.heights import Heights
 from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import shown_code
 from beamcam.model import drill_cycle
@@ -325,3 +317,24 @@ class Interpreter(ABC):
             self.wrong_arc(line, found)
             return None
         return found
+
+
+# --- arcs -----------------------------------------------------------------------------------------
+
+# The arcs that controllers make of start, end and centre.
+
+
+def sweep_of(start: Point, end: Point, centre: Point, clockwise: bool) -> float:
+    """The angle that an arc turns through, negative if clockwise; 360 where start is end."""
+    if start == end:
+        return -360.0 if clockwise else 360.0
+    (x0, y0), (x1, y1), (cx, cy) = start, end, centre
+    turn = degrees(atan2(y1 - cy, x1 - cx) - atan2(y0 - cy, x0 - cx)) % 360.0
+    return turn - 360.0 if clockwise else turn or 360.0
+
+
+def arc_of(start: Point, end: Point, centre: Point, clockwise: bool) -> Arc:
+    """The arc that a controller makes of its numbers; from a point to itself it is a circle."""
+    x, y = start[0] - centre[0], start[1] - centre[1]
+    sweep = sweep_of(start, end, centre, clockwise)
+    return Arc(centre, dist(start, centre), degrees(atan2(y, x)), sweep)

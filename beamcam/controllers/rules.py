@@ -8,54 +8,35 @@ from typing import Literal
 
 from msgspec import Struct
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import Rule, Severity, error
+
+# fmt: off
 
 _E = Severity.ERROR
 
-SYNTAX = Rule(
-    "verify-syntax",
-    _E,
+SYNTAX = error("verify-syntax",
     "found {found!r}; expected {expected}",
-    "The controller would stop at that block, or read something else than was meant.",
-)
-WORD = Rule(
-    "verify-word",
-    _E,
+    "The controller would stop at that block, or read something else than was meant.")
+WORD = error("verify-word",
     "found {found}; expected {expected}",
-    "What the read-back does not know it cannot vouch for, so it refuses the program.",
-)
-M_QUEUE = Rule(
-    "verify-m-queue",
-    _E,
+    "What the read-back does not know it cannot vouch for, so it refuses the program.")
+M_QUEUE = error("verify-m-queue",
     "found {found} M words in a row; expected at most {expected}",
-    "CODESYS runs out of its queue (SMC_DEC_OUTQUEUE_RAN_EMPTY); a G75 before resets the count.",
-)
-ARC = Rule(
-    "verify-arc",
-    _E,
+    "CODESYS runs out of its queue (SMC_DEC_OUTQUEUE_RAN_EMPTY); a G75 before resets the count.")
+ARC = error("verify-arc",
     "found an arc {found}; expected one that start, end and centre agree on",
-    "CODESYS silently replaces an inconsistent arc by a straight line.",
-)
-SETTING = Rule(
-    "verify-setting",
-    _E,
+    "CODESYS silently replaces an inconsistent arc by a straight line.")
+SETTING = error("verify-setting",
     "found a move before {found}; expected it to be set at the beginning",
-    "Units, plane and the way of counting are what the last program left, if this one is silent.",
-)
-END = Rule(
-    "verify-end",
-    _E,
+    "Units, plane and the way of counting are what the last program left, if this one is silent.")
+END = error("verify-end",
     "found {found}; expected M30 once, as the last command",
-    "A program that was cut off in the middle looks like a whole one up to its last line.",
-)
+    "A program that was cut off in the middle looks like a whole one up to its last line.")
 SHEET_SYNTAX = Rule("verify-sheet-syntax", _E, SYNTAX.message, SYNTAX.reason)
 SHEET_WORD = Rule("verify-sheet-word", _E, WORD.message, WORD.reason)
-SHEET_ARC = Rule(
-    "verify-sheet-arc",
-    _E,
+SHEET_ARC = error("verify-sheet-arc",
     "found an arc {found}; expected one that {controller} reads as meant",
-    "Controllers refuse an arc whose ends and centre disagree, or make a line or a circle of it.",
-)
+    "Controllers refuse an arc whose ends and centre disagree, or make a line or a circle of it.")
 SHEET_SETTING = Rule("verify-sheet-setting", _E, SETTING.message, SETTING.reason)
 SHEET_END = Rule(
     "verify-sheet-end",

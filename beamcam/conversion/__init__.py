@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeVar
 
 from msgspec import Meta, Struct, ValidationError, convert
 
-from beamcam.conversion.fault import Fault, Hook, Path, nearest
+from beamcam.conversion.diagnosis import Fault, Hook, Path, nearest
 
 __all__ = [
     "MAX_NUMBER",

@@ -1,7 +1,7 @@
 """Diagnosis of a msgspec message: the key, the found and the expected value."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import isfinite
 from reprlib import Repr
 from types import UnionType
@@ -10,7 +10,42 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from msgspec import Struct, UnsetType, ValidationError, convert
 from msgspec.structs import fields
 
-from beamcam.conversion.fault import Fault, Hook, Path, nearest
+# --- fault ----------------------------------------------------------------------------------------
+
+# A value that a record does not take.
+
+
+Path = tuple[str | int, ...]
+Hook = Callable[[Any, Any], Any]  #: type and value: the value as that type, or ValueError
+
+
+class Fault(ValueError):
+    """A value that a record does not take."""
+
+    def __init__(
+        self,
+        kind: Literal["unknown", "missing", "type", "value"],
+        path: Path,
+        found: object,
+        expected: str,
+        known: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__(kind, path, found, expected)
+        self.kind = kind
+        self.path = path  #: keys and indices from the top; of a missing key its own
+        self.found = found
+        self.expected = expected
+        self.known = known  #: of an unknown key, those that there are
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The known word most like `word`, as a suggestion; all of them where none is like it."""
+    from difflib import get_close_matches
+
+    names = sorted(known)
+    close = get_close_matches(word, names, 1, 0.6)
+    return repr(close[0]) if close else "one of " + ", ".join(names)
+
 
 _SAID = re.compile(r"(.*?)(?: - at (`key` in )?`\$([^`]*)`)?", re.DOTALL)
 _STEP = re.compile(r"([^.\[\]]+)|\[([^\]]+)\]")

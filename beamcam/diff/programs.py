@@ -2,9 +2,8 @@
 
 from typing import NamedTuple
 
-from beamcam.diff.differ import diff_programs
+from beamcam.diff.differ import diff_programs, diff_statements, statements
 from beamcam.diff.pairing import Difference
-from beamcam.diff.statements import diff_statements, statements
 from beamcam.errors import Diagnostic
 from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine

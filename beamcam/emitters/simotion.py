@@ -6,18 +6,55 @@ active and has arrived, and latches; `table`, set-points in arrays, split over u
 get too large. What a dialect calls the sections of a job is told in machine/dialects.py.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from math import ceil
+from zlib import crc32
 
 from msgspec import Struct
 
-from beamcam.emitters.simotion_units import UNIT_MARK, unit_name
 from beamcam.machine.dialects import Dialect
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, dialect_of, lreal, runtime_of
 from beamcam.machine.tables import Triggers
-from beamcam.model.triggers import Lift, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.program import Lift, Switch, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
+
+# --- simotion units -------------------------------------------------------------------------------
+
+# The units of a trigger program: their names, and a program taken apart into them.
+
+
+UNIT_MARK = "(* ===== UNIT {name} ===== *)"
+_MARK = re.compile(r"\(\* ===== UNIT (\w+) ===== \*\)")
+MAX_NAME = 24
+
+
+def unit_name(job: str) -> str:
+    """An ASCII name for the units of a job: letters, digits and single underscores.
+
+    What is too long ends in a check sum, so that two jobs that begin alike keep two names.
+    """
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", job).strip("_")
+    if len(plain) > MAX_NAME:
+        plain = f"{plain[: MAX_NAME - 9].strip('_')}_{crc32(plain.encode()):08x}"
+    return f"unit_{plain}" if plain else "unit_job"
+
+
+def units(program: str) -> tuple[tuple[str, str], ...]:
+    """Name and text of each unit of a program, the main one first."""
+    pieces = _MARK.split(program)
+    return tuple((pieces[k], pieces[k + 1].lstrip("\n")) for k in range(1, len(pieces), 2))
+
+
+def split_units(program: str) -> tuple[tuple[str, str], ...]:
+    """Name and text of each unit with its mark, so that joined files are the program again."""
+    marks = list(_MARK.finditer(program))
+    ends = [*(mark.start() for mark in marks[1:]), len(program)]
+    return tuple(
+        (mark[1], program[mark.start() : end]) for mark, end in zip(marks, ends, strict=True)
+    )
+
 
 #: Bytes of one operation in a unit of set-points: x, y, speed and kind; the place in the middle of
 #: an arc, for path objects; the height, for a torch that is lifted.

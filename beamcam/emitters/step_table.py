@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from beamcam.emitters.columns import DIGITS
 from beamcam.emitters.numbers import number
 from beamcam.machine.machine import Machine
-from beamcam.model.steps import LASER_BIT, StepRows, StepTable
+from beamcam.model.program import LASER_BIT, StepRows, StepTable
 from beamcam.plain_text import comment_text, one_word
 
 MAGIC = b"BCSTEPS1"

@@ -3,12 +3,11 @@
 from collections.abc import Iterator
 from math import sqrt
 
-from beamcam.machine.bodies import body_faults
 from beamcam.machine.dialects import DIALECTS
+from beamcam.machine.formula import body_faults
 from beamcam.machine.machine import Machine
-from beamcam.machine.modbus import modbus_faults
 from beamcam.machine.stations import Saw, Spindle
-from beamcam.machine.tables import STEP_FORMS
+from beamcam.machine.tables import STEP_FORMS, modbus_faults
 from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
 from beamcam.machine.torch import Torch
 from beamcam.machine.trigger_faults import trigger_faults

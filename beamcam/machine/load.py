@@ -28,9 +28,8 @@ from beamcam.machine.faults import (
 from beamcam.machine.formula import NoValueError, as_formula
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.overlay import KeyTwice, with_more_rows, with_present_keys
-from beamcam.machine.range_faults import range_faults
+from beamcam.machine.range_faults import range_faults, template_faults
 from beamcam.machine.references import marking_faults, name_faults, reference_faults
-from beamcam.machine.templates import template_faults
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,
     Place,

@@ -12,12 +12,11 @@ from msgspec import Meta, field
 
 from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
-from beamcam.machine.bodies import Body
 from beamcam.machine.coper import Coper
+from beamcam.machine.formula import Body
 from beamcam.machine.marking import Marks
-from beamcam.machine.modbus import Modbus
 from beamcam.machine.stations import Drill, Pair, Saw, Spindle
-from beamcam.machine.tables import Stepper, Triggers
+from beamcam.machine.tables import Modbus, Stepper, Triggers
 from beamcam.machine.tools import ToolSet
 from beamcam.machine.torch import Torch
 from beamcam.machine.words import Words

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Set
 from typing import get_args
 
-from beamcam.machine.bodies import signed
+from beamcam.machine.formula import signed
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Pair, Spindle
 from beamcam.machine.torch import TorchProcess

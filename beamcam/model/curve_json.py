@@ -15,7 +15,7 @@ A formula is `{"function": {"y": "20 + 5 * sin(x / 10)", "from": 0, "to": 62.8}}
 
 from typing import Any
 
-from beamcam.errors import ReadError, Rule, Severity
+from beamcam.errors import ReadError, error
 from beamcam.geometry.approximation import Approximation, curves_of_function, curves_of_way
 from beamcam.geometry.curves import (
     Arc,
@@ -66,12 +66,9 @@ from beamcam.model.quantities import MAX_NUMBER
 #: Distance in mm that the curves of a function may have from it, where the file does not say.
 FUNCTION_TOLERANCE = 0.001
 
-JSON_EXPRESSION = Rule(
-    "json-expression",
-    Severity.ERROR,
+JSON_EXPRESSION = error("json-expression",
     "found {found}, expected {expected}",
-    "The curve is the value of the expression at every place between its ends.",
-)
+    "The curve is the value of the expression at every place between its ends.")  # fmt: skip
 
 
 def curves_of_function_form(form: FunctionForm, place: Place) -> tuple[Curve, ...]:
@@ -144,25 +141,16 @@ def _number(value: float | str, place: Place) -> float:
     return number
 
 
-JSON_CURVE = Rule(
-    "json-curve",
-    Severity.ERROR,
+JSON_CURVE = error("json-curve",
     "found a {kind} without a shape ({found}); expected values that agree with each other",
-    "The values of a curve contradict each other, so its shape is not known.",
-)
-JSON_NO_TANGENT = Rule(
-    "json-no-tangent",
-    Severity.ERROR,
+    "The values of a curve contradict each other, so its shape is not known.")  # fmt: skip
+JSON_NO_TANGENT = error("json-no-tangent",
     "found {found}; expected curves that a circle touches",
-    "No circle touches the curves, or endlessly many do, so none is meant.",
-)
-JSON_TANGENT_CHOICE = Rule(
-    "json-tangent-choice",
-    Severity.ERROR,
+    "No circle touches the curves, or endlessly many do, so none is meant.")  # fmt: skip
+JSON_TANGENT_CHOICE = error("json-tangent-choice",
     "found {count} circles that touch, {circles}; expected `near`, a point whose nearest centre is "
     "the one that is meant",
-    "Which of several circles is meant only the drawing knows.",
-)
+    "Which of several circles is meant only the drawing knows.")  # fmt: skip
 CURVE_RULES = (JSON_CURVE, JSON_NO_TANGENT, JSON_TANGENT_CHOICE)
 
 

@@ -5,34 +5,22 @@ from typing import TypeVar
 from msgspec import Struct
 
 from beamcam.conversion import Fault, converted
-from beamcam.errors import Diagnostic, ReadError, Rule, Severity, Source
+from beamcam.errors import Diagnostic, ReadError, Rule, Source, error
 
 Record = TypeVar("Record")
 
-JSON_TYPE = Rule(
-    "json-type",
-    Severity.ERROR,
+JSON_TYPE = error("json-type",
     "found {found}, expected {expected}",
-    "A value is of another type than its key has.",
-)
-JSON_VALUE = Rule(
-    "json-value",
-    Severity.ERROR,
+    "A value is of another type than its key has.")  # fmt: skip
+JSON_VALUE = error("json-value",
     "found {found}, expected {expected}",
-    "A value lies outside what its key allows.",
-)
-JSON_KEY_MISSING = Rule(
-    "json-key-missing",
-    Severity.ERROR,
+    "A value lies outside what its key allows.")  # fmt: skip
+JSON_KEY_MISSING = error("json-key-missing",
     "found no key {key!r}, expected {expected}",
-    "Without the key the part is not known.",
-)
-JSON_KEY_UNKNOWN = Rule(
-    "json-key-unknown",
-    Severity.ERROR,
+    "Without the key the part is not known.")  # fmt: skip
+JSON_KEY_UNKNOWN = error("json-key-unknown",
     "found key {key!r}, expected one of {expected}; nearest is {nearest!r}",
-    "An unknown key could be a feature that would not be made, so it is refused.",
-)
+    "An unknown key could be a feature that would not be made, so it is refused.")  # fmt: skip
 
 _SHOWN = 60  #: characters of a value that a message shows
 

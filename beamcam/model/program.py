@@ -4,13 +4,17 @@ Commands are named after the canonical machining functions of LinuxCNC where it 
 Lengths are mm in machine coordinates, feeds mm/min, speeds rpm.
 """
 
-from collections.abc import Mapping
-from typing import Literal
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from msgspec import Struct
 
 from beamcam.errors import Source
 from beamcam.machine.torch import TorchRow
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class StartBar(Struct, frozen=True):
@@ -283,3 +287,106 @@ class Program(Struct, frozen=True):
     commands: tuple[Command, ...]
     #: of its parts, by the names of `part_data.PART_DATA`, for words of the head
     about: Mapping[str, str] = {}
+
+
+# --- triggers -------------------------------------------------------------------------------------
+
+# A chain of operations, each started by the arrival of the one before it.
+#
+# Lengths are mm in machine coordinates, counted from where homing ends.
+
+
+SwitchProcess = Literal["cut", "mark", "engrave"]
+
+
+class Travel(Struct, frozen=True):
+    """Both axes to a place, so that they arrive together."""
+
+    x: float
+    y: float
+    speed_mm_s: float  #: along the path
+    source: Source | None = None
+
+
+class ArcTravel(Struct, frozen=True):
+    """Both axes along an arc of at most half a circle, through a place in its middle."""
+
+    x: float
+    y: float
+    middle_x: float
+    middle_y: float
+    speed_mm_s: float
+    source: Source | None = None
+
+
+class Lift(Struct, frozen=True):
+    """The torch up or down to a height over the sheet, while X and Y rest."""
+
+    height: float
+    speed_mm_s: float
+    source: Source | None = None
+
+
+class Switch(Struct, frozen=True):
+    """The tool of a process on or off; the next operation waits for it."""
+
+    process: SwitchProcess
+    on: bool
+    wait_s: float = 0.0
+    source: Source | None = None
+
+
+TriggerOp = Travel | ArcTravel | Lift | Switch
+
+
+class TriggerTable(Struct, frozen=True):
+    """The operations of a job, in order, from the corner of the work area and back to it."""
+
+    job: str
+    operations: tuple[TriggerOp, ...]
+    remarks: tuple[str, ...] = ()  #: for the operator
+    thickness: float = 0.0  #: of the sheet, for a table that lifts its torch
+
+
+# --- steps ----------------------------------------------------------------------------------------
+
+# Tables for stepping motors: stretches with their velocities, and single steps.
+
+
+LASER_BIT = 4  #: of a row's bits; 0 and 1 are the word of X, 2 and 3 that of Y
+
+
+class StepRows(NamedTuple):
+    """Some rows of a step table that follow one another: at a time the words are so."""
+
+    time_us: "NDArray[np.int64]"
+    bits: "NDArray[np.uint8]"
+
+
+class VelocityRow(NamedTuple):
+    """A stretch on which the velocity is a smooth function: one row of a velocity table."""
+
+    x: float  #: end point
+    y: float
+    velocity_x: float  #: mm/s
+    velocity_y: float
+    laser: bool
+    steps_x: int
+    steps_y: int
+    hz_x: float  #: step frequency
+    hz_y: float
+
+
+class StepTable(Struct, frozen=True):
+    """A job for two stepping motors, from the shielded corner and back to it.
+
+    `rows` and `stretches` compute again what they give, piece by piece, so that a table of any
+    length takes no memory.
+    """
+
+    job: str
+    step: float  #: travel of one step, mm
+    sequence: tuple[str, ...]  #: words of forward steps
+    rows: Callable[[], Iterator[StepRows]]
+    stretches: Callable[[], Iterator[VelocityRow]]
+    remarks: tuple[str, ...] = ()  #: for the operator

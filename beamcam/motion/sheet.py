@@ -36,11 +36,17 @@ from beamcam.model.program import (
     ToolOn,
     Traverse,
 )
-from beamcam.motion.arcs import ChainMoves, paths_along
+from beamcam.motion.arcs import (
+    ROUND_RATIO,
+    ChainMoves,
+    ellipse_feeds,
+    is_parabola,
+    parabola_feed,
+    paths_along,
+)
 from beamcam.motion.corner_feeds import near_corners
-from beamcam.motion.curve_words import ROUND_RATIO, ellipse_feeds, is_parabola, parabola_feed
 from beamcam.motion.feed_limits import paced
-from beamcam.motion.numbers import Numbers
+from beamcam.motion.spans import Numbers
 
 
 class Path(NamedTuple):

@@ -19,7 +19,7 @@ import numpy as np
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.tables import Stepper
-from beamcam.motion.planned import PlannedPath
+from beamcam.motion.lookahead import PlannedPath
 
 WINDOW_STEPS = 1 << 16  #: length of path processed at once
 MICROSECONDS = 1e6

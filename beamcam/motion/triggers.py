@@ -20,7 +20,7 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import ContourOp, SheetPlan
-from beamcam.model.triggers import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
 
 #: Arcs that a path object runs are cut in pieces of at most this, so that no end is its start.
 MAX_ROUND_DEG = 120.0

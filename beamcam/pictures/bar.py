@@ -14,14 +14,15 @@ from msgspec.structs import replace
 
 from beamcam.machine.absent import text_x
 from beamcam.machine.machine import Machine
-from beamcam.model.faces import face_title, runs_down
 from beamcam.model.part import Face, Profile
+from beamcam.model.section import face_title, runs_down
 from beamcam.pictures.depths import SteelDepths
 from beamcam.pictures.features import lettering
-from beamcam.pictures.labels import Labels
 from beamcam.pictures.scene import (
+    TOOL_COLOURS,
     Circle,
     Frame,
+    Labels,
     Pieces,
     Point,
     Polyline,
@@ -32,7 +33,6 @@ from beamcam.pictures.scene import (
     said,
     shown,
 )  # fmt: skip
-from beamcam.pictures.styles import TOOL_COLOURS
 from beamcam.pictures.views import (
     FIGURE_SIZE,
     LEGEND_ROW,

@@ -23,8 +23,21 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.pictures.labels import CAPITAL, LETTER, Box, Labels, is_in
-from beamcam.pictures.scene import Frame, Pieces, Point, Polyline, Shape, Text, Unit, said
+from beamcam.pictures.scene import (
+    CAPITAL,
+    LETTER,
+    Box,
+    Frame,
+    Labels,
+    Pieces,
+    Point,
+    Polyline,
+    Shape,
+    Text,
+    Unit,
+    is_in,
+    said,
+)
 
 SIZE = 10.0  #: of a callout's letters
 ROW = 13.0  #: from row to row above a face

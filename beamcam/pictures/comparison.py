@@ -20,8 +20,8 @@ from beamcam.diff.differ import Pair, made_pairs, part_pairs
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.coper_faults import refuse_coper
-from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import Face, Part
+from beamcam.model.section import FACE_NAMES, face_title, runs_down
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.ends import end_lines
 from beamcam.pictures.features import feature_shapes, lettering

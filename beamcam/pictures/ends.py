@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from math import atan2, degrees, radians, tan
 
-from beamcam.model.faces import FACE_NAMES
 from beamcam.model.part import EndPlane, Face, Part, Profile
+from beamcam.model.section import FACE_NAMES
 from beamcam.pictures.callouts import Place, Size
 from beamcam.pictures.scene import Frame, Point, Polyline
 

@@ -16,8 +16,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.pictures.labels import CAPITAL
-from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Shape, Text
+from beamcam.pictures.scene import CAPITAL, Circle, Frame, Point, Polyline, Shape, Text
 from beamcam.verify.bars.machined_features import StampedText
 
 CHORD_PIXELS = 0.02  #: of the chords that stand for curves

@@ -14,7 +14,6 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import join_boxes
 from beamcam.model.colour import process_of
-from beamcam.model.faces import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -28,6 +27,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
+from beamcam.model.section import FACE_NAMES, face_title, runs_down
 from beamcam.pictures import features as shapes
 from beamcam.pictures.callouts import (
     Callouts,
@@ -37,10 +37,11 @@ from beamcam.pictures.callouts import (
     sizes_on,
 )  # fmt: skip
 from beamcam.pictures.ends import cutting_planes, end_cuts, end_lines, mitres
-from beamcam.pictures.labels import LETTER, Labels
 from beamcam.pictures.scene import (
+    LETTER,
     Circle,
     Frame,
+    Labels,
     Point,
     Polyline,
     Scene,

@@ -6,8 +6,7 @@ from typing import Any, Literal
 
 from beamcam.errors import PictureError, Source
 from beamcam.pictures import rules
-from beamcam.pictures.scene import Circle, Polyline, Scene, Text
-from beamcam.pictures.styles import Style, style_of
+from beamcam.pictures.scene import Circle, Polyline, Scene, Style, Text, style_of
 
 POINTS_PER_PIXEL = 0.75
 Paper = Literal["a4", "a3"]

@@ -10,8 +10,7 @@ from typing import Any
 
 from beamcam.errors import PictureError, Source
 from beamcam.pictures import rules
-from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Text
-from beamcam.pictures.styles import Style, style_of
+from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Style, Text, style_of
 
 FINER = 3  #: pixels drawn for one of the picture, each way
 NARROW = 0.88  #: of the letters, which are wider than those of the other formats

@@ -1,12 +1,11 @@
 """Rules for pictures."""
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import error
 
-NEEDS = Rule(
-    "picture-needs",
-    Severity.ERROR,
+# fmt: off
+
+NEEDS = error("picture-needs",
     "found {found}; expected it for {what}: pip install beamcam[pictures]",
-    "The library that writes the format is not installed; SVG and HTML need none.",
-)
+    "The library that writes the format is not installed; SVG and HTML need none.")
 
 RULES = (NEEDS,)

@@ -3,8 +3,18 @@
 from collections.abc import Iterator
 from html import escape
 
-from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Shape, Text, Unit, shown
-from beamcam.pictures.styles import css, style_of
+from beamcam.pictures.scene import (
+    Circle,
+    Point,
+    Polyline,
+    Scene,
+    Shape,
+    Text,
+    Unit,
+    css,
+    shown,
+    style_of,
+)
 from beamcam.plain_text import terminal_text
 
 FONT = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"

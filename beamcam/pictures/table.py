@@ -15,11 +15,12 @@ from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import ORIGINS
-from beamcam.pictures.labels import Labels
 from beamcam.pictures.scene import (
     MM_PER_INCH,
+    SPEED_COLOURS,
     Circle,
     Frame,
+    Labels,
     Polyline,
     Scene,
     Shape,
@@ -27,7 +28,6 @@ from beamcam.pictures.scene import (
     Unit,
     shown,
 )  # fmt: skip
-from beamcam.pictures.styles import SPEED_COLOURS
 from beamcam.pictures.views import (
     SIDE,
     TITLE,
@@ -40,7 +40,7 @@ from beamcam.pictures.views import (
     laid_out,
     measured,
 )
-from beamcam.recovery.rings import ring_of
+from beamcam.recovery.paths import ring_of
 from beamcam.simulate.trace import Trace
 
 SECONDS_PER_MINUTE = 60.0

@@ -19,7 +19,7 @@ from collections.abc import Iterator, Sequence
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, Source, error
 from beamcam.machine.absent import drill_of
 from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.description import named
@@ -29,28 +29,19 @@ from beamcam.model.stroke import Strokes
 from beamcam.planning.operations.tools import Tooling
 from beamcam.planning.operations.working_step import Said, WorkingStep
 
-STROKE = Rule(
-    "plan-stroke",
-    Severity.ERROR,
-    "found a stroke to {found} mm below face {face}, the same for every hole; "
-    "expected {expected} mm for {what}",
+STROKE = error("plan-stroke",
+    "found a stroke to {found} mm below face {face}, the same for every hole; expected {expected} "
+    "mm for {what}",
     "A stroke that is the same for every hole fits no blind hole, and through ones of small "
-    "sections alone. A machine file whose `bottom` follows `depth` has no such limit.",
-)
-AXIS = Rule(
-    "plan-axis",
-    Severity.ERROR,
+    "sections alone. A machine file whose `bottom` follows `depth` has no such limit.")  # fmt: skip
+AXIS = error("plan-axis",
     "found {what} on face {face} that takes the {axis} to {found}; expected {expected}",
-    "The axis does not reach that place across the bar, or that depth. `--allow-skips axis` "
-    "leaves the feature to another machine.",
-)
-STOP = Rule(
-    "plan-stop",
-    Severity.ERROR,
+    "The axis does not reach that place across the bar, or that depth. `--allow-skips axis` leaves "
+    "the feature to another machine.")  # fmt: skip
+STOP = error("plan-stop",
     "found {what} that takes the {axis} to {found}; expected {expected}",
     "The position of a part on the bar decides how far the bar has to move; with a longer front "
-    "trim, another order or a shorter bar it may be within reach.",
-)
+    "trim, another order or a shorter bar it may be within reach.")  # fmt: skip
 RULES = (STROKE, AXIS, STOP)
 
 

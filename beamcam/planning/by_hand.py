@@ -1,41 +1,30 @@
 """Marks that a machine file leaves for manual work or refuses, and remarks on texts."""
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, error, note, warning
 from beamcam.machine.marking import Marks
 from beamcam.model.description import mark_kind, policy_on
 from beamcam.model.part import Contour, Feature, TextMark
 from beamcam.planning import rules
 
-TEXT_MOVED = Rule(
-    "plan-text-moved",
-    Severity.WARNING,
-    "the text {text!r} is lettered at x {x}, y {y}, {height} mm high; "
-    "found no room {distance} mm clear at x {wanted_x}, y {wanted_y}, {wanted_height} mm high",
+TEXT_MOVED = warning("plan-text-moved",
+    "the text {text!r} is lettered at x {x}, y {y}, {height} mm high; found no room {distance} mm "
+    "clear at x {wanted_x}, y {wanted_y}, {wanted_height} mm high",
     "Letters on an edge or over a hole cannot be read. `marks.min_distance` and `marks.min_height` "
-    "of the machine file say how much room is kept, and how small letters may be.",
-)
-TEXT_SIGN = Rule(
-    "plan-text-sign",
-    Severity.WARNING,
+    "of the machine file say how much room is kept, and how small letters may be.")  # fmt: skip
+TEXT_SIGN = warning("plan-text-sign",
     "found {sign!r} in the text {text!r}; expected a character of {has}, {other!r} is written",
     "`marks.replace` of the machine file says what is written for a character that no letter of "
-    "the font, or of the stamp or printer, stands for.",
-)
-TEXT_HEIGHT = Rule(
-    "plan-text-height",
-    Severity.NOTE,
+    "the font, or of the stamp or printer, stands for.")  # fmt: skip
+TEXT_HEIGHT = note("plan-text-height",
     "found the text {text!r} {found} mm high; it is lettered {height} mm high, the nearest of the "
     "machine's",
-    "`marks.heights` of the machine file says in which heights its stamp or printer letters.",
-)
-TEXT_SEARCH = Rule(
-    "plan-text-search",
-    Severity.ERROR,
+    "`marks.heights` of the machine file says in which heights its stamp or printer "
+    "letters.")  # fmt: skip
+TEXT_SEARCH = error("plan-text-search",
     "found no end of the search for a place of the text {text!r} on face {face} in {most} steps; "
     'expected room where the part has it, fewer texts, or text = "list" in [marks]',
     "A text is moved to the nearest place that is clear. Among hundreds of texts or holes that may "
-    "take for ever; so that none is left out that has a place, the part is refused.",
-)
+    "take for ever; so that none is left out that has a place, the part is refused.")  # fmt: skip
 RULES = (TEXT_MOVED, TEXT_SIGN, TEXT_HEIGHT, TEXT_SEARCH)
 
 #: Why a mark is left for manual work, by its name in the ledger.

@@ -14,24 +14,21 @@ from typing import Literal
 
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, Source, error
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Axis, Spindle
-from beamcam.model.catalogue import measures_of
-from beamcam.model.faces import FACE_NAMES
 from beamcam.model.part import Profile
+from beamcam.model.section import FACE_NAMES
 from beamcam.model.stroke import formula_values
+from beamcam.model.weight import measures_of
 
-HAND = Rule(
-    "machine-hand",
-    Severity.ERROR,
+HAND = error("machine-hand",
     "found that {axis} grows {way} at the spindle {name} and {other_way} at {other}; expected one "
     "direction for one letter: is y of face {face} counted from its right edge?",
     "y of o and u counts from the edge away from v, y of v and h from the edge beside u. A face "
     "that is taken for its mirror image drills every hole off its middle on the wrong side. If "
     "each of these spindles counts its axis by itself and the sentences are right, nothing is "
-    "wrong.",
-)
+    "wrong.")  # fmt: skip
 RULES = (HAND,)
 
 FROM_EDGE, FROM_START = 30.0, 100.0  #: mm of the hole that is held up

@@ -6,38 +6,30 @@ that the map of colours and layers takes away from cutting are a note with their
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from beamcam.errors import Diagnostic, Rule, Severity, Source
-from beamcam.model.colour import colour_name
+from beamcam.errors import Diagnostic, Source, error, note, warning
+from beamcam.machine.torch import OTHERS
+from beamcam.model.colour import colour_name, key_of
 from beamcam.model.description import description
-from beamcam.model.part import Contour
+from beamcam.model.part import Contour, Part
 from beamcam.model.plan import HATCH, AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.planning.by_hand import REASONS
 from beamcam.planning.rules import SKIP_NAMES
 
-LEFT_OUT = Rule(
-    "plan-left-out",
-    Severity.WARNING,
+LEFT_OUT = warning("plan-left-out",
     "found {what}, which the machine cannot make; left out, as --allow-skips {kind} allows",
     "The part is not finished when the program ends: what is left out has to be made manually or "
-    "on another machine. `--exit-left-out` gives it an exit status of its own.",
-)
-BY_HAND = Rule(
-    "plan-by-hand",
-    Severity.WARNING,
+    "on another machine. `--exit-left-out` gives it an exit status of its own.")  # fmt: skip
+BY_HAND = warning("plan-by-hand",
     "found {what}; {why}; it is on the list of manual work",
     "The part is posted without the mark, which has to be made manually. The list of manual work "
     "is written beside the program; `[marks]` in a machine file says what becomes of each kind of "
-    "mark.",
-)
-NOT_CUT = Rule(
-    "plan-not-cut",
-    Severity.NOTE,
+    "mark.")  # fmt: skip
+NOT_CUT = note("plan-not-cut",
     "found {count} curve(s) {look}; the map has them {how}, not cut",
-    "A colour or a layer that is mapped to mark, engrave or ignore leaves no cut in the sheet.",
-)
-RULES = (LEFT_OUT, BY_HAND, NOT_CUT)
+    "A colour or a layer that is mapped to mark, engrave or ignore leaves no cut in the "
+    "sheet.")  # fmt: skip
 
 MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
 
@@ -119,3 +111,65 @@ def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
 def _named(layer: str | None, colour: str | None) -> str:
     words = [] if colour is None else [f"of colour {colour_name(colour)}"]
     return " ".join([*words, *([] if layer is None else [f"on layer {layer!r}"])])
+
+
+# --- map keys -------------------------------------------------------------------------------------
+
+# Which keys of the map of colours and layers a drawing has curves for.
+
+
+UNMATCHED = error("plan-map-key",
+    "found --map {found}, a colour or layer that no curve has; expected one of {expected}",
+    "A key that matches nothing is misspelt, or meant for another drawing; the curves that it was "
+    "meant for would be cut as something else.")  # fmt: skip
+IDLE = note("plan-map-idle",
+    "found no curve of colour or layer {found} in any drawing",
+    "A key of the map that nothing in the whole run matches may be misspelt.")  # fmt: skip
+
+
+def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
+    """Number of curves and texts of the parts that each key of the map matches."""
+    keys = tuple(table)
+    known: dict[tuple[str | None, str | None], str | None] = {}
+    found: Counter[str] = Counter()
+    for part in parts:
+        for feature in part.features:
+            if isinstance(feature, Contour):
+                look = feature.layer, feature.colour
+                if look not in known:
+                    known[look] = key_of(feature, keys)
+                key = known[look]
+                if key is not None:
+                    found[key] += len(feature.curves)
+        for layer, count in part.measures.lettered if part.measures is not None else ():
+            found.update({key: count for key in keys if key.lower() == layer.lower()})
+    return found
+
+
+def unmatched(
+    asked: Mapping[str, str], parts: Sequence[Part], table: Iterable[str]
+) -> Iterator[Diagnostic]:
+    """An error for each requested key that matches no curve of the parts."""
+    used = curves_by_key(parts, table)
+    for key, process in asked.items():
+        if key not in used and key != OTHERS:
+            source = parts[0].source if parts else Source("--map")
+            expected = ", ".join(_looks(parts)) or "none, no curve has a colour or a layer"
+            yield UNMATCHED.at(source, found=f"{key}={process}", expected=expected)
+
+
+def idle(keys: Iterable[str], used: Iterable[str], source: Source) -> Iterator[Diagnostic]:
+    """A note for each key that nothing of a whole run matched."""
+    known = set(used)
+    return (IDLE.at(source, found=key) for key in keys if key not in known and key != OTHERS)
+
+
+def _looks(parts: Iterable[Part]) -> list[str]:
+    """The layers and colours that contours of the parts have, sorted."""
+    contours = [f for part in parts for f in part.features if isinstance(f, Contour)]
+    layers = {c.layer for c in contours if c.layer is not None}
+    colours = {colour_name(c.colour) for c in contours if c.colour is not None}
+    return [*sorted(layers), *sorted(colours)]
+
+
+RULES = (LEFT_OUT, BY_HAND, NOT_CUT, UNMATCHED, IDLE)

@@ -34,9 +34,8 @@ from beamcam.planning.contours.look_settings import (
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
-from beamcam.planning.contours.outline import points_of
+from beamcam.planning.contours.outline import Shape, points_of
 from beamcam.planning.contours.place import box_of, refuse_large, refuse_size, shift_of
-from beamcam.planning.contours.shape import Shape
 
 #: What arcs for short chords may take of the machine's tolerance; rounding has the rest.
 CHORDS_SHARE = 0.5

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from msgspec import UnsetType
 from msgspec.structs import asdict
 
-from beamcam.errors import ReadError, Rule, Severity, Source
+from beamcam.errors import ReadError, Source, error
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
 from beamcam.model.curve_json import CURVE_RULES, JSON_EXPRESSION, curves_of
@@ -57,24 +57,15 @@ from beamcam.readers.polynomials import checked_polynomials
 Form = TypeVar("Form")
 SourceOf = Callable[[Located, Place], Source]
 
-JSON_SCHEMA = Rule(
-    "json-schema",
-    Severity.ERROR,
+JSON_SCHEMA = error("json-schema",
     "found schema {found}, expected {expected!r}",
-    "Another version may mean something else by the same keys.",
-)
-JSON_FACE = Rule(
-    "json-face",
-    Severity.ERROR,
+    "Another version may mean something else by the same keys.")  # fmt: skip
+JSON_FACE = error("json-face",
     "found face {found!r}, expected v, o, u, h or a plane of the part ({planes})",
-    "A feature on a face that the part does not have has no place.",
-)
-JSON_INDEX = Rule(
-    "json-index",
-    Severity.ERROR,
+    "A feature on a face that the part does not have has no place.")  # fmt: skip
+JSON_INDEX = error("json-index",
     "found {found}, expected the index of one of {count} curves",
-    "A bevel or notch belongs to a curve of its contour.",
-)
+    "A bevel or notch belongs to a curve of its contour.")  # fmt: skip
 
 JSON_PART_RULES = (
     *JSON_OBJECT_RULES,
@@ -258,18 +249,12 @@ def _is_closed(curves: tuple[Curve, ...]) -> bool:
     return abs(start[0] - end[0]) < 1e-6 and abs(start[1] - end[1]) < 1e-6
 
 
-JSON_SYNTAX = Rule(
-    "json-syntax",
-    Severity.ERROR,
+JSON_SYNTAX = error("json-syntax",
     "found {found}, expected JSON",
-    "The file is not JSON, so nothing in it can be read.",
-)
-JSON_KEY_TWICE = Rule(
-    "json-key-twice",
-    Severity.ERROR,
+    "The file is not JSON, so nothing in it can be read.")  # fmt: skip
+JSON_KEY_TWICE = error("json-key-twice",
     "found key {key!r} twice in one object, expected it once",
-    "One of the two values would be lost silently.",
-)
+    "One of the two values would be lost silently.")  # fmt: skip
 
 RULES = (JSON_SYNTAX, JSON_KEY_TWICE, *JSON_PART_RULES)
 

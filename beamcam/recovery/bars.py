@@ -16,9 +16,9 @@ from beamcam.machine.absent import drill_of, text_x
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
 from beamcam.machine.tools import FLAT_DEG
-from beamcam.model.catalogue import sections
 from beamcam.model.part import EndCuts, Face, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import corners
+from beamcam.model.weight import sections
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain
 from beamcam.recovery.paths import NotAFeature, feature_of

@@ -21,7 +21,7 @@ from beamcam.model.drawing import Measures
 from beamcam.model.part import Contour, ContourKind, Part, Process, Profile
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered
-from beamcam.recovery.rings import Curves, bridge, ring_of, whole
+from beamcam.recovery.paths import Curves, bridge, ring_of, whole
 from beamcam.verify.sheets import verify_sheet
 from beamcam.verify.sheets.need import rows_of
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of

@@ -4,6 +4,7 @@ The code holds the part's mark and the program's name, a line each. PDF by repor
 page; ZPL II for Zebra printers, whose own codes are used (commands ^BQ and ^BX).
 """
 
+import codecs
 import io
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,7 +14,7 @@ from typing import Literal
 import msgspec
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, ReadError, Rule, Severity, Source
+from beamcam.errors import Diagnostic, ReadError, Source, error
 from beamcam.plain_text import json_text, terminal_text
 
 Code = Literal["qr", "datamatrix"]
@@ -30,21 +31,15 @@ MAX_LINES = 5
 MAX_LETTERS = 60  #: of a line; longer ones would leave the label
 
 
-CODE = Rule(
-    "label-code",
-    Severity.ERROR,
+CODE = error("label-code",
     "found {found} bytes for the code of a label, the mark and the program's name; expected at "
     "most {expected}",
     "No larger code of that kind is defined. Give the part a shorter mark; the labels of the other "
-    "parts are made.",
-)
-NO_LABELS = Rule(
-    "label-file",
-    Severity.ERROR,
+    "parts are made.")  # fmt: skip
+NO_LABELS = error("label-file",
     "found a file of labels that cannot be read ({found}); expected it as `batch` over stock or "
     "`labels --json` wrote it",
-    "The file was cut off or edited. Run the batch again; it writes the labels anew.",
-)
+    "The file was cut off or edited. Run the batch again; it writes the labels anew.")  # fmt: skip
 RULES = (CODE, NO_LABELS)
 
 
@@ -158,8 +153,6 @@ def _draw_code(canvas: object, rows: Sequence[Sequence[int]], size: Size) -> Non
 def code_rows(text: str, code: Code = "qr") -> tuple[tuple[int, ...], ...]:
     """The modules of a text's code, its quiet zone left to the label. Raises ImportError."""
     if code == "datamatrix":
-        from beamcam.report.datamatrix import datamatrix_rows
-
         return datamatrix_rows(text)
     import segno
 
@@ -234,3 +227,48 @@ def _escapes(text: str) -> Iterator[str]:
         sign = chr(byte)
         plain = 32 <= byte < 127 and sign not in "^~_,\\"
         yield sign if plain else f"_{byte:02X}"
+
+
+# --- datamatrix -----------------------------------------------------------------------------------
+
+# The modules of a DataMatrix code (ISO/IEC 16022), by ppf.datamatrix.
+#
+# That library has codecs for ASCII alone. A text with other letters goes as bytes of UTF-8 in base
+# 256, behind the word that says so (ECI 26).
+
+
+ECI, UTF_8, BASE_256 = 241, 27, 231  #: codewords; ECI numbers are written one higher
+SHORT = 249  #: bytes up to which one codeword says how many there are
+UTF_8_CODEC = "datamatrix.utf8"
+
+
+def datamatrix_rows(text: str) -> tuple[tuple[int, ...], ...]:
+    """The modules of a square code, its quiet zone left to the label. Raises ImportError."""
+    from ppf.datamatrix import DataMatrix
+
+    code = DataMatrix(text)
+    if not text.isascii():
+        code.codecs = [UTF_8_CODEC]
+    return tuple(map(tuple, code.matrix))
+
+
+def _in_utf_8(text: str, errors: str = "strict") -> tuple[bytes, int]:
+    """The codewords of a text: ECI, then its bytes in base 256, randomised by their places."""
+    plain = text.encode("utf-8", errors)
+    count = len(plain)
+    length = [count] if count <= SHORT else [count // 250 + SHORT, count % 250]
+    begun = [ECI, UTF_8, BASE_256]
+    place = len(begun)
+    words = [
+        (word + 149 * (place + k) % 255 + 1) % 256 for k, word in enumerate((*length, *plain), 1)
+    ]
+    return bytes([*begun, *words]), len(text)
+
+
+def _found(name: str) -> codecs.CodecInfo | None:
+    if name != UTF_8_CODEC:
+        return None
+    return codecs.CodecInfo(_in_utf_8, codecs.utf_8_decode, name=UTF_8_CODEC)
+
+
+codecs.register(_found)

@@ -3,15 +3,19 @@
 The rows are plain data, so that they pass between processes and into a report as they are.
 """
 
+import csv
+import io
+from collections import Counter
 from collections import Counter as Tally
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal, TypedDict
 
 import msgspec
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic
-from beamcam.plain_text import json_text, terminal_text
+from beamcam.model.plan import Outcome
+from beamcam.plain_text import harmless_cell, json_text, terminal_text
 from beamcam.report.hand_list import HandRow
 
 SCHEMA = "beamcam/run/1"
@@ -198,3 +202,93 @@ def as_json(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Ite
         yield comma + b"\n" + encoded(json_text(dumped(row).decode("utf-8", "surrogateescape")))
         comma = b","
     yield b"\n]}\n"
+
+
+# --- ledger ---------------------------------------------------------------------------------------
+
+# The ledger of a part's features as a line of text.
+
+
+def ledger_of(outcomes: Iterable[Outcome]) -> str:
+    """`ledger_line` of what became of each feature."""
+    counted = tuple(outcomes)
+    how = Counter(outcome.how for outcome in counted)
+    ledger: Ledger = {
+        "read": len(counted), "made": how["made"], "merged": how["merged"],
+        "duplicate": how["duplicate"], "listed": how["listed"], "skipped": how["skipped"],
+    }  # fmt: skip
+    return ledger_line(ledger, Counter(o.by for o in counted if o.how == "skipped"))
+
+
+def ledger_line(ledger: Ledger, skipped_by: Mapping[str, int]) -> str:
+    """ "12 read = 9 made + 2 merged + 1 skipped (1 plan-slot)"."""
+    counts = {
+        "made": ledger["made"], "merged": ledger["merged"], "duplicate": ledger["duplicate"],
+        "listed": ledger["listed"], "skipped": ledger["skipped"],
+    }  # fmt: skip
+    words = [f"{count} {how}" for how, count in counts.items() if count]
+    reasons = ", ".join(f"{count} {code}" for code, count in sorted(skipped_by.items()))
+    shown = f" ({reasons})" if reasons else ""
+    return f"{ledger['read']} read = {' + '.join(words) or '0 made'}{shown}"
+
+
+# --- run table ------------------------------------------------------------------------------------
+
+# The account of a run as CSV: a row for each part, and one for each file that has none.
+
+
+HEAD = (
+    "file", "status", "format", "seconds", "mark", "quantity", "pieces", "profile", "length",
+    "machine", "output", "bar", "features", "made", "merged", "duplicate", "listed", "skipped",
+    "tools", "operations", "machine_time_s", "errors", "warnings", "notes", "messages",
+)  # fmt: skip
+
+
+def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iterator[bytes]:
+    """The report as CSV, piece by piece, with a head. What is said of the run ends it as rows."""
+    yield _line(HEAD)
+    for row in rows:
+        file = (row["file"], row["status"], row["format"], f"{row['seconds']:.4f}")
+        severities = [m["severity"] for m in row["messages"]]
+        weights = tuple(severities.count(kind) for kind in ("error", "warning", "note"))
+        text = " | ".join(message_line(m, file=False) for m in row["messages"])
+        parts = [_cells(part) for part in row["parts"]] or [("",) * len(_CELLS)]
+        for number, cells in enumerate(parts):
+            # What is said of a file stands in its first row, so that sums over a column hold.
+            yield _line((*file, *cells, *(weights if number == 0 else (0, 0, 0)),
+                         text if number == 0 else ""))  # fmt: skip
+    for message in said:
+        severity = message["severity"]
+        weights = tuple(int(severity == kind) for kind in ("error", "warning", "note"))
+        yield _line(
+            (
+                message["file"],
+                "",
+                "",
+                "",
+                *("",) * len(_CELLS),
+                *weights,
+                message_line(message, file=False),
+            )
+        )
+
+
+_CELLS = HEAD[4:21]
+
+
+def _cells(part: PartRow) -> tuple[object, ...]:
+    ledger, seconds = part["ledger"], part["machine_time_s"]
+    return (
+        part["mark"], part["quantity"], part["pieces"], part["profile"],
+        f"{part['length']:g}", part["machine"], part["output"], f"{part['bar']:g}",
+        ledger["read"], ledger["made"], ledger["merged"],
+        ledger["duplicate"], ledger["listed"], ledger["skipped"],
+        " ".join(t.replace(" ", "-") for t in part["tools"]),
+        part["operations"], "" if seconds is None else f"{seconds:.1f}",
+    )  # fmt: skip
+
+
+def _line(cells: Iterable[object]) -> bytes:
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerow(harmless_cell(cell) for cell in cells)
+    return encoded(out.getvalue())

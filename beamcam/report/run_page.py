@@ -14,8 +14,16 @@ from msgspec import Struct
 
 from beamcam.model.plan import clock
 from beamcam.plain_text import terminal_text
-from beamcam.report.ledger import ledger_line
-from beamcam.report.run import STATUSES, Counts, Message, PartRow, Row, encoded, message_line
+from beamcam.report.run import (
+    STATUSES,
+    Counts,
+    Message,
+    PartRow,
+    Row,
+    encoded,
+    ledger_line,
+    message_line,
+)
 
 REFUSED = ("refused", "failed")
 MM_PER_M = 1000.0

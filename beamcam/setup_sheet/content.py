@@ -15,7 +15,7 @@ from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
 from beamcam.report.hand_list import HandRow, hand_rows
-from beamcam.report.ledger import ledger_of
+from beamcam.report.run import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
 from beamcam.setup_sheet.totals import Total, bar_totals, table_totals
 from beamcam.simulate.limits import run_warnings

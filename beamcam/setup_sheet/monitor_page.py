@@ -8,7 +8,7 @@ from msgspec import Struct
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
 from beamcam.pictures.program import ReadProgram, bar_made, table_made
-from beamcam.setup_sheet.html import shown
+from beamcam.setup_sheet.html import page_script, shown, static_text
 from beamcam.setup_sheet.page import (
     UNIT_CHOICE,
     axis_table,
@@ -18,10 +18,8 @@ from beamcam.setup_sheet.page import (
     program_data,
 )
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data
-from beamcam.setup_sheet.static_files import page_script, static_text
 from beamcam.simulate.bars import cell_axes
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import TraceAxis, head_axes
+from beamcam.simulate.trace import State, TraceAxis, head_axes
 from beamcam.version import __version__
 
 UNKNOWN = (

@@ -10,11 +10,20 @@ from beamcam.model.plan import clock
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.svg import inline_svg
 from beamcam.setup_sheet.content import Content
-from beamcam.setup_sheet.html import length, messages, number, row, shown, table, used_columns
+from beamcam.setup_sheet.html import (
+    length,
+    messages,
+    number,
+    page_script,
+    page_style,
+    row,
+    shown,
+    table,
+    used_columns,
+)
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.playback import as_script, bar_data, table_data
 from beamcam.setup_sheet.solid_data import CHORDS, Solids, solids_of
-from beamcam.setup_sheet.static_files import page_script, page_style
 from beamcam.simulate.trace import TraceAxis
 from beamcam.version import __version__
 

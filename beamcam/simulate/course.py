@@ -17,7 +17,7 @@ from beamcam.geometry.ramps import Ramp
 from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
 from beamcam.model.cell_motion import CellMotion, Leg, Positions
-from beamcam.simulate.state import State
+from beamcam.simulate.trace import State
 
 
 class CourseSection(Struct, frozen=True):

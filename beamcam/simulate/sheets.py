@@ -23,9 +23,16 @@ from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, Parabola
 from beamcam.motion.lift_times import LiftTimes
 from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, speeds_along
 from beamcam.motion.speed_sections import SpeedSection
-from beamcam.simulate.phases import Chords, Phases, phases_of
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import UNIFORM, Trace, TraceBuilder, head_axes
+from beamcam.simulate.trace import (
+    UNIFORM,
+    Chords,
+    Phases,
+    State,
+    Trace,
+    TraceBuilder,
+    head_axes,
+    phases_of,
+)
 
 #: Of the chords that stand for a curve in a trace.
 CHORD_TOLERANCE = 0.02

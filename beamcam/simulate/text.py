@@ -9,8 +9,7 @@ from msgspec.structs import asdict
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.simulate.encoder import Encoder, precision, stair_times
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import Trace, TraceRow, trace_rows
+from beamcam.simulate.trace import State, Trace, TraceRow, trace_rows
 
 DECIMALS = 3  #: of positions
 CELL = ("spindle", "diameter", "turning", "coolant", "sawing")  #: states of a cell

@@ -20,10 +20,21 @@ from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
 from beamcam.model.part import Part, Profile
-from beamcam.solid.kernel import CHORD, drill_profile, kernel, minus, moved, prism, turned
+from beamcam.solid.kernel import (
+    CHORD,
+    FREE,
+    Wall,
+    drill_profile,
+    kernel,
+    minus,
+    moved,
+    outline,
+    prism,
+    turned,
+    walls,
+)
 from beamcam.solid.part_solid import ALONG
 from beamcam.solid.rules import NO_MACHINE
-from beamcam.solid.section import FREE, Wall, outline, walls
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

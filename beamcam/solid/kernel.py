@@ -5,10 +5,14 @@ Circles are regular polygons inscribed in them, whose chords lie at most CHORD i
 
 from collections.abc import Iterable, Sequence
 from math import acos, ceil, cos, pi, radians, sin, tan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
+
+from msgspec import Struct
 
 from beamcam.errors import BeamcamError, Source
-from beamcam.solid.rules import NO_KERNEL
+from beamcam.model.part import Part, Profile, SectionPoint
+from beamcam.model.section import ring_of
+from beamcam.solid.rules import NO_KERNEL, NO_SOLID
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -101,3 +105,206 @@ def behind(body: "Manifold", point: Vec, normal: Vec) -> "Manifold":
     length = (a * a + b * b + c * c) ** 0.5
     a, b, c = a / length, b / length, c / length
     return body.trim_by_plane((-a, -b, -c), -(a * point[0] + b * point[1] + c * point[2]))
+
+
+# --- section --------------------------------------------------------------------------------------
+
+# The section of a bar as a plane shape, and the walls that its faces look at.
+#
+#         Y                       I: web amid the flanges       T: flange flat along Y at Z = 0,
+#         |  o                    U, C: web on the h side          stem along Z amid its height
+#         |-----                  L: v leg flat along Y at Z = 0, u leg along Z at Y = 0
+#      h  |      v                M: four walls                 B: height along Y, thickness along Z
+#         |-----
+#         0  u     Z              v is seen from +Z, h from -Z, o from +Y, u from -Y
+#
+# Figures from the standard's page 7. Toes of angles are sharp and lips of a C end behind their
+# bend: no figure of a part gives them.
+
+
+Interval = tuple[float, float]
+FREE = 1.0  #: mm that a cutter reaches into the air, so that no faces coincide
+
+
+class Wall(Struct, frozen=True):
+    """The wall behind a face: a plate in (x, q) of the face, d deep from its surface."""
+
+    normal: Literal["y", "z"]
+    surface: float  #: coordinate of its surface along the normal
+    inward: int  #: whether depth counts up or down that coordinate
+    thickness: float
+    width: float  #: of the face
+    others: tuple[Interval, ...] = ()  #: q where other walls stand on it
+    before: float = 0.0  #: how far a fillet rises from its surface, or its air reaches freely
+    behind: float = 0.0  #: likewise from its far side
+
+    @property
+    def frame(self) -> Frame:
+        """Takes (x, q, depth) to (x, y, z)."""
+        along_x = (1.0, 0.0, 0.0, 0.0)
+        across = (0.0, 1.0, 0.0, 0.0)
+        deep = (0.0, 0.0, float(self.inward), self.surface)
+        return (along_x, deep, across) if self.normal == "y" else (along_x, across, deep)
+
+
+def walls(profile: Profile) -> dict[str, Wall]:
+    """The walls of a section by face; none of a round or special one."""
+    h, b, r = profile.height, profile.width, profile.radius
+    t, s = profile.flange_thickness, profile.web_thickness or 0.0
+    low, high = (0.0, t), (h - t, h)
+    match profile.code:
+        case "B":
+            return {"v": Wall("z", s, -1, s, h), "h": Wall("z", 0.0, 1, s, h)}
+        case "I":
+            web, stands = ((b - s) / 2, (b + s) / 2), (low, high)
+            return {
+                "v": Wall("z", web[1], -1, s, h, stands, r, r),
+                "h": Wall("z", web[0], 1, s, h, stands, r, r),
+                "o": Wall("y", h, -1, t, b, (web,), 0.0, r),
+                "u": Wall("y", 0.0, 1, t, b, (web,), 0.0, r),
+            }
+        case "U" | "C":
+            return {
+                "v": Wall("z", s, -1, s, h, (low, high), r, 0.0),
+                "h": Wall("z", 0.0, 1, s, h, (low, high), 0.0, r),
+                "o": Wall("y", h, -1, t, b, ((0.0, s),), 0.0, r),
+                "u": Wall("y", 0.0, 1, t, b, ((0.0, s),), 0.0, r),
+            }
+        case "L":
+            return {
+                "v": Wall("z", s, -1, s, h, (low,), r, 0.0),
+                "h": Wall("z", 0.0, 1, s, h, (low,), 0.0, r),
+                "o": Wall("y", t, -1, t, b, ((0.0, s),), r, 0.0),
+                "u": Wall("y", 0.0, 1, t, b, ((0.0, s),), 0.0, r),
+            }
+        case "T":
+            stem = (h - t) / 2, (h + t) / 2
+            return {
+                "v": Wall("z", s, -1, s, h, (stem,), r, 0.0),
+                "h": Wall("z", 0.0, 1, s, h, (stem,), 0.0, r),
+                "o": Wall("y", stem[1], -1, t, b, ((0.0, s),), r, r),
+                "u": Wall("y", stem[0], 1, t, b, ((0.0, s),), r, r),
+            }
+        case "M":
+            inside = max(0.0, r - t)
+            sides, floors = ((0.0, s), (b - s, b)), (low, high)
+            return {
+                "v": Wall("z", b, -1, s, h, floors, 0.0, inside),
+                "h": Wall("z", 0.0, 1, s, h, floors, 0.0, inside),
+                "o": Wall("y", h, -1, t, b, sides, 0.0, inside),
+                "u": Wall("y", 0.0, 1, t, b, sides, 0.0, inside),
+            }
+    return {}
+
+
+def outline(part: Part) -> Any:
+    """The section in (Y, Z), as a shape of shapely. Raises BeamcamError where it is not known."""
+    from shapely import Polygon, box, union_all
+
+    profile = part.profile
+    h, b = profile.height, profile.width
+    t, s = profile.flange_thickness, profile.web_thickness or 0.0
+    match profile.code:
+        case "RU":
+            return Polygon(circle(h / 2, h / 2, h / 2))
+        case "RO":
+            _needed(part, wall=t or s)
+            hole = circle(h / 2, h / 2, h / 2 - (t or s))
+            return Polygon(circle(h / 2, h / 2, h / 2), [hole] if 2 * (t or s) < h else [])
+        case "SO":
+            if len(part.section) < 3:
+                raise no_solid(part, f"a special section {profile.name} without its outline")
+            return _special(part.section)
+        case "B":
+            _needed(part, thickness=s)
+            return box(0.0, 0.0, h, s)
+    _needed(part, height=h, width=b, flange_thickness=t, web_thickness=s)
+    if profile.code == "M":
+        r = profile.radius
+        hollow = _rounded(t, s, h - t, b - s, max(0.0, r - t))
+        return _rounded(0.0, 0.0, h, b, r).difference(hollow)
+    plates = {
+        "I": [box(0, (b - s) / 2, h, (b + s) / 2), box(0, 0, t, b), box(h - t, 0, h, b)],
+        "U": [box(0, 0, h, s), box(0, 0, t, b), box(h - t, 0, h, b)],
+        "L": [box(0, 0, h, s), box(0, 0, t, b)],
+        "T": [box(0, 0, h, s), box((h - t) / 2, 0, (h + t) / 2, b)],
+    }
+    plates["C"] = plates["U"]
+    whole = union_all([*plates[profile.code], *_fillets(profile)])
+    if profile.code == "C" and profile.radius:  # bent: round outside as well, and to its lips
+        outer = profile.radius + s
+        bend = _rounded(0.0, 0.0, h, b, outer).difference(_rounded(s, s, h - s, b - s, outer - s))
+        flats = box(0.0, b - outer, outer, b), box(h - outer, b - outer, h, b)
+        whole = union_all([whole.difference(union_all(flats)), bend.intersection(union_all(flats))])
+        return whole.intersection(_rounded(0.0, 0.0, h, b, outer))
+    return whole
+
+
+def corners(part: Part) -> list[tuple[float, float]]:
+    """Outermost places (y, z) of the section's steel, which a skew end may touch first.
+
+    They are those of the solid itself, not the model's, so that each checks the other.
+    """
+    return list(outline(part).convex_hull.exterior.coords)
+
+
+def no_solid(part: Part, found: str) -> BeamcamError:
+    """The error that a part has no solid."""
+    return BeamcamError(NO_SOLID.at(part.source, found=found))
+
+
+def _needed(part: Part, **figures: float) -> None:
+    for name, value in figures.items():
+        if not value > 0.0:
+            raise no_solid(part, f"a {name.replace('_', ' ')} of {value:g} mm")
+
+
+def _fillets(profile: Profile) -> list[Any]:
+    """The root fillets, each between a web's surface and a flange's."""
+    h, b, r = profile.height, profile.width, profile.radius
+    t, s = profile.flange_thickness, profile.web_thickness or 0.0
+    roots: list[tuple[float, float, int, int]] = []  # y, z of the sharp corner; way to the air
+    if r > 0.0:
+        match profile.code:
+            case "I":
+                for y, up in ((t, 1), (h - t, -1)):
+                    roots += [(y, (b + s) / 2, up, 1), (y, (b - s) / 2, up, -1)]
+            case "U" | "C":
+                roots = [(t, s, 1, 1), (h - t, s, -1, 1)]
+            case "L":
+                roots = [(t, s, 1, 1)]
+            case "T":
+                roots = [((h - t) / 2, s, -1, 1), ((h + t) / 2, s, 1, 1)]
+    return [_fillet(y, z, dy, dz, r) for y, z, dy, dz in roots]
+
+
+def _fillet(y: float, z: float, dy: int, dz: int, r: float) -> Any:
+    """The spandrel between a corner and the arc that touches both its walls."""
+    from shapely import Polygon
+
+    n = facets(r) // 4
+    turns = [pi / 2 * k / n for k in range(n + 1)]
+    arc = [(y + dy * r * (1 - sin(a)), z + dz * r * (1 - cos(a))) for a in turns]
+    return Polygon([*arc, (y, z)])
+
+
+def _rounded(y0: float, z0: float, y1: float, z1: float, r: float) -> Any:
+    """A rectangle with round corners."""
+    from shapely import MultiPoint, box
+
+    r = min(r, (y1 - y0) / 2, (z1 - z0) / 2)
+    if r <= 0.0:
+        return box(y0, z0, y1, z1)
+    places = [(y, z) for y in (y0 + r, y1 - r) for z in (z0 + r, z1 - r)]
+    return MultiPoint([p for y, z in places for p in circle(y, z, r)]).convex_hull
+
+
+def _special(points: tuple[SectionPoint, ...]) -> Any:
+    """The outline of a special section less what lies inside its inner one."""
+    from shapely import Polygon
+
+    rings = {side: [p for p in points if p.side == side] for side in ("+", "-")}
+    outer = Polygon(ring_of(rings["+"])).buffer(0)
+    if len(rings["-"]) >= 3:
+        outer = outer.difference(Polygon(ring_of(rings["-"])).buffer(0))
+    return outer

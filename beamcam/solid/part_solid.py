@@ -19,16 +19,21 @@ from beamcam.model.part import Bevel, Contour, EndPlane, Feature, Hole, Part, Sl
 from beamcam.solid.kernel import (
     CHORD,
     FLAT_DEG,
+    FREE,
     Frame,
+    Wall,
     behind,
     circle,
+    corners,
     drill_profile,
     minus,
     moved,
+    no_solid,
+    outline,
     prism,
     turned,
+    walls,
 )
-from beamcam.solid.section import FREE, Wall, corners, no_solid, outline, walls
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -1,60 +1,43 @@
 """Rules for solids: what is not available, and where a piece differs from its part."""
 
-from beamcam.errors import rule_makers
+from beamcam.errors import error, note
 
-error, warning, note = rule_makers("solid")
+# fmt: off
 
-NO_KERNEL = error(
-    "kernel",
+
+NO_KERNEL = error("solid-kernel",
     "found no manifold3d; expected it for solids: pip install manifold3d",
-    "Solids are cut and compared by this library. It comes with beamcam; here it is missing.",
-)
-NO_SOLID = error(
-    "none",
+    "Solids are cut and compared by this library. It comes with beamcam; here it is missing.")
+NO_SOLID = error("solid-none",
     "found {found}; expected what a solid can be made of",
     "Without the figures of the section, or with features on planes of their own, the solid of the "
-    "part is not known. The read-back without --solid still counts.",
-)
-NO_MACHINE = error(
-    "machine",
+    "part is not known. The read-back without --solid still counts.")
+NO_MACHINE = error("solid-machine",
     "found {found}; expected a saw and drilling line, or a table whose torch runs G-code",
     "What is machined as a solid is bars and plates; tables of steps and triggers are read back "
-    "without --solid.",
-)
-PIECES = error(
-    "pieces",
+    "without --solid.")
+PIECES = error("solid-pieces",
     "found {found} in what the program leaves; expected {expected}",
     "The pieces are what holds together after all cuts. A cut that is missing leaves two parts in "
-    "one; a piece that nobody asked for is steel wasted.",
-)
-SIZE = error(
-    "size",
+    "one; a piece that nobody asked for is steel wasted.")
+SIZE = error("solid-size",
     "found {piece} {found} mm long; expected {expected} mm, the length of {mark}",
     "The piece is as long as its solid after all cuts. A tolerance is what the machine's decimals "
-    "leave.",
-)
-MISSING = error(
-    "missing",
+    "leave.")
+MISSING = error("solid-missing",
     "found {found} mm3 of {mark} cut away from {piece}, {lumps}, the largest {largest} mm3 "
     "{where}; expected this steel, {tolerance} mm off every void",
     "A hole that is too large, too deep, in a place or on a face where the part has none, or a cut "
-    "into the part.",
-)
-EXTRA = error(
-    "extra",
+    "into the part.")
+EXTRA = error("solid-extra",
     "found {found} mm3 left on {piece} that {mark} does not have, {lumps}, the largest {largest} "
     "mm3 {where}; expected it cut away, {tolerance} mm off every void",
-    "A hole, a slot or a cut that is missing, too small or not deep enough.",
-)
-HAND = error(
-    "hand",
+    "A hole, a slot or a cut that is missing, too small or not deep enough.")
+HAND = error("solid-hand",
     "found {piece} as the mirror image of {mark} ({found} mm3 differ, {other} mm3 from the part "
     "itself); expected the part, which no turn makes of it",
-    "A mirrored part is another part, as a left hand is no right one.",
-)
-LEFT_OUT = note(
-    "left-out",
+    "A mirrored part is another part, as a left hand is no right one.")
+LEFT_OUT = note("solid-left-out",
     "found {found} mm3 {where} left on {piece}; expected so, {what} may be left out",
-    "--allow-skips, the configuration or the program's head names its kind.",
-)
+    "--allow-skips, the configuration or the program's head names its kind.")
 RULES = (NO_KERNEL, NO_SOLID, NO_MACHINE, PIECES, SIZE, MISSING, EXTRA, HAND, LEFT_OUT)

@@ -8,31 +8,23 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, Source, error
 from beamcam.model.request import Job, Request
 
 SLACK = 1e-6  #: mm between a bar in store and the one that a program is for
 
-PIECES = Rule(
-    "verify-pieces",
-    Severity.ERROR,
+PIECES = error("verify-pieces",
     "found {found} of {mark} in the programs of this job; expected {expected}",
-    "The pieces of all bars or sheets are counted against the quantities that were asked for. "
-    "It is a fault of beamcam; send in the part.",
-)
-PIECE_ORDER = Rule(
-    "verify-piece-order",
-    Severity.ERROR,
+    "The pieces of all bars or sheets are counted against the quantities that were asked for. It "
+    "is a fault of beamcam; send in the part.")  # fmt: skip
+PIECE_ORDER = error("verify-piece-order",
     "found {found} behind {before} in a program; expected the order in which they were given",
     "Pieces go onto bars and sheets in the order of the inputs. It is a fault of beamcam; send in "
-    "the parts.",
-)
-STOCK_BAR = Rule(
-    "verify-stock-bar",
-    Severity.ERROR,
+    "the parts.")  # fmt: skip
+STOCK_BAR = error("verify-stock-bar",
     "found a program for a bar of {found}; expected {expected}",
-    "A bar that is not in store cannot be loaded. It is a fault of beamcam; send in the part.",
-)
+    "A bar that is not in store cannot be loaded. It is a fault of beamcam; send in the "
+    "part.")  # fmt: skip
 RULES = (PIECES, PIECE_ORDER, STOCK_BAR)
 
 

@@ -22,7 +22,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, Source, error, warning
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.request import Job
@@ -51,41 +51,27 @@ _PART = re.compile(r"PART ([0-9]{1,6}) ((?:AT|SIZE|MARK|DRAWING|ORDER) .*)")
 _FIGURES = re.compile(rf"AT {_MM}(?: LENGTH {_MM}| {_MM} SIZE {_MM} {_MM})(?: (.*))?")
 _UNREAD = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"
 
-HEAD = Rule(
-    "verify-head",
-    Severity.ERROR,
+HEAD = error("verify-head",
     "found {found} in the head of the program; expected {expected}",
     "The head says which kinds of features may be missing, how many marks are left for manual "
     "work, for which machine file the program was made, the bar, and where its parts lie. A wrong "
-    "head would mislead a later check, and whoever loads the bar.",
-)
-HEAD_TEXT = Rule(
-    "verify-head-text",
-    Severity.WARNING,
+    "head would mislead a later check, and whoever loads the bar.")  # fmt: skip
+HEAD_TEXT = warning("verify-head-text",
     "found {found} in the head of the program; expected {expected}",
     "The program may have been made for a part of the same shape with another mark, drawing, "
-    "order, section or grade. It cuts what it was held against, but says another name.",
-)
-HEAD_BAR = Rule(
-    "verify-head-bar",
-    Severity.ERROR,
+    "order, section or grade. It cuts what it was held against, but says another "
+    "name.")  # fmt: skip
+HEAD_BAR = error("verify-head-bar",
     "found a program for a bar of {found} mm in its head; expected {expected} mm, as --bar says",
     "The program was laid out for the bar that its head names. Load that one, or post the parts "
-    "again for the bar that there is.",
-)
-NEWER = Rule(
-    "verify-head-newer",
-    Severity.WARNING,
+    "again for the bar that there is.")  # fmt: skip
+NEWER = warning("verify-head-newer",
     "found a program of form {found}; expected {expected} at most, this beamcam is older",
-    "A newer beamcam may say things in a program that this one does not look for.",
-)
-MACHINE_CHANGED = Rule(
-    "verify-machine-changed",
-    Severity.WARNING,
+    "A newer beamcam may say things in a program that this one does not look for.")  # fmt: skip
+MACHINE_CHANGED = warning("verify-machine-changed",
     "found a program for the machine {found}; the machine file is now {expected}",
     "The machine's file has changed since the program was made: offsets, tools or limits may be "
-    "others. Post the part again.",
-)
+    "others. Post the part again.")  # fmt: skip
 RULES = (HEAD, HEAD_TEXT, HEAD_BAR, NEWER, MACHINE_CHANGED)
 
 

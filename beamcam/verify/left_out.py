@@ -2,32 +2,23 @@
 
 from collections.abc import Iterable, Iterator
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, error, warning
 from beamcam.machine.machine import Machine
 from beamcam.model.description import description, policy_on
 from beamcam.model.part import Feature, Part, TextMark
 
-LEFT_OUT = Rule(
-    "verify-left-out",
-    Severity.WARNING,
+LEFT_OUT = warning("verify-left-out",
     "found nothing that makes the {what} of {mark}; it may be left out, and is not made",
     "The machine cannot make it and its kind is allowed to be missing, by `--allow-skips` or the "
-    "head of the program. It has to be made manually or on another machine.",
-)
-LEDGER = Rule(
-    "verify-ledger",
-    Severity.ERROR,
+    "head of the program. It has to be made manually or on another machine.")  # fmt: skip
+LEDGER = error("verify-ledger",
     "found {found} feature(s) missing from the program; expected {expected}, as planned",
     "What is missing from a program has to be what the plan left out by name, and nothing else. It "
-    "is a fault of beamcam; send in the part.",
-)
-TEXT_TOLD = Rule(
-    "verify-text-told",
-    Severity.ERROR,
+    "is a fault of beamcam; send in the part.")  # fmt: skip
+TEXT_TOLD = error("verify-text-told",
     "found a text lettered {found}; expected it {expected}, as planned",
     "The plan reports where a text is moved or made smaller, the read-back finds it in the "
-    "program, and both have to agree. It is a fault of beamcam; send in the part.",
-)
+    "program, and both have to agree. It is a fault of beamcam; send in the part.")  # fmt: skip
 
 
 def left_out(part: Part, features: Iterable[int]) -> Iterator[Diagnostic]:
@@ -42,20 +33,14 @@ def left_out(part: Part, features: Iterable[int]) -> Iterator[Diagnostic]:
 # Marks that a program leaves for manual work or makes elsewhere, reported one by one.
 
 
-BY_HAND = Rule(
-    "verify-by-hand",
-    Severity.WARNING,
+BY_HAND = warning("verify-by-hand",
     "found nothing that makes the {what} of {mark}; it is left for manual work, as {machine} says",
     "`[marks]` in the machine's file says which kinds of marks are made by the machine, and which "
-    "are left for manual work.",
-)
-TEXT_MOVED = Rule(
-    "verify-text-moved",
-    Severity.WARNING,
+    "are left for manual work.")  # fmt: skip
+TEXT_MOVED = warning("verify-text-moved",
     "found the text {text!r} at x {x}, y {y}, {height} mm high; at x {wanted_x}, y {wanted_y}, "
     "{wanted_height} mm high it would not be clear",
-    "A text that would stand on an edge or over a hole is moved, or made smaller.",
-)
+    "A text that would stand on an edge or over a hole is moved, or made smaller.")  # fmt: skip
 
 
 def is_by_hand(feature: Feature, machine: Machine) -> bool:
@@ -85,21 +70,16 @@ def by_hand(feature: Feature, part: Part, machine: Machine) -> Diagnostic:
 # Waste of sheets that no beam reaches, and that stays on the part.
 
 
-UNCUT = Rule(
-    "verify-sheet-left",
-    Severity.WARNING,
+UNCUT = warning("verify-sheet-left",
     "found {found} mm of waste in a corner at x {x}, y {y} that the beam does not reach; it stays "
     "on the part",
-    "A round beam stops before a sharp corner. Where that matters, the place is finished by hand.",
-)
-UNCUT_TOLD = Rule(
-    "verify-sheet-untold",
-    Severity.ERROR,
+    "A round beam stops before a sharp corner. Where that matters, the place is finished by "
+    "hand.")  # fmt: skip
+UNCUT_TOLD = error("verify-sheet-untold",
     "found {found} mm of waste in a corner at x {x}, y {y} that the beam does not reach; expected "
     "it to be reported by the plan",
     "The plan reports what stays on a part, the read-back finds it in the program, and both have "
-    "to agree. It is a fault of beamcam; send in the part.",
-)
+    "to agree. It is a fault of beamcam; send in the part.")  # fmt: skip
 
 
 RULES = (LEFT_OUT, LEDGER, TEXT_TOLD, BY_HAND, TEXT_MOVED, UNCUT, UNCUT_TOLD)

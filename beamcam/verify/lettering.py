@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, error
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point
 from beamcam.machine.marking import Marks
@@ -23,27 +23,19 @@ from beamcam.verify.wanted_texts import Segment, Wanted
 if TYPE_CHECKING:
     from shapely import Geometry, Polygon
 
-TEXT = Rule(
-    "verify-text",
-    Severity.ERROR,
+TEXT = error("verify-text",
     "found the text {text!r} at x {x}, y {y}, {height} mm high; expected {expected}",
-    "A text stands where the part has it, or where it is clear of holes, edges and other texts.",
-)
-TEXT_MISSING = Rule(
-    "verify-text-missing",
-    Severity.ERROR,
-    "found no text {text!r} on face {face} of {mark} at {angle} degrees; "
-    "expected it at x {x}, y {y}",
+    "A text stands where the part has it, or where it is clear of holes, edges and other "
+    "texts.")  # fmt: skip
+TEXT_MISSING = error("verify-text-missing",
+    "found no text {text!r} on face {face} of {mark} at {angle} degrees; expected it at x {x}, y "
+    "{y}",
     "A text that the machine's stamp or printer could letter has to be in the program, character "
-    "by character.",
-)
-TEXT_EXTRA = Rule(
-    "verify-text-extra",
-    Severity.ERROR,
-    "found the text {text!r} on face {face} at machine x {x}, y {y}; "
-    "expected none, no part has it there",
-    "What is stamped or printed cannot be taken off again.",
-)
+    "by character.")  # fmt: skip
+TEXT_EXTRA = error("verify-text-extra",
+    "found the text {text!r} on face {face} at machine x {x}, y {y}; expected none, no part has it "
+    "there",
+    "What is stamped or printed cannot be taken off again.")  # fmt: skip
 RULES = (TEXT, TEXT_MISSING, TEXT_EXTRA)
 
 

@@ -13,10 +13,9 @@ from click.testing import CliRunner
 from beamcam.cli import main
 from beamcam.machine import Machine, load
 from beamcam.pipeline import read_file
+from beamcam.simulate.modbus import register_count
 from beamcam.simulate.program import simulate_program
-from beamcam.simulate.registers import register_count
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import TraceRow, trace_rows
+from beamcam.simulate.trace import State, TraceRow, trace_rows
 from tests.browser.conftest import Browser
 from tests.conftest import ROOT
 from tests.runs import wait_until

@@ -9,14 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import table_run
-from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
+from beamcam.controllers.interpreter import arc_of
 from beamcam.controllers.rs274 import grbl, linuxcnc
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement
-from beamcam.motion.arcs import paths_along
-from beamcam.motion.curve_words import ellipse_feeds, parabola_feed
+from beamcam.motion.arcs import ellipse_feeds, parabola_feed, paths_along
 from beamcam.motion.sheet import Pen
 
 COUNT = 100_000

@@ -5,7 +5,7 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.readers.svg.css import (
+from beamcam.readers.svg.tree import (
     _rules,
     _without_comments,
     _without_statements,

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line
 from beamcam.motion.densify import DensifyRules, densify
-from beamcam.motion.jerk_ramps import reachable_speed
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
-from beamcam.motion.profile import Limits, fastest_profile
+from beamcam.motion.profile import Limits, fastest_profile, reachable_speed
 from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves
 from tests.property.test_moves import ramp_distance

@@ -21,7 +21,7 @@ from beamcam.motion.feed_limits import (
     paced,
     turning_mm_s,
 )
-from beamcam.verify.sheets.ability import expected_feeds
+from beamcam.verify.sheets.controller_state import expected_feeds
 
 coordinates = st.floats(-50, 50).map(lambda v: round(v, 3))
 points = st.tuples(coordinates, coordinates)

@@ -16,7 +16,7 @@ from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
 from beamcam.controllers.events import TableEvent
 from beamcam.controllers.moves import sure_arcs
 from beamcam.controllers.rs274 import grbl, linuxcnc
-from beamcam.controllers.scan import scan
+from beamcam.controllers.track import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
 from beamcam.verify.sheets.gaps import widest_gap

@@ -9,10 +9,15 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
-from beamcam.planning.contours.nearest import nearest_first
-from beamcam.planning.contours.order import order
-from beamcam.planning.contours.shape import Shape
-from beamcam.planning.contours.two_opt import MIN_GAIN, PASSES, WINDOW, turn_stretches
+from beamcam.planning.contours.order import (
+    MIN_GAIN,
+    PASSES,
+    WINDOW,
+    nearest_first,
+    order,
+    turn_stretches,
+)
+from beamcam.planning.contours.outline import Shape
 
 HERE = (0.0, 0.0)
 

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.arcs import arc_of
+from beamcam.controllers.interpreter import arc_of
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
 from beamcam.model.program import ArcFeed, Feed, Movement
 from beamcam.motion.arcs import paths_along
-from beamcam.motion.numbers import Numbers
 from beamcam.motion.sheet import Pen
+from beamcam.motion.spans import Numbers
 
 #: Coordinates that lie on the written steps, between two of them, or anywhere.
 coordinates = st.one_of(

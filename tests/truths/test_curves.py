@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 from beamcam import readers
-from beamcam.controllers.arcs import arc_of, sweep_of
+from beamcam.controllers.interpreter import arc_of, sweep_of
 from beamcam.errors import Source
 from beamcam.geometry.conics import arc_between, arc_by_points, arc_through, direction_deg
 from beamcam.geometry.curves import (

@@ -13,7 +13,6 @@ import shapely
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
-from beamcam.model.catalogue import measures_of, name_of
 from beamcam.model.part import FACES, MIRRORED_FACES, Contour, Part, Profile
 from beamcam.model.section import (
     NO_PLATE,
@@ -23,7 +22,7 @@ from beamcam.model.section import (
     section_fault,
     walls_beside,
 )
-from beamcam.model.weight import section_area, weight_of
+from beamcam.model.weight import measures_of, name_of, section_area, weight_of
 
 SOURCE = Source("stranger.nc1", 1)
 #: One of each kind, its flanges and its web never equally thick.

@@ -11,8 +11,8 @@ CODESYS online help, "CNC: DIN 66025".
 
 from math import atan2, cos, degrees, dist, hypot, radians, sin, sqrt
 
-from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.events import Curve
+from beamcam.controllers.interpreter import arc_of
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import Point, cross
 

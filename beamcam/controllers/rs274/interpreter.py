@@ -13,10 +13,9 @@ from math import nan
 
 from msgspec.structs import replace
 
-from beamcam.controllers.arcs import arc_of
 from beamcam.controllers.dialect import Dialect
 from beamcam.controllers.events import Curve, FeedShare, Material, Other, Switch
-from beamcam.controllers.interpreter import Interpreter, Words
+from beamcam.controllers.interpreter import Interpreter, Words, arc_of
 from beamcam.controllers.rs274.blocks import ENDS, Block, Variant, read_block
 from beamcam.controllers.rs274.head import HeadWords
 from beamcam.geometry.plane import Point

@@ -6,8 +6,7 @@ Structured Text: lexer -> parser, or plain (syntax) -> names, types, bounds (che
 commands of axes: cutting_table, or motion_blocks where they are function blocks of PLCopen
 """
 
-from beamcam.controllers.simotion.frame import Unreadable, job_of
-from beamcam.controllers.simotion.job import JobRead, read_job
+from beamcam.controllers.simotion.job import JobRead, Unreadable, job_of, read_job
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from beamcam.controllers.simotion import library, rules, syntax
+from beamcam.controllers.simotion import axes, rules, syntax
 from beamcam.controllers.simotion.expressions import KEYWORDS
 from beamcam.controllers.simotion.names import UNKNOWN, Names, near, text_of
 from beamcam.controllers.simotion.types import Types
@@ -159,7 +159,7 @@ class _Checker:
                     self._statements(one.otherwise)
                 case syntax.Case():
                     found = self.types.of(one.selector)
-                    if found not in (*library.INTEGERS, UNKNOWN):
+                    if found not in (*axes.INTEGERS, UNKNOWN):
                         self.names.wrong_type(one.line, found, "a CASE", "a whole number")
                     labels: list[int] = []
                     for branch, inner in one.branches:

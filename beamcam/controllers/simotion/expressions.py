@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 from typing import TypeVar
 
-from beamcam.controllers.simotion import library, syntax
+from beamcam.controllers.simotion import axes, syntax
 from beamcam.controllers.simotion.lexer import Token
 from beamcam.controllers.simotion.syntax import Expression
 
@@ -168,7 +168,7 @@ def _literal(token: Token) -> syntax.Constant:
             return syntax.Constant(token.line, word, float(text))
         if word == "BOOL":
             return syntax.Constant(token.line, word, bool(int(text)))
-        low, high = library.INTEGERS[word]
+        low, high = axes.INTEGERS[word]
         if not low <= int(text) <= high:
             raise ValueError(text)
         return syntax.Constant(token.line, word, int(text))

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from beamcam.controllers.simotion import library, rules, syntax
+from beamcam.controllers.simotion import axes, rules, syntax
 from beamcam.controllers.simotion.expressions import RESERVED
 from beamcam.errors import Diagnostic, Rule, Source
 
@@ -19,13 +19,13 @@ class Names:
         self.name = name
         self.said: list[Diagnostic] = []
         plain = any(unit.plain for unit in units)
-        self.commands: Mapping[str, library.Command] = {} if plain else library.COMMANDS
-        self.enumerators: Collection[str] = () if plain else library.ENUMERATORS
-        self.reserved = RESERVED if plain else library.ENUMERATORS
-        self.own_types = library.PLAIN_TYPES if plain else library.TYPES
+        self.commands: Mapping[str, axes.Command] = {} if plain else axes.COMMANDS
+        self.enumerators: Collection[str] = () if plain else axes.ENUMERATORS
+        self.reserved = RESERVED if plain else axes.ENUMERATORS
+        self.own_types = axes.PLAIN_TYPES if plain else axes.TYPES
         self.structures = {s.name.upper(): s for u in units for s in u.structures}
         self.needs_all = not plain  #: whether a call has to give all inputs of a block
-        self.blocks = library.BLOCKS | {b.name.upper(): b for u in units for b in u.blocks}
+        self.blocks = axes.BLOCKS | {b.name.upper(): b for u in units for b in u.blocks}
         self.objects = {name.upper(): type_ for name, type_ in objects.items()}
         self.globals: dict[str, syntax.Variable] = {}
         self.locals: dict[str, syntax.Variable] = {}
@@ -38,7 +38,7 @@ class Names:
     def wrong_type(self, line: int, found: str, what: str, wanted: str) -> str:
         """Note that something has another type than it should."""
         return self.say(
-            rules.TYPE, line, found=library.shown(found), what=what, expected=library.shown(wanted)
+            rules.TYPE, line, found=axes.shown(found), what=what, expected=axes.shown(wanted)
         )
 
     def twice(self, name: str, line: int) -> None:
@@ -59,12 +59,12 @@ class Names:
     def canonical(self, type_: str) -> str:
         """A type as the library writes it."""
         structures = (s.name for s in self.structures.values())
-        return spelled(type_, (*self.own_types, *structures, *library.BLOCKS)) or type_
+        return spelled(type_, (*self.own_types, *structures, *axes.BLOCKS)) or type_
 
     def components(self, type_: str) -> dict[str, str] | None:
         """The components of a type with their types; None if it has none."""
-        if type_ in library.COMPONENTS and self.commands:
-            return library.COMPONENTS[type_]
+        if type_ in axes.COMPONENTS and self.commands:
+            return axes.COMPONENTS[type_]
         if (structure := self.structures.get(type_.upper())) is not None:
             return {f.name: self.canonical(f.type) for f in structure.fields
                     if isinstance(f.type, str)}  # fmt: skip

@@ -1,11 +1,18 @@
 """Types of expressions, and checks of assignments."""
 
+import re
 from collections.abc import Sequence
+from typing import Literal, cast
 
-from beamcam.controllers.simotion import library, rules, syntax
+from beamcam.controllers.simotion import axes, rules, syntax
+from beamcam.controllers.simotion.expressions import RESERVED, Stop
+from beamcam.controllers.simotion.lexer import Token, tokens
 from beamcam.controllers.simotion.names import UNKNOWN, Names, near, spelled, text_of
+from beamcam.controllers.simotion.parser import Parser
+from beamcam.controllers.simotion.syntax import Section, Statement
+from beamcam.errors import Diagnostic, Source
 
-_NUMERIC = (*library.NUMBERS, "integer", "real")
+_NUMERIC = (*axes.NUMBERS, "integer", "real")
 _WITH_A_POINT = ("REAL", "LREAL", "real")
 
 
@@ -36,10 +43,10 @@ class Types:
     def check(self, value: syntax.Expression, wanted: str, what: str) -> None:
         """Say so if a value does not fit where a type is wanted."""
         found = self.of(value)
-        if UNKNOWN not in (found, wanted) and not library.fits(found, wanted):
+        if UNKNOWN not in (found, wanted) and not axes.fits(found, wanted):
             self.names.wrong_type(value.line, found, what, wanted)
         if isinstance(value, syntax.Constant) and value.type == "integer":
-            low, high = library.INTEGERS.get(wanted, (value.value, value.value))
+            low, high = axes.INTEGERS.get(wanted, (value.value, value.value))
             if not low <= value.value <= high:
                 self.names.wrong_type(value.line, str(value.value), what, wanted)
 
@@ -67,7 +74,7 @@ class Types:
         if not isinstance(variable.type, syntax.Array):
             return self.names.wrong_type(value.line, str(variable.type), "an element", "an array")
         index = self.of(value.index)
-        if index not in (*library.INTEGERS, "integer", UNKNOWN):
+        if index not in (*axes.INTEGERS, "integer", UNKNOWN):
             self.names.wrong_type(value.line, index, "an index", "a whole number")
         match value.index:
             case syntax.Constant(value=at):
@@ -93,20 +100,20 @@ class Types:
     def _binary(self, value: syntax.Binary) -> str:
         left, right = self.of(value.left), self.of(value.right)
         if UNKNOWN in (left, right):
-            return "BOOL" if value.operator in library.GIVES_BOOL else UNKNOWN
-        if value.operator in library.LOGIC:
+            return "BOOL" if value.operator in axes.GIVES_BOOL else UNKNOWN
+        if value.operator in axes.LOGIC:
             for one in (left, right):
                 if one != "BOOL":
                     self.names.wrong_type(value.line, one, value.operator, "BOOL")
             return "BOOL"
-        common = right if library.fits(left, right) else left
-        together = library.fits(left, right) or library.fits(right, left)
+        common = right if axes.fits(left, right) else left
+        together = axes.fits(left, right) or axes.fits(right, left)
         if left.startswith("enum:") and right.startswith("enum:"):
-            shared = set(library.choices(left)) & set(library.choices(right))
+            shared = set(axes.choices(left)) & set(axes.choices(right))
             together = bool(shared) and value.operator in ("=", "<>")
         if not together:
             self.names.wrong_type(
-                value.line, right, f"{value.operator} with {library.shown(left)}", left
+                value.line, right, f"{value.operator} with {axes.shown(left)}", left
             )
         elif value.operator in ("=", "<>") and common in _WITH_A_POINT:
             self.names.wrong_type(
@@ -115,14 +122,14 @@ class Types:
             )  # fmt: skip
         elif value.operator not in ("=", "<>") and common not in (*_NUMERIC, "TIME"):
             self.names.wrong_type(value.line, common, value.operator, "numbers")
-        return "BOOL" if value.operator in library.GIVES_BOOL else common
+        return "BOOL" if value.operator in axes.GIVES_BOOL else common
 
     # -- calls ------------------------------------------------------------------------------
 
     def call(self, call: syntax.Call, as_statement: bool) -> str:
         """The type of what a call gives; its parameters are looked at."""
         name = call.callee
-        if name.upper() in library.FUNCTIONS:
+        if name.upper() in axes.FUNCTIONS:
             return self._numeric(call)
         command = spelled(name, self.names.commands)
         if command is not None:
@@ -131,13 +138,13 @@ class Types:
                     call.line, f"{command} without its answer", "a command",
                     "a variable for it, as a dropped command says so only there",
                 )  # fmt: skip
-            declared = library.COMMANDS[command]
+            declared = axes.COMMANDS[command]
             self._parameters(call, declared.parameters, declared.needed)
-            return library.ANSWER
+            return axes.ANSWER
         inputs = self.names.inputs(name)
         if inputs is None:
             own = (v.name for v in self.names.locals.values())
-            expected = near(name, [*self.names.commands, *library.FUNCTIONS, *own])
+            expected = near(name, [*self.names.commands, *axes.FUNCTIONS, *own])
             return self.names.say(rules.NAME, call.line, found=f"{name}()", expected=expected)
         passed = self.names.inputs(name, "inout") or {}
         self._parameters(call, inputs, tuple(inputs if self.names.needs_all else passed))
@@ -190,3 +197,178 @@ class Types:
                     rules.PARAMETER, call.line, found=f"no {name}", callee=call.callee,
                     expected=f"{name} := ...",
                 )  # fmt: skip
+
+
+# --- plain ----------------------------------------------------------------------------------------
+
+# Plain Structured Text to a syntax tree: IEC 61131-3, edition 2, as strictly as a compiler of it.
+#
+# Types, function blocks, programs and a configuration in one text, each declared before it is used;
+# no comments to the end of a line, no empty lists of statements, no initial values where edition 2
+# has none, addresses for global variables alone.
+
+
+#: Sections of a block in their order: what is passed, then what is its own.
+_PASSED: dict[str, Section] = {
+    "VAR_INPUT": "input", "VAR_OUTPUT": "output", "VAR_IN_OUT": "inout",
+}  # fmt: skip
+_OWN: dict[str, Section] = {"VAR_EXTERNAL": "external", "VAR": "local"}
+_WITHOUT_VALUE = ("inout", "external")
+
+_COMMENT = re.compile(r"\(\*.*?\*\)", re.DOTALL)
+_FOREIGN = re.compile(r"//[^\n]*")
+
+
+def parse_plain(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
+    """The one unit of a text, and what is wrong with it."""
+    found, said = tokens(text, name)
+    code = _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text)
+    if (foreign := _FOREIGN.search(code)) is not None:
+        line = code.count("\n", 0, foreign.start()) + 1
+        said.append(rules.SYNTAX.at(Source(name, line), found=foreign[0], expected="(* ... *)"))
+    if said:
+        return [], said
+    try:
+        return [_PlainParser(found).program()], []
+    except Stop as stop:
+        source = Source(name, stop.token.line)
+        shown = stop.token.text or "the end of the text"
+        return [], [rules.SYNTAX.at(source, found=shown, expected=stop.expected)]
+
+
+class _PlainParser(Parser):
+    def __init__(self, found: list[Token]) -> None:
+        super().__init__([token for token in found if token.kind != "unit"])
+        self.types = {name.upper() for name in (*axes.PLAIN_TYPES, *axes.BLOCKS)}
+
+    def program(self) -> syntax.Unit:
+        structures: list[syntax.Structure] = []
+        blocks: list[syntax.Block] = []
+        variables: list[syntax.Variable] = []
+        run: list[tuple[str, str, int]] = []
+        while self.here.kind != "end":
+            if self.accept("TYPE"):
+                while not self.accept("END_TYPE"):
+                    structures.append(self.structure())
+            elif self.is_word("CONFIGURATION"):
+                variables, run = self.configuration()
+            else:
+                blocks.append(self.block())
+        if not run:
+            raise Stop(self.here, "CONFIGURATION, with a task that runs a program")
+        return syntax.Unit(
+            "program", (), tuple(run), tuple(variables), tuple(blocks), tuple(structures), True
+        )
+
+    def structure(self) -> syntax.Structure:
+        # name : STRUCT a : INT; END_STRUCT;
+        token = self.identifier("the name of a type")
+        for word in (":", "STRUCT"):
+            self.take(word)
+        fields = []
+        while not self.accept("END_STRUCT"):
+            field = self.identifier("a name or END_STRUCT")
+            self.take(":")
+            fields.append(syntax.Variable(field.line, field.text, "local", self.type()))
+            self.take(";")
+        self.take(";")
+        self.types.add(token.text.upper())
+        return syntax.Structure(token.line, token.text, tuple(fields))
+
+    def block(self) -> syntax.Block:
+        # FUNCTION_BLOCK name VAR_INPUT ... END_VAR statements END_FUNCTION_BLOCK
+        kind = self.take("FUNCTION_BLOCK", "PROGRAM", "TYPE", "CONFIGURATION")
+        name = self.identifier("a name").text
+        variables: list[syntax.Variable] = []
+        for sections in (_PASSED, _OWN):
+            while self.is_word(*sections):
+                word = self.take(*sections).text.upper()
+                constant = word == "VAR" and self.accept("CONSTANT")
+                variables += self.section("const" if constant else sections[word])
+        if not variables:
+            raise Stop(self.here, "a section of variables")
+        word = cast('Literal["PROGRAM", "FUNCTION_BLOCK"]', kind.text.upper())
+        body = self.statements("END_" + word)
+        if word == "FUNCTION_BLOCK":
+            self.types.add(name.upper())
+        return syntax.Block(kind.line, word, name, tuple(variables), body)
+
+    def section(self, section: Section) -> list[syntax.Variable]:
+        """The variables of a section, one or more."""
+        if self.is_word("END_VAR"):
+            raise Stop(self.here, "a variable")
+        found = self.variables(section)
+        for variable in found:
+            if variable.initial is not None and section in _WITHOUT_VALUE:
+                raise Stop(self.tokens[self.at - 1], f"no value for {variable.name}")
+            if variable.address and section != "global":
+                raise Stop(self.tokens[self.at - 1], f"no address for {variable.name}")
+        return found
+
+    def type_name(self) -> str:
+        token = self.here
+        if token.text.upper() not in self.types:
+            raise Stop(token, "a type that is declared before")
+        return super().type_name()
+
+    def identifier(self, what: str) -> Token:
+        if self.here.text.upper() in RESERVED and self.tokens[self.at + 1].text != "(":
+            raise Stop(self.here, what)
+        return super().identifier(what)
+
+    # -- configuration ----------------------------------------------------------------------
+
+    def configuration(self) -> tuple[list[syntax.Variable], list[tuple[str, str, int]]]:
+        """Global variables, and the programs that a task runs."""
+        self.take("CONFIGURATION")
+        self.identifier("a name")
+        variables: list[syntax.Variable] = []
+        while self.accept("VAR_GLOBAL"):
+            variables += self.section("const" if self.accept("CONSTANT") else "global")
+        self.take("RESOURCE")
+        self.identifier("a name")
+        self.take("ON")
+        self.identifier("the type of a resource")
+        tasks = []
+        while self.accept("TASK"):
+            tasks.append(self.task())
+        run = []
+        while self.accept("PROGRAM"):
+            # PROGRAM instance WITH task : type;
+            self.identifier("a name")
+            self.take("WITH")
+            self.take(*tasks)
+            self.take(":")
+            token = self.identifier("a program")
+            run.append(("PROGRAM", token.text, token.line))
+            self.take(";")
+        self.take("END_RESOURCE")
+        self.take("END_CONFIGURATION")
+        return variables, run
+
+    def task(self) -> str:
+        # TASK name(INTERVAL := T#25ms, PRIORITY := 1);
+        name = self.identifier("a name").text.upper()
+        self.take("(")
+        self.take("INTERVAL")
+        self.take(":=")
+        interval = self.unary()
+        if not isinstance(interval, syntax.Constant) or interval.type != "TIME":
+            raise Stop(self.tokens[self.at - 1], "a time such as T#25ms")
+        self.take(",")
+        self.take("PRIORITY")
+        self.take(":=")
+        self.whole()
+        self.take(")")
+        self.take(";")
+        return name
+
+    # -- statements -------------------------------------------------------------------------
+
+    def statements(self, *ends: str) -> tuple[Statement, ...]:
+        if self.is_word(";"):
+            raise Stop(self.here, "a statement")
+        found = super().statements(*ends)
+        if not found:
+            raise Stop(self.here, "a statement")
+        return found

@@ -1,20 +1,15 @@
 """Rules for the rows of a step table."""
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import error
 
-_E = Severity.ERROR
+# fmt: off
 
-ROW = Rule(
-    "steps-row",
-    _E,
+
+ROW = error("steps-row",
     "found {found}; expected {expected}",
-    "The micro-controller would stop there, or read something else.",
-)
-HEAD = Rule(
-    "steps-head",
-    _E,
+    "The micro-controller would stop there, or read something else.")
+HEAD = error("steps-head",
     "found {found} in the head of the table; expected {expected}",
-    "The table is for motors or lead screws that this machine does not have.",
-)
+    "The table is for motors or lead screws that this machine does not have.")
 
 RULES = (ROW, HEAD)

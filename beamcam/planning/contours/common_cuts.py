@@ -14,9 +14,9 @@ from msgspec.structs import replace
 from beamcam.geometry.arrays import CurveTable
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours.direction import from_longest
+from beamcam.planning.contours.outline import Shape
 from beamcam.planning.contours.outline import ways as outlines
 from beamcam.planning.contours.repeats import overlapping
-from beamcam.planning.contours.shape import Shape
 
 
 def begun_off_common(

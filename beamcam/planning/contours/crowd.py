@@ -1,18 +1,21 @@
 """Curves that run over one place again and again, refused before anything is compared with all."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.arrays import CurveTable
-from beamcam.geometry.curves import Arc, Line
-from beamcam.geometry.near import first_equal
+from beamcam.geometry.curves import Arc, Curve, Line, signed_area
+from beamcam.geometry.near import first_equal, near_pairs
+from beamcam.geometry.plane import distance
+from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.outline import Drawn
-from beamcam.planning.contours.shape import Shape
+from beamcam.planning.contours.outline import Drawn, Shape, outlines
 
 #: Times that a contour may be passed on an average. Hatching of 0.02 mm passes a place of 0.1 mm
 #: five times; work that takes every pair of curves on one place grows with the square of it.
@@ -101,3 +104,101 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
     (x0, y0), (x1, y1) = cells(low), cells(high) + 1
     inside = sums[x1 * side + y1] - sums[x0 * side + y1] - sums[x1 * side + y0]
     return np.flatnonzero(inside + sums[x0 * side + y0])
+
+
+# --- pinch ----------------------------------------------------------------------------------------
+
+# Contours that pass a place again, taken apart where waste hangs together by that point only.
+#
+#  _________
+# |   ___   |   The window touches the edge of the plate at o, and both are drawn as one contour:
+# |  |   |  |   two regions of waste, each cut by itself. Where it is the part that hangs together
+# |  |   |  |   by a point, the contour stays whole, as nobody says that it is two parts.
+# |__o___|__|
+
+
+#: A place that is passed again, in mm: what is nearer is written alike.
+SAME_PLACE = 1e-4
+FINE = 1e-3  #: mm that chords may be off
+#: Ends that need no joining.
+SAME_POINT = 1e-9
+
+
+def taken_apart(
+    shapes: Sequence[Shape], which: Sequence[int], tolerance: float
+) -> tuple[list[Shape], list[Shape]]:
+    """The shapes, some of them as the contours of the waste that hangs together there by points.
+
+    And those among these that are followed there and back: they go round nothing that is wider
+    than half the machine's tolerance.
+    """
+    found: list[Shape] = []
+    flat: list[Shape] = []
+    asked = set(which)
+    for k, shape in enumerate(shapes):
+        rings = list(_rings(shape, tolerance)) if k in asked else [shape.curves]
+        pieces = [replace(shape, curves=ring) for ring in rings] if len(rings) > 1 else [shape]
+        flat += (one for one in pieces if len(rings) > 1 and _is_flat(one.curves, tolerance))
+        found += pieces
+    return found, flat
+
+
+def _rings(shape: Shape, tolerance: float) -> Iterator[tuple[Curve, ...]]:
+    """The contours that one falls into."""
+    places = _places(shape.curves)
+    again = {place for place, count in Counter(places).items() if count > 1}
+    if not again:
+        yield shape.curves
+        return
+    begin = next(k for k, place in enumerate(places) if place in again)
+    order = [*range(begin, len(places)), *range(begin)]
+    around = [shape.curves[k] for k in order]
+    passed = [places[k] for k in order]
+    kept: list[int] = []
+    for k, place in enumerate((*passed, passed[0])):
+        while place in again:
+            # Where the contour ends, what begins there is all that is left of it.
+            first = 0 if k < len(around) else 1
+            at = max((n for n in range(first, len(kept)) if passed[kept[n]] == place), default=None)
+            if at is None:
+                break
+            loop = _closed([around[n] for n in kept[at:]])
+            rest = [around[n] for n in (*kept[:at], *range(k, len(around)))]
+            if not _is_waste(loop, rest, shape.is_hole, tolerance):
+                break
+            yield loop
+            del kept[at:]
+        if k < len(around):
+            kept.append(k)
+    yield _closed([around[n] for n in kept])
+
+
+def _places(curves: Sequence[Curve]) -> list[int]:
+    """For each curve the first one that begins where it does."""
+    found = list(range(len(curves)))
+    pairs = near_pairs(np.array([curve.start for curve in curves]), SAME_PLACE)
+    for a, b in sorted(zip(*(some.tolist() for some in pairs), strict=True)):
+        found[max(a, b)] = found[min(a, b)]
+    return found
+
+
+def _closed(ring: Sequence[Curve]) -> tuple[Curve, ...]:
+    """A chain whose ends are written alike, closed."""
+    a, b = ring[-1].end, ring[0].start
+    return tuple(ring) if distance(a, b) <= SAME_POINT else (*ring, Line(a, b))
+
+
+def _is_waste(
+    loop: tuple[Curve, ...], rest: Sequence[Curve], is_hole: bool, tolerance: float
+) -> bool:
+    """Whether part of a contour goes round waste by itself, or round nothing."""
+    import shapely
+
+    if _is_flat(loop, tolerance):
+        return True
+    inner, around = shapely.make_valid(outlines([loop, rest], FINE))
+    return bool(shapely.point_on_surface(inner).within(around)) != is_hole
+
+
+def _is_flat(loop: tuple[Curve, ...], tolerance: float) -> bool:
+    return abs(signed_area(loop)) <= tolerance / 4 * total_length(loop)

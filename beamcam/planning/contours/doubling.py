@@ -15,8 +15,7 @@ from beamcam.geometry.polylines import polylines
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.outline import Drawn
-from beamcam.planning.contours.shape import Shape
+from beamcam.planning.contours.outline import Drawn, Shape
 
 #: Chords stand for the curves so near to them, in mm, and what lies nearer lies on one another.
 FINE = 1e-3

@@ -22,9 +22,9 @@ from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.direction import Curves, stretch
 from beamcam.planning.contours.lead_in import waste_side
+from beamcam.planning.contours.outline import Shape
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.overcut import overcut_length
-from beamcam.planning.contours.shape import Shape
 
 #: The shares of the machine's length of a lead that are tried, longest first.
 SHARES = (1.0, 0.8, 0.6, 0.45, 0.35, 0.25)

@@ -19,8 +19,8 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rounds, rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.doubling import told, without_steps_back
+from beamcam.planning.contours.outline import Shape, entity
 from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
-from beamcam.planning.contours.shape import Shape, entity
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9

@@ -9,7 +9,7 @@ from beamcam.machine.torch import LookSettings, Torch
 from beamcam.model.plan import HATCH
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.shape import Shape
+from beamcam.planning.contours.outline import Shape
 
 PLAIN = LookSettings()
 

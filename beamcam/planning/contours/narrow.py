@@ -19,8 +19,7 @@ from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.outline import outlines, ways
-from beamcam.planning.contours.shape import Shape, entity
+from beamcam.planning.contours.outline import Shape, entity, outlines, ways
 
 if TYPE_CHECKING:
     from beamcam.geometry.array_types import Floats

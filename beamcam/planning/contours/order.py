@@ -4,14 +4,301 @@ First the nearest contour each time (`nearest`), then stretches of the tour turn
 shortens the way (`two_opt`).
 """
 
-from collections.abc import Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Sequence
+from math import floor, inf
 
 import numpy as np
 
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.plane import Point
-from beamcam.planning.contours.nearest import nearest_first
-from beamcam.planning.contours.shape import Shape
-from beamcam.planning.contours.two_opt import turn_stretches
+from beamcam.planning.contours.outline import Shape
+
+# --- two opt --------------------------------------------------------------------------------------
+
+# Stretches of a tour turned round where that shortens the way.
+#
+#     a   c   d   b              a   d   c   b
+#     o---o   o---o      ->      o---o   o---o      if |ad| + |cb| < |ac| + |db|
+#
+# A stretch may be turned if no contour in it lies inside another one of it, since those two would
+# change places. The ways inside a stretch keep their lengths: open contours are turned with it.
+#
+# From each place of the tour, in their order, the best stretch is taken; then again from the first
+# place on. What a place looks at is the `WINDOW` places behind it, so that a place is asked again
+# only after something there was turned.
+
+
+Lengths = Callable[[Floats, Floats], Floats]  #: of vectors by their x and y
+
+WINDOW = 60  #: longest stretch that is turned round
+PASSES = 6  #: over the whole tour; the third rarely gains one per cent
+MIN_GAIN = 1e-9
+MOST_AT_ONCE = 256  #: places evaluated together
+AFTER_A_TURN = 24  #: and at first after a turn, as another one is seldom far
+
+
+def turn_stretches(
+    tour: list[tuple[int, bool]], starts: Floats, ends: Floats, parents: Counts, here: Point
+) -> list[tuple[int, bool]]:
+    """The tour, begun at `here`, with stretches turned round while that shortens it."""
+    if len(tour) < 3:
+        return tour
+    ways = _Ways(tour, starts, ends, parents, here)
+    for _ in range(PASSES):
+        if not ways.one_pass():
+            break
+    return ways.tour()
+
+
+class _Ways:
+    """A tour as arrays, in the order of its places."""
+
+    def __init__(
+        self,
+        tour: list[tuple[int, bool]],
+        starts: Floats,
+        ends: Floats,
+        parents: Counts,
+        here: Point,
+    ) -> None:
+        self._count = len(tour)
+        self._nodes = np.array([index for index, _ in tour])
+        self._turned = np.array([turned for _, turned in tour])
+        begin, end = starts[self._nodes].T, ends[self._nodes].T
+        #: Where each place is entered, x and y; column `count` stands for nothing.
+        self._enter = np.zeros((2, self._count + 1))
+        self._enter[:, :-1] = np.where(self._turned, end, begin)
+        #: Column k + 1 is where place k is left; column 0 is where the head comes from.
+        self._leave = np.empty((2, self._count + 1))
+        self._leave[:, 0] = here
+        self._leave[:, 1:] = np.where(self._turned, begin, end)
+        #: The length of the way to each place; none to what comes behind the last one.
+        self._ways = np.zeros(self._count + 1)
+        self._measure(slice(0, self._count))
+        self._parents = parents
+        self._nested = bool((parents[self._nodes] >= 0).any())
+        self._inner = self._last_inner()
+        self._asks = np.ones(self._count, dtype=bool)
+
+    def tour(self) -> list[tuple[int, bool]]:
+        """The contours in their order, and which of them are turned."""
+        return list(zip(self._nodes.tolist(), self._turned.tolist(), strict=True))
+
+    def one_pass(self) -> bool:
+        """Turns the best stretch from each place, in their order; whether any was turned."""
+        improved = False
+        at, together = 0, 1
+        while True:
+            places = at + np.flatnonzero(self._asks[at : self._count - 1])[:together]
+            if not len(places):
+                return improved
+            found = self._first_to_turn(places)
+            if found is None:
+                self._asks[places] = False
+                at, together = int(places[-1]) + 1, min(2 * together, MOST_AT_ONCE)
+                continue
+            first, last = found
+            self._asks[places[places < first]] = False
+            self._turn(first, last)
+            improved = True
+            at, together = first + 1, AFTER_A_TURN
+
+    def _first_to_turn(self, places: Counts) -> tuple[int, int] | None:
+        """The first of `places` from which a stretch is worth turning, and the best one's last.
+
+        Quick lengths show that most are not, and as a rule which stretch gains most; where gains
+        are too near one another for that, exact lengths decide.
+        """
+        quick = self._gains(places, _quick_lengths)
+        for k in np.flatnonzero(quick.max(axis=1) > MIN_GAIN / 2).tolist():
+            place, gains = int(places[k]), quick[k]
+            near_best = np.flatnonzero(gains > gains.max() - MIN_GAIN / 2)
+            if len(near_best) > 1 or gains.max() < 2 * MIN_GAIN:
+                gains = self._gains(places[k : k + 1], np.hypot)[0]
+            best = int(gains.argmax())
+            if gains[best] > MIN_GAIN:
+                return place, place + 1 + best
+        return None
+
+    def _gains(self, places: Counts, lengths: Lengths) -> Floats:
+        """What is gained by turning the stretches from each of `places` to the one behind it, to
+        the second one behind it and so on, (n, WINDOW - 1); -inf for what cannot be turned."""
+        count = self._count
+        last = places[:, None] + np.arange(1, WINDOW)
+        behind = np.minimum(last + 1, count)
+        from_x, from_y = (v[:, None] for v in self._leave[:, places])
+        into_x, into_y = (v[:, None] for v in self._enter[:, places])
+        out_x, out_y = self._leave.take(behind, axis=1)
+        next_x, next_y = self._enter.take(behind, axis=1)
+        gains = self._ways[places][:, None] - lengths(out_x - from_x, out_y - from_y)
+        gains += self._ways[behind]
+        to_next = lengths(next_x - into_x, next_y - into_y)
+        if places[-1] + WINDOW >= count:
+            to_next[behind == count] = 0.0  # nothing comes behind the last one
+            gains[last >= count] = -np.inf
+        gains -= to_next
+        if self._nested:
+            # The stretch ends before a contour that lies round one of its others.
+            clash = self._inner[behind - 1] >= places[:, None]
+            gains[np.logical_or.accumulate(clash, axis=1)] = -np.inf
+        return gains
+
+    def _turn(self, i: int, j: int) -> None:
+        """Turns the stretch from place `i` to `j`."""
+        stretch, left = slice(i, j + 1), slice(i + 1, j + 2)
+        self._nodes[stretch] = self._nodes[stretch][::-1].copy()
+        self._turned[stretch] = ~self._turned[stretch][::-1]
+        enter, leave = self._leave[:, left][:, ::-1].copy(), self._enter[:, stretch][:, ::-1].copy()
+        self._enter[:, stretch], self._leave[:, left] = enter, leave
+        self._measure(slice(i, min(j + 2, self._count)))
+        self._asks[max(0, i - WINDOW - 1) : j + 2] = True
+        if self._nested:
+            self._inner = self._last_inner()
+
+    def _measure(self, places: slice) -> None:
+        """Measures the ways to some places."""
+        self._ways[places] = np.hypot(*(self._enter[:, places] - self._leave[:, places]))
+
+    def _last_inner(self) -> Counts:
+        """The last place of a contour right inside the one at each place; -1 for none."""
+        places = np.full(len(self._parents), -1)
+        around = self._parents[self._nodes]
+        has = around >= 0
+        np.maximum.at(places, around[has], np.flatnonzero(has))
+        found: Counts = places[self._nodes]
+        return found
+
+
+def _quick_lengths(x: Floats, y: Floats) -> Floats:
+    """As `np.hypot` but for the last digit, in a third of the time."""
+    return np.sqrt(x * x + y * y)
+
+
+# --- nearest --------------------------------------------------------------------------------------
+
+# The greedy tour: the contour nearest to the head whose inner contours are done.
+#
+# The ends of the contours that may be done next lie in square cells. They are looked for in rings
+# of cells about the head; where the next ones lie far off, all that are left are measured at once.
+
+
+#: Ends in a cell, on the average; and rings of cells that are looked into before all are.
+ENDS_A_CELL = 2
+FARTHEST_RING = 4
+
+#: An end as it is chosen by: square of the distance, 1 for the end of a contour and 0 for its
+#: start, and when the contour came free. So equal distances are decided the same way each time.
+Choice = tuple[float, int, int]
+NOTHING: Choice = (inf, 2, 0)
+
+Cell = tuple[int, int]  #: column and row
+
+
+def _ring(ring: int) -> list[Cell]:
+    """Offsets of the cells in the square ring `ring` cells away."""
+    span = range(-ring, ring + 1)
+    return [(i, k) for i in span for k in span if max(abs(i), abs(k)) == ring]
+
+
+_RINGS = [_ring(ring) for ring in range(FARTHEST_RING + 1)]
+
+
+def nearest_first(
+    stage: Sequence[int],
+    starts: Sequence[Point],
+    ends: Sequence[Point],
+    parents: Sequence[int],
+    here: Point,
+) -> list[tuple[int, bool]]:
+    """The contours of `stage` in greedy order, and whether each is begun at its end.
+
+    A contour waits until all those are done whose parent it is.
+    """
+    waiting = Counter(parents[k] for k in stage)
+    members = [k for k in stage if not waiting[k]]
+    free = _Free([(starts[k], ends[k]) for k in stage])
+    for k in members:
+        free.add(starts[k], ends[k])
+    tour: list[tuple[int, bool]] = []
+    while free.count:
+        _, side, number = free.nearest(here)
+        free.remove(number)
+        index, turned = members[number], bool(side)
+        tour.append((index, turned))
+        here = starts[index] if turned else ends[index]
+        parent = parents[index]
+        if parent >= 0:
+            waiting[parent] -= 1
+            if not waiting[parent]:
+                members.append(parent)
+                free.add(starts[parent], ends[parent])
+    return tour
+
+
+class _Free:
+    """The contours that may be done next, by the number in which they came free."""
+
+    def __init__(self, places: Sequence[tuple[Point, Point]]) -> None:
+        """`places` are those of all contours that will ever be free."""
+        xy = np.array(places, dtype=np.float64).reshape(-1, 2)
+        span = np.ptp(xy, axis=0) if len(xy) else np.zeros(2)
+        area = max(float(span[0] * span[1]), float(span.max()) ** 2 / max(len(xy), 1))
+        self._cell = (area * ENDS_A_CELL / max(len(xy), 1)) ** 0.5 or 1.0
+        self._cells: defaultdict[Cell, list[tuple[float, float, int, int]]] = defaultdict(list)
+        self._where: list[set[Cell]] = []  #: the cells that the ends of each lie in
+        #: Both ends of each; at infinity once it is done.
+        self._ends = np.full((len(places), 4), inf)
+        self.count = 0
+
+    def add(self, start: Point, end: Point) -> None:
+        """One more contour; its number is how many there were before."""
+        number = len(self._where)
+        self._ends[number] = (*start, *end)
+        self._where.append({self._cell_of(start), self._cell_of(end)})
+        for side, point in enumerate((start, end) if start != end else (start,)):
+            self._cells[self._cell_of(point)].append((*point, side, number))
+        self.count += 1
+
+    def remove(self, number: int) -> None:
+        """The contour is done."""
+        for cell in self._where[number]:
+            self._cells[cell] = [entry for entry in self._cells[cell] if entry[3] != number]
+        self._ends[number] = inf
+        self.count -= 1
+
+    def _cell_of(self, point: Point) -> Cell:
+        return floor(point[0] / self._cell), floor(point[1] / self._cell)
+
+    def nearest(self, here: Point) -> Choice:
+        """The nearest end."""
+        column, row = self._cell_of(here)
+        x, y = here
+        best = NOTHING
+        # How far the head is from the next cells.
+        clear = min(
+            x - column * self._cell, (column + 1) * self._cell - x,
+            y - row * self._cell, (row + 1) * self._cell - y,
+        )  # fmt: skip
+        for ring, steps in enumerate(_RINGS):
+            for i, k in steps:
+                for px, py, side, number in self._cells.get((column + i, row + k), ()):
+                    dx, dy = px - x, py - y
+                    choice = (dx * dx + dy * dy, side, number)
+                    if choice < best:
+                        best = choice
+            # So far to every side there is nothing that was not looked at.
+            if best[0] < ((ring * self._cell + clear) * (1 - 1e-9)) ** 2:
+                return best
+        return self._nearest_of_all(here)
+
+    def _nearest_of_all(self, here: Point) -> Choice:
+        away = self._ends[: len(self._where)] - (*here, *here)
+        squares = away * away
+        to_start, to_end = squares[:, 0] + squares[:, 1], squares[:, 2] + squares[:, 3]
+        first, last = int(np.argmin(to_start)), int(np.argmin(to_end))
+        return min((float(to_start[first]), 0, first), (float(to_end[last]), 1, last))
+
 
 Tour = list[tuple[int, bool]]
 

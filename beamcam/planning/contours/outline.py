@@ -1,16 +1,23 @@
 """Contours as polygons and polylines, for questions that need no exact curve."""
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
+from math import acos, degrees, dist
 from typing import TYPE_CHECKING, Any
 
-from beamcam.geometry.curves import Curve
+from msgspec import Struct
+
+from beamcam.errors import Source
+from beamcam.geometry.curves import Arc, Curve
+from beamcam.geometry.plane import dot
+from beamcam.machine.torch import CORNER_DEG, Torch, TorchProcess
+from beamcam.planning.contours.direction import Curves, place_at, stretch
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from beamcam.geometry.array_types import Floats
-
 
 #: Points of chains, and the chain of each.
 Drawn = tuple["Floats", "NDArray[np.int64]"]
@@ -94,3 +101,174 @@ def points_of(chains: Sequence[Sequence[Curve]], tolerance: float) -> Drawn:
     drawn = polylines([curve for chain in chains for curve in chain], tolerance)
     chain_of = np.repeat(np.arange(len(chains)), [len(chain) for chain in chains])
     return drawn.points, np.repeat(chain_of, np.diff(drawn.begins))
+
+
+# --- shape ----------------------------------------------------------------------------------------
+
+# A contour that one process follows.
+
+
+class Shape(Struct, frozen=True, gc=False):
+    """A contour that one process follows, and where it lies among the cut ones.
+
+    The part is the set of points that an odd number of closed cut contours enclose, contours
+    that are drawn twice counted once. So a contour of even depth is an outline, whose waste lies
+    outside of it, and one of odd depth a hole, whose waste lies inside.
+    """
+
+    process: TorchProcess
+    curves: tuple[Curve, ...]
+    closed: bool
+    features: tuple[int, ...]  #: ascending; `assign_process.OUTLINE` may be among them
+    source: Source
+    depth: int = 0  #: nesting depth: number of cut contours around it
+    parent: int = -1  #: the innermost of them, by its index; -1 for none
+    look: str = ""  #: key of the settings that it is worked with
+    level: int = 0  #: of common cuts: after those of lower levels, on which it begins and ends
+    is_begun: bool = False  #: whether it has to begin where it does
+    is_small: bool = False  #: a small hole, by the row that it is cut with
+    area: float = 0.0  #: inside of a closed cut, mm2, above 0 if it runs counter-clockwise
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether it has an inside, as an offset needs one."""
+        return self.closed and self.area != 0.0
+
+    @property
+    def is_hole(self) -> bool:
+        return self.depth % 2 == 1
+
+
+def entity(source: Source) -> str:
+    """Name of another entity of the same file in messages: its handle, line or element."""
+    if source.where is not None:
+        return source.where
+    return f"line {source.line}" if source.line is not None else source.file
+
+
+# --- tabs -----------------------------------------------------------------------------------------
+
+# Bridges that hold a part in its sheet: stretches of a closed contour that are not cut.
+#
+# What holds is the steel between both ends of the cut, so their distance counts: over a corner, and
+# round a bend, more of the contour is left than the bridge is wide.
+#
+# start                                        e: the even place of a bridge
+#   |----x---------------x---------------x---- x: its middle, moved off a corner by a quarter of
+#        e             corner e                   the distance of two bridges at most
+
+
+ROUNDING = 1e-9
+#: Of the contour a bridge takes at most so much, by its width; a tooth is not left whole.
+MOST_ALONG = 1.75
+NEARLY = 1e-6  #: mm, that a bridge may be narrower
+STEP = 0.125  #: by a bridge's width, from one place to the next that is tried for it
+#: The corner of a mitre lies so far beyond that of the contour at most, by the kerf.
+MITRE = 1.25
+
+
+def wants_tabs(shape: Shape, torch: Torch) -> bool:
+    """Whether a contour is asked to have bridges."""
+    is_meant = torch.inner_tabs or not shape.is_hole
+    return bool(torch.tabs) and shape.process == "cut" and shape.is_ring and is_meant
+
+
+def stretches_of(shape: Shape, kerf: float, torch: Torch) -> tuple[Curves, ...]:
+    """The stretches of a contour between its bridges, one if it has none."""
+    if not wants_tabs(shape, torch):
+        return (shape.curves,)
+    clear = torch.min_tab_to_corner and torch.min_tab_to_corner + MITRE * kerf
+    return bridged(shape.curves, torch.tabs, torch.tab_width + kerf, clear, kerf)
+
+
+def bridged(
+    curves: Curves, tabs: int, width: float, clear: float = 0.0, kerf: float = 0.0
+) -> tuple[Curves, ...]:
+    """The stretches of a closed contour between `tabs` bridges, whose ends are `width` mm apart.
+
+    The bridges lie at equal distances, the first half of that from the start; one that is nearer
+    to a corner than `clear`, or that would take more of the contour than `MOST_ALONG` allows, is
+    moved to the nearest place that does not, if there is one within a quarter of these distances.
+    A contour that has not four times as much length as its bridges gets fewer of them, or none.
+    """
+    lengths = [c.length for c in curves]
+    total = sum(lengths)
+    while tabs and total < 4 * tabs * width:
+        tabs -= 1
+    if not tabs:
+        return (curves,)
+    corners = _corners(curves, lengths, kerf) if clear else []
+    cuts: list[tuple[float, float]] = []
+    begin = 0.0
+    for k in range(tabs):
+        even, most = total * (k + 0.5) / tabs, total / (4 * tabs)
+        middle = _clear_place(even, corners, width / 2 + clear, most) if clear else even
+        low, high = _bridge(curves, lengths, middle, width, even - most, even + most)
+        cuts.append((begin, low))
+        begin = high
+    cuts.append((begin, total))
+    return tuple(stretch(curves, lengths, a, b) for a, b in cuts)
+
+
+def _bridge(
+    curves: Curves, lengths: Sequence[float], middle: float, width: float, least: float, most: float
+) -> tuple[float, float]:
+    """Where the bridge nearest to `middle` begins and ends along a contour, between two limits.
+
+    As long as it is wide at `middle` where there is no place for it.
+    """
+    step = STEP * width
+    places = [middle]
+    for k in range(1, int((most - least) / step) + 1):
+        places += [p for p in (middle - k * step, middle + k * step) if least <= p <= most]
+    for place in places:
+        half = _half(curves, lengths, place, width)
+        if half is not None:
+            return place - half, place + half
+    return middle - width / 2, middle + width / 2
+
+
+def _half(curves: Curves, lengths: Sequence[float], middle: float, width: float) -> float | None:
+    """How far along a contour the ends of a bridge lie from its middle; None if too far."""
+    half = width / 2
+    while 2 * half <= MOST_ALONG * width:
+        a, b = (place_at(curves, lengths, middle + side * half) for side in (-1.0, 1.0))
+        missing = width - dist(a, b)
+        if missing <= NEARLY:
+            return half
+        half += missing / 2  # both ends move apart by that at most
+    return None
+
+
+def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[float]:
+    """Where a closed contour turns at once, along it; what lies at its start counts at its end too.
+
+    In a contour that is moved, what was a corner may be an arc of half the kerf, whose ends count.
+    """
+    found: list[float] = []
+    place = 0.0
+    for k, curve in enumerate(curves):
+        turn = max(-1.0, min(1.0, dot(curves[k - 1].tangent(1.0), curve.tangent(0.0))))
+        if degrees(acos(turn)) > CORNER_DEG:
+            found += [place] if k else [0.0, sum(lengths)]
+        if isinstance(curve, Arc) and curve.radius < kerf and abs(curve.sweep_deg) > CORNER_DEG:
+            found += [place, place + lengths[k]]
+        place += lengths[k]
+    return sorted(found)
+
+
+def _clear_place(even: float, corners: Sequence[float], reach: float, most: float) -> float:
+    """The place nearest to `even`, at most so far from it, with no corner within `reach`.
+
+    `even` itself where there is none.
+    """
+    near = corners[
+        bisect_left(corners, even - most - reach) : bisect_right(corners, even + most + reach)
+    ]
+    places = [even, *(corner + side * reach for corner in near for side in (-1.0, 1.0))]
+    for place in sorted(places, key=lambda p: abs(p - even)):
+        if abs(place - even) > most:
+            break
+        if all(abs(place - corner) >= reach - ROUNDING for corner in near):
+            return place
+    return even

@@ -3,8 +3,7 @@
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours.direction import Curves, stretch
 from beamcam.planning.contours.look_settings import PLAIN
-from beamcam.planning.contours.shape import Shape
-from beamcam.planning.contours.tabs import stretches_of
+from beamcam.planning.contours.outline import Shape, stretches_of
 
 ROUNDING = 1e-6
 

@@ -13,7 +13,7 @@ from beamcam.model.moved import moved_curve
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.shape import Shape
+from beamcam.planning.contours.outline import Shape
 
 
 def box_of(curves: CurveTable) -> Box:

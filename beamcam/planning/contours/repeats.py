@@ -18,7 +18,7 @@ from beamcam.geometry.near import near_pairs
 from beamcam.model.lengths import total_length
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
-from beamcam.planning.contours.shape import Shape, entity
+from beamcam.planning.contours.outline import Shape, entity
 
 if TYPE_CHECKING:
     import numpy as np

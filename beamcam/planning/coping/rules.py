@@ -1,82 +1,57 @@
 """Rules for what a torch that goes round a profile cannot make."""
 
-from beamcam.errors import rule_makers
+from beamcam.errors import error, note
 
-_error, _warning, _note = rule_makers("plan-coping")
+# fmt: off
 
-ALONE = _error(
-    "alone",
+
+ALONE = error("plan-coping-alone",
     "found {found} parts for one program; expected one, {machine} copes a bar for each part",
-    "Post them one by one, with `batch` or with --quantity file.",
-)
-END = _error(
-    "end",
+    "Post them one by one, with `batch` or with --quantity file.")
+END = error("plan-coping-end",
     "found a {kind} cut of {found} degrees at the {end}; expected none, the torch does not tilt",
     "An end that is skew to a wall leaves a bevel on it, which a torch square to the wall cannot "
-    "cut. A saw that tilts makes it.",
-)
-BEVEL = _error(
-    "bevel",
+    "cut. A saw that tilts makes it.")
+BEVEL = error("plan-coping-bevel",
     "found a bevel of {found} degrees on face {face}; expected none, the torch does not tilt",
     "A weld preparation needs a torch that tilts in the plane of the cut. `coper.min_bevel` says "
-    "from which angle on a bevel is meant.",
-)
-ROOT = _error(
-    "root",
+    "from which angle on a bevel is meant.")
+ROOT = error("plan-coping-root",
     "found {what} at x {x} on face {face}; expected {expected}",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
     "The rest of a cut is made from outside of the flange, which takes web and flange at one x. "
-    "What would be cut otherwise there has to be made by hand.",
-)
-K_AREA = _error(
-    "k-area",
+    "What would be cut otherwise there has to be made by hand.")
+K_AREA = error("plan-coping-k-area",
     'found a cut through the root at x {x} on face {face}; expected none, coper.k_area is "refuse"',
     'With k_area = "pass" in the machine file the root is cut from outside of the flange, by a row '
-    "of the cut chart that is deep enough.",
-)
-NARROW = _error(
-    "narrow",
+    "of the cut chart that is deep enough.")
+NARROW = error("plan-coping-narrow",
     "found {what} at x {x}, y {y} on face {face}; expected {expected}",
-    "The torch needs room in the scrap to pierce and to turn.",
-)
-OFF = _error(
-    "off",
+    "The torch needs room in the scrap to pierce and to turn.")
+OFF = error("plan-coping-off",
     "found {what}, where nothing is left of the part; expected it in steel that stays",
-    "A hole in scrap is a mistake in the drawing.",
-)
-DEEP = _error(
-    "deep",
+    "A hole in scrap is a mistake in the drawing.")
+DEEP = error("plan-coping-deep",
     "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
-    "The torch is slim only from its tip to its holder (`coper.torch_length`).",
-)
-THICK = _error(
-    "thick",
+    "The torch is slim only from its tip to its holder (`coper.torch_length`).")
+THICK = error("plan-coping-thick",
     "found {found} mm of {material} to cut on face {face}; expected at most {expected} mm",
     "No row of the cut chart (`coper.rows`) is that deep. Through a root the flange, the root and "
-    "`coper.root_over` count together.",
-)
-ROUNDED = _note(
-    "rounded",
+    "`coper.root_over` count together.")
+ROUNDED = note("plan-coping-rounded",
     "found {count} sharp re-entrant corner(s) on face {face}, cut with a radius of {radius} mm",
     "A notch that ends in a sharp corner cracks there. `coper.corner_radius` says how round it is "
-    "cut; the steel in the corner stays.",
-)
-BAR = _note(
-    "bar",
+    "cut; the steel in the corner stays.")
+BAR = note("plan-coping-bar",
     "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
-    "Leads and pierces of both ends lie in the scrap before and behind the part.",
-)
-PIPE = _note(
-    "pipe",
+    "Leads and pierces of both ends lie in the scrap before and behind the part.")
+PIPE = note("plan-coping-pipe",
     "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
     "diameter, and is cut as that pipe",
     "Some exporters write a pipe as a plate as wide as its circumference. On a machine for sheets "
-    "--unrolled cuts it flat.",
-)
-NO_PIPE = _error(
-    "no-pipe",
+    "--unrolled cuts it flat.")
+NO_PIPE = error("plan-coping-no-pipe",
     "found a plate {found} {height} mm wide; expected {expected} mm, the circumference of a pipe "
     "{diameter} mm in diameter",
-    "Name and width of an unrolled pipe contradict each other, and only one can be right.",
-)
+    "Name and width of an unrolled pipe contradict each other, and only one can be right.")
 RULES = (PIPE, NO_PIPE, ALONE, END, BEVEL, ROOT, K_AREA, NARROW, OFF, DEEP, THICK, ROUNDED, BAR)

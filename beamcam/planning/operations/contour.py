@@ -2,28 +2,22 @@
 
 from collections.abc import Iterator, Sequence
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, error
 from beamcam.model.part import Contour, Face
 from beamcam.planning.operations.ends import Ends, leaves_stock
 from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.working_step import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
-_E = Severity.ERROR
-
-COPE = Rule(
-    "plan-cope",
-    _E,
-    "found a contour on face {face} that leaves the straight stock at x {x}, y {y}; "
-    "expected straight edges and saw cuts",
-    "A saw cannot make a cope or a notch. `--allow-skips cope` leaves it to another machine.",
-)
-CUTOUT = Rule(
-    "plan-cutout",
-    _E,
+COPE = error("plan-cope",
+    "found a contour on face {face} that leaves the straight stock at x {x}, y {y}; expected "
+    "straight edges and saw cuts",
+    "A saw cannot make a cope or a notch. `--allow-skips cope` leaves it to another "
+    "machine.")  # fmt: skip
+CUTOUT = error("plan-cutout",
     "found a cut-out of {found} mm on face {face}; expected none, the machine has no torch",
-    "A drill cannot make a cut-out. `--allow-skips cutout` leaves it to another machine.",
-)
+    "A drill cannot make a cut-out. `--allow-skips cutout` leaves it to another "
+    "machine.")  # fmt: skip
 RULES = (COPE, CUTOUT)
 BEVEL_TOLERANCE_DEG = 0.2  #: between a bevel and the end cut that leaves it
 

@@ -20,7 +20,7 @@ from operator import attrgetter
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, Rule, error, warning
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Drill
@@ -30,57 +30,37 @@ from beamcam.model.section import Wall, free_edges, walls_beside
 from beamcam.planning.axis_limits import fixed_faces
 from beamcam.planning.operations.ends import Ends, wall_end
 
-_E, _W = Severity.ERROR, Severity.WARNING
-
-OFF_PART = Rule(
-    "plan-off-part",
-    _E,
-    "found {what} at x {x}, y {y} on face {face} that reaches {out} mm beyond {where}; "
-    "expected it wholly within the finished part",
+OFF_PART = error("plan-off-part",
+    "found {what} at x {x}, y {y} on face {face} that reaches {out} mm beyond {where}; expected it "
+    "wholly within the finished part",
     "A hole that an end cut or an edge cuts open is a mistake in the drawing, and the drill would "
-    "run off. A hole in the wedge that a mitre cuts off is wasted.",
-)
-NEAR_EDGE = Rule(
-    "plan-near-edge",
-    _W,
-    "found {what} at x {x}, y {y} on face {face}, {apart} mm from {where}; "
-    "expected at least {expected} mm",
-    "So little steel bends or breaks out beside the drill (`drill.min_edge_distance`).",
-)
-WALL = Rule(
-    "plan-wall",
-    _E,
-    "found {what} at x {x}, y {y} on face {face}; "
-    "expected it clear of the wall from y {least} to {greatest}",
-    "Another wall of the section stands there, and the drill would run into it.",
-)
-FILLET = Rule(
-    "plan-fillet",
-    _E,
+    "run off. A hole in the wedge that a mitre cuts off is wasted.")  # fmt: skip
+NEAR_EDGE = warning("plan-near-edge",
+    "found {what} at x {x}, y {y} on face {face}, {apart} mm from {where}; expected at least "
+    "{expected} mm",
+    "So little steel bends or breaks out beside the drill "
+    "(`drill.min_edge_distance`).")  # fmt: skip
+WALL = error("plan-wall",
+    "found {what} at x {x}, y {y} on face {face}; expected it clear of the wall from y {least} to "
+    "{greatest}",
+    "Another wall of the section stands there, and the drill would run into it.")  # fmt: skip
+FILLET = error("plan-fillet",
     "found {what} at x {x}, y {y} on face {face} where the root fillet is {found} mm high; "
     "expected at most {expected} mm, {because}",
-    "The fillet makes the wall thicker than the stroke is deep, or is in the drill's way.",
-)
-NEAR_FILLET = Rule(
-    "plan-near-fillet",
-    _W,
+    "The fillet makes the wall thicker than the stroke is deep, or is in the drill's "
+    "way.")  # fmt: skip
+NEAR_FILLET = warning("plan-near-fillet",
     "found {what} at x {x}, y {y} on face {face}, {found}; expected at least {expected} mm from it",
-    "A drill that meets the root fillet runs to one side (`drill.min_fillet_distance`).",
-)
-BLIND_DEPTH = Rule(
-    "plan-blind-depth",
-    _E,
-    "found {what} of depth {found} at x {x}, y {y} on face {face}; "
-    "expected at most {expected} mm, the thickness of the wall",
-    "A blind hole ends in its wall. A depth of 0 is through.",
-)
-SHALLOW = Rule(
-    "plan-blind-shallow",
-    _E,
-    "found {what} of depth {found} at x {x}, y {y} on face {face}; "
-    "expected at least {expected} mm, which programs of the machine can say",
-    "Nothing is left of such a depth in a program. A depth of 0 is through.",
-)
+    "A drill that meets the root fillet runs to one side "
+    "(`drill.min_fillet_distance`).")  # fmt: skip
+BLIND_DEPTH = error("plan-blind-depth",
+    "found {what} of depth {found} at x {x}, y {y} on face {face}; expected at most {expected} mm, "
+    "the thickness of the wall",
+    "A blind hole ends in its wall. A depth of 0 is through.")  # fmt: skip
+SHALLOW = error("plan-blind-shallow",
+    "found {what} of depth {found} at x {x}, y {y} on face {face}; expected at least {expected} "
+    "mm, which programs of the machine can say",
+    "Nothing is left of such a depth in a program. A depth of 0 is through.")  # fmt: skip
 RULES = (OFF_PART, NEAR_EDGE, WALL, FILLET, NEAR_FILLET, BLIND_DEPTH, SHALLOW)
 
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent

@@ -8,7 +8,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 
 from beamcam.caches import PerObject
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, warning
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Drill
@@ -40,20 +40,15 @@ from beamcam.planning.operations.tools import (
 )
 from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
 
-DUPLICATE = Rule(
-    "plan-duplicate",
-    Severity.WARNING,
-    "found a hole of diameter {found} on face {face} at x {x}, y {y} a second time; "
-    "it is drilled once, for {first}",
-    "Some exporters write a hole of two bolted plates, or of both sides of a web, twice.",
-)
-BLIND_POINT = Rule(
-    "plan-blind-point",
-    Severity.WARNING,
+DUPLICATE = warning("plan-duplicate",
+    "found a hole of diameter {found} on face {face} at x {x}, y {y} a second time; it is drilled "
+    "once, for {first}",
+    "Some exporters write a hole of two bolted plates, or of both sides of a web, "
+    "twice.")  # fmt: skip
+BLIND_POINT = warning("plan-blind-point",
     "found {what} of depth {found} at x {x}, y {y} on face {face}; its point comes {out} mm "
     "through the wall of {expected} mm",
-    "The depth counts to the full diameter, and the drill's point goes beyond it.",
-)
+    "The depth counts to the full diameter, and the drill's point goes beyond it.")  # fmt: skip
 RULES = (DUPLICATE, BLIND_POINT)
 REASONS = {
     "drill-exact": "a drill of the very diameter",

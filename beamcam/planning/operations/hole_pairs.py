@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from math import dist, floor, hypot
 from operator import itemgetter
 
-from beamcam.errors import Rule, Severity
+from beamcam.errors import Severity, error
 from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
@@ -171,30 +171,21 @@ def _shown(depth: float | None) -> str:
     return "through" if depth is None else f"{depth:g}"
 
 
-OVERLAP = Rule(
-    "plan-hole-overlap",
-    Severity.ERROR,
-    "found {what} at x {x}, y {y} on face {face}, {apart} mm from {other} of {first}; "
-    "expected at least {expected} mm between their middles",
-    "A drill that breaks into another hole runs off or breaks. Two diameters at one place may be "
-    "a stepped hole, of which the wider one is blind.",
-)
-TOO_NEAR = Rule(
-    "plan-too-near",
-    Severity.ERROR,
+OVERLAP = error("plan-hole-overlap",
+    "found {what} at x {x}, y {y} on face {face}, {apart} mm from {other} of {first}; expected at "
+    "least {expected} mm between their middles",
+    "A drill that breaks into another hole runs off or breaks. Two diameters at one place may be a "
+    "stepped hole, of which the wider one is blind.")  # fmt: skip
+TOO_NEAR = error("plan-too-near",
     "found a hole of diameter {found} on face {face} at x {x}, y {y}, {apart} mm from that of "
     "{first}; expected the same place, or one more than {expected} mm away",
     "Holes closer than the program's decimals can distinguish are one hole that was drawn twice, "
-    "not quite at the same place.",
-)
-CROWD = Rule(
-    "plan-hole-crowd",
-    Severity.ERROR,
+    "not quite at the same place.")  # fmt: skip
+CROWD = error("plan-hole-crowd",
     "found {found} pairs of holes that stand within {reach} mm of each other along the part, most "
     "of them about this one; expected at most {expected}",
     "So many holes do not stand beside each other on a wall: they are a drawing that was written "
-    "again and again. Nothing else is said of them.",
-)
+    "again and again. Nothing else is said of them.")  # fmt: skip
 RULES = (OVERLAP, TOO_NEAR, CROWD)
 MOST_PAIRS = (
     2_000_000  #: that are compared; 20,000 holes of 18 mm all over a bar of 12 m have 1 of 2

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, warning
 from beamcam.model.part import Contour, Face
 from beamcam.planning.operations.finished_part import TOLERANCE
 from beamcam.planning.operations.part_planner import Kind, PartPlanner
@@ -12,15 +12,10 @@ from beamcam.planning.operations.tools import Tooling
 from beamcam.planning.operations.working_step import Found, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
-_E, _W = Severity.ERROR, Severity.WARNING
-
-LINE_BEYOND = Rule(
-    "plan-line-beyond",
-    _W,
-    "found a line to mark on face {face} that goes {out} mm beyond {where}; "
-    "expected it on the finished part",
-    "What is scribed beyond the part is scribed on waste, or in the air.",
-)
+LINE_BEYOND = warning("plan-line-beyond",
+    "found a line to mark on face {face} that goes {out} mm beyond {where}; expected it on the "
+    "finished part",
+    "What is scribed beyond the part is scribed on waste, or in the air.")  # fmt: skip
 RULES = (LINE_BEYOND,)
 REASONS = {"scribe-line": "a line that is marked and not cut"}
 

@@ -7,7 +7,7 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, Severity, note, warning
 from beamcam.machine.machine import Machine
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Hole, Part, Slot
@@ -20,20 +20,15 @@ from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.reach import reached_by
 from beamcam.planning.operations.working_step import Found, Said, Settled, WorkingStep
 
-FROM_BEHIND = Rule(
-    "plan-from-behind",
-    Severity.NOTE,
+FROM_BEHIND = note("plan-from-behind",
     "found {what} at x {x}, y {y} on face {face}; it is made from face {other}",
-    "A through hole is the same from either side of its wall, and no spindle reaches that face.",
-)
-ANGLE_FACE = Rule(
-    "plan-angle-face",
-    Severity.WARNING,
-    "found {what} at x {x}, y {y} on face {face} of an angle, which has faces v and u; "
-    "it is made on face {other}",
+    "A through hole is the same from either side of its wall, and no spindle reaches that "
+    "face.")  # fmt: skip
+ANGLE_FACE = warning("plan-angle-face",
+    "found {what} at x {x}, y {y} on face {face} of an angle, which has faces v and u; it is made "
+    "on face {other}",
     "An angle has one flange, whose outside is u. Exporters that take the section for a channel "
-    "write its other side as o.",
-)
+    "write its other side as o.")  # fmt: skip
 RULES = (FROM_BEHIND, ANGLE_FACE)
 
 

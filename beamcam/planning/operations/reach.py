@@ -6,27 +6,20 @@ from math import inf
 from msgspec import Struct
 
 from beamcam.caches import PerObjectAndKey
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, error
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import NO_PLATE
 from beamcam.planning.rules import NO_SPINDLE
 
-_E = Severity.ERROR
-
-OFF_FACE = Rule(
-    "plan-off-face",
-    _E,
+OFF_FACE = error("plan-off-face",
     "found a hole at x {x}, y {y} on face {face}; expected it within {length} x {width} mm",
-    "A hole beyond its face is a mistake of the exporter; the drill would meet no steel.",
-)
-IN_THE_WAY = Rule(
-    "plan-reach",
-    _E,
-    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the flange is "
-    "in the tool's way",
-    "A tool that comes to the web between the flanges needs room beside them.",
-)
+    "A hole beyond its face is a mistake of the exporter; the drill would meet no "
+    "steel.")  # fmt: skip
+IN_THE_WAY = error("plan-reach",
+    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the flange is in "
+    "the tool's way",
+    "A tool that comes to the web between the flanges needs room beside them.")  # fmt: skip
 
 RULES = (OFF_FACE, IN_THE_WAY)
 

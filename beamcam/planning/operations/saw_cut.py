@@ -10,7 +10,7 @@ from typing import Literal
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, error, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, SawSection
 from beamcam.model.part import Part, Profile
@@ -19,49 +19,30 @@ from beamcam.model.section import corners
 from beamcam.planning.operations.ends import End, Ends
 from beamcam.planning.operations.part_planner import Kind, PartPlanner, nothing
 
-_E, _N = Severity.ERROR, Severity.NOTE
-
-SAW_ANGLE = Rule(
-    "plan-saw-angle",
-    _E,
-    "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, "
-    "as far as the saw turns",
-    "The mitre is outside the saw's range. Angles are given as in the input.",
-)
-FLANGE_CUT = Rule(
-    "plan-flange-cut",
-    _E,
+SAW_ANGLE = error("plan-saw-angle",
+    "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, as far "
+    "as the saw turns",
+    "The mitre is outside the saw's range. Angles are given as in the input.")  # fmt: skip
+FLANGE_CUT = error("plan-flange-cut",
     "found a flange cut of {found} degrees at the {end}; expected {expected}",
-    "The blade does not tilt, or it tilts one way only; a part that is turned may need that way.",
-)
-COMPOUND = Rule(
-    "plan-compound",
-    _E,
-    "found a cut of {web} degrees on the web and {flange} on the flange at the {end}; "
-    "expected one of them, the saw cannot turn and tilt at once",
-    "A compound mitre needs a saw whose blade tilts while the saw is turned.",
-)
-CUTS_CROSS = Rule(
-    "plan-cuts-cross",
-    _E,
-    "found end cuts that cross by {found} mm at y {y}, z {z}; "
-    "expected the part to be longer than both mitres there",
-    "Nothing is left of the part where its two end cuts meet.",
-)
-CUTS_TOUCH = Rule(
-    "plan-cuts-touch",
-    _N,
+    "The blade does not tilt, or it tilts one way only; a part that is turned may need that "
+    "way.")  # fmt: skip
+COMPOUND = error("plan-compound",
+    "found a cut of {web} degrees on the web and {flange} on the flange at the {end}; expected one "
+    "of them, the saw cannot turn and tilt at once",
+    "A compound mitre needs a saw whose blade tilts while the saw is turned.")  # fmt: skip
+CUTS_CROSS = error("plan-cuts-cross",
+    "found end cuts that cross by {found} mm at y {y}, z {z}; expected the part to be longer than "
+    "both mitres there",
+    "Nothing is left of the part where its two end cuts meet.")  # fmt: skip
+CUTS_TOUCH = note("plan-cuts-touch",
     "the end cuts meet in a point at y {y}, z {z}",
-    "The part is as long as its two mitres, and ends there in an edge.",
-)
-SAW_REACH = Rule(
-    "plan-saw-reach",
-    _E,
-    "found a section of {found} mm at a cut of {angle} degrees at the {end}; "
-    "expected at most {expected} mm (height x width), as the blade reaches at that angle",
+    "The part is as long as its two mitres, and ends there in an edge.")  # fmt: skip
+SAW_REACH = error("plan-saw-reach",
+    "found a section of {found} mm at a cut of {angle} degrees at the {end}; expected at most "
+    "{expected} mm (height x width), as the blade reaches at that angle",
     "A blade that is turned reaches less far across. `saw.max_sections` of the machine file says "
-    "how far at which angle.",
-)
+    "how far at which angle.")  # fmt: skip
 RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH)
 REASONS = {
     "cut-trim": "the bar's front is sawn square, since no cut comes before it",

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from math import hypot
 
-from beamcam.errors import Diagnostic, Rule, Severity
+from beamcam.errors import Diagnostic, error
 from beamcam.geometry.plane import Point, unit_vector
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole, Slot
@@ -25,14 +25,11 @@ REASONS = {
     "slot-mill": "the widest mill that is no wider than the slot",
 }
 
-CROWD = Rule(
-    "plan-slot-crowd",
-    Severity.ERROR,
+CROWD = error("plan-slot-crowd",
     "found the pair of holes and slots side by side that is one too many; expected at most "
     "{expected} on a part",
     "So many slots do not stand beside each other on a wall: they are a drawing that was written "
-    "again and again. Nothing else is said of them.",
-)
+    "again and again. Nothing else is said of them.")  # fmt: skip
 RULES = (CROWD,)
 MOST_PAIRS = 100_000  #: that are compared, 3 s
 

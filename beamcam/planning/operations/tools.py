@@ -17,7 +17,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.errors import Rule, Severity
+from beamcam.errors import Rule, error
 from beamcam.machine.absent import drill_of
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Drill, Fit
@@ -209,27 +209,20 @@ def nearest(fitting: Tools, diameters: tuple[float, ...], twin: float) -> Tools:
 #           tip            point of the tool: depth + d / 2 / tan(a / 2)
 
 
-NO_PILOT = Rule(
-    "plan-countersink",
-    Severity.ERROR,
-    "found a countersink of diameter {found} on face {face} at x {x}, y {y}; "
-    "expected a hole to sink at that place",
-    "DSTV gives a countersunk hole in two rows, the sink and the hole; one of them is missing.",
-)
-SINK_DEPTH = Rule(
-    "plan-sink-depth",
-    Severity.ERROR,
-    "found a countersink of diameter {found} and depth {depth} on face {face}; "
-    "expected a depth of at least {expected} for that cone and hole",
-    "Diameter, depth, cone and hole contradict each other, and only three of them can be right.",
-)
-THREAD_DEPTH = Rule(
-    "plan-thread-depth",
-    Severity.ERROR,
-    "found a thread of depth {found} on face {face}; "
-    "expected at most {expected}, the tapping drill would come through",
-    "The drill before a blind tap goes deeper than the thread by the tap's run-out.",
-)
+NO_PILOT = error("plan-countersink",
+    "found a countersink of diameter {found} on face {face} at x {x}, y {y}; expected a hole to "
+    "sink at that place",
+    "DSTV gives a countersunk hole in two rows, the sink and the hole; one of them is "
+    "missing.")  # fmt: skip
+SINK_DEPTH = error("plan-sink-depth",
+    "found a countersink of diameter {found} and depth {depth} on face {face}; expected a depth of "
+    "at least {expected} for that cone and hole",
+    "Diameter, depth, cone and hole contradict each other, and only three of them can be "
+    "right.")  # fmt: skip
+THREAD_DEPTH = error("plan-thread-depth",
+    "found a thread of depth {found} on face {face}; expected at most {expected}, the tapping "
+    "drill would come through",
+    "The drill before a blind tap goes deeper than the thread by the tap's run-out.")  # fmt: skip
 RULES = (NO_PILOT, SINK_DEPTH, THREAD_DEPTH)
 
 

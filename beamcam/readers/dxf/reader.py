@@ -13,8 +13,7 @@ from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.frame import scaled
 from beamcam.readers.dxf.layers import Layers, Look
-from beamcam.readers.dxf.load import load, looks_like
-from beamcam.readers.dxf.units import contradictions, find_unit
+from beamcam.readers.dxf.load import contradictions, find_unit, load, looks_like
 from beamcam.readers.dxf.walk import Collected, Walk
 
 __all__ = ["looks_like", "read"]

@@ -23,8 +23,8 @@ from beamcam.readers.ifc.section import Wall, walls_of
 from beamcam.readers.ifc.solids import mapping
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.solid.kernel import prism
+from beamcam.solid.kernel import walls as solid_walls
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.section import walls as solid_walls
 
 SQUARE_DEG = 1.0  #: by which a bolt may be off square to its wall and still be drilled square
 NEAR_DEG = 30.0  #: a bolt that leans more than this does not clamp the wall

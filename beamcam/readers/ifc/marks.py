@@ -7,7 +7,7 @@ from msgspec import Struct, field
 
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source
-from beamcam.model import catalogue
+from beamcam.model import weight
 from beamcam.model.part import Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Entity, Model, tied
@@ -274,10 +274,10 @@ def named(profile: Profile, labels: Iterable[str]) -> tuple[str, list[str]]:
 
 
 def _contradicts(label: str, profile: Profile) -> bool:
-    known = catalogue.measures_of(label)
+    known = weight.measures_of(label)
     if known is not None:
         # Measures of angles and tubes do not say which side is up.
-        return known[0] != profile.code or catalogue.difference(profile, known[1]) > SIZE_OFF
+        return known[0] != profile.code or weight.difference(profile, known[1]) > SIZE_OFF
     said = _said_measures(label)
     walls, sizes = _own_measures(profile)
     if not walls or len(said) < 2 or max(said) < LARGEST_INCHES:
@@ -318,7 +318,7 @@ def _own_measures(profile: Profile) -> tuple[tuple[float, ...], tuple[float, ...
 
 def name_of(profile: Profile) -> str:
     """The catalogue's name of a section, or one made of its measures."""
-    return catalogue.name_of(profile) or measured_name(profile)
+    return weight.name_of(profile) or measured_name(profile)
 
 
 def remark_at(label: str, profile: Profile, source: Source) -> Diagnostic:

@@ -10,9 +10,8 @@ from beamcam.geometry.plane import MAX_COORDINATE, Matrix
 from beamcam.readers.drawing import MM_PER_UNIT, split_length
 from beamcam.readers.drawing.rules import UNITS_OPTION, WIDTH_OPTION
 from beamcam.readers.svg import rules
-from beamcam.readers.svg.css import declarations
 from beamcam.readers.svg.transform import fit_of
-from beamcam.readers.svg.tree import Document
+from beamcam.readers.svg.tree import Document, declarations
 
 #: CSS fixes the px at 1/96 inch; lengths with units inside a drawing are counted in these.
 CSS_PX = MM_PER_UNIT["px96"]

@@ -9,9 +9,8 @@ from beamcam.readers.content import Reading
 from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
 from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.svg import rules
-from beamcam.readers.svg.css import INITIAL, StyleSheet, style_of
 from beamcam.readers.svg.page import Page, find_page
-from beamcam.readers.svg.tree import looks_like, parse
+from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
 from beamcam.readers.svg.walk import Collected, Context, Walk
 
 __all__ = ["looks_like", "read"]

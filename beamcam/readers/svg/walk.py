@@ -7,6 +7,7 @@ follows the standard, paths, transforms and lengths are equal to its own:
 tests/property/test_svg_laws.py.
 """
 
+import re
 from collections import Counter
 from collections.abc import Iterable
 from contextlib import suppress
@@ -21,13 +22,54 @@ from beamcam.model.colour import parse_colour
 from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour, is_in_bounds, split_length
 from beamcam.readers.svg import rules
-from beamcam.readers.svg.css import Style, StyleSheet, style_of
-from beamcam.readers.svg.layers import layer_of
 from beamcam.readers.svg.page import Page
-from beamcam.readers.svg.path import PathError, Subpath, decimals
-from beamcam.readers.svg.shapes import SHAPES, NumberError, length_of, subpaths_of, view_box
+from beamcam.readers.svg.path import (
+    SHAPES,
+    NumberError,
+    PathError,
+    Subpath,
+    decimals,
+    length_of,
+    subpaths_of,
+    view_box,
+)
 from beamcam.readers.svg.transform import fit_of, parse_transform, product, scale, shift
-from beamcam.readers.svg.tree import MOST_DEEP, Document, Element
+from beamcam.readers.svg.tree import MOST_DEEP, Document, Element, Style, StyleSheet, style_of
+
+# --- layers ---------------------------------------------------------------------------------------
+
+# The name of the layer that a group is, as drawing programs write it.
+
+
+_ESCAPED = re.compile(r"_x([0-9A-Fa-f]{4})_")
+_NUMBER = re.compile(r"_?\d+\Z")
+
+
+def layer_of(group: Element, depth: int) -> str | None:
+    """The layer's name if `group` is a layer, None if not.
+
+    Inkscape marks layers. CorelDRAW begins one with a `metadata` element and escapes its name
+    (`Layer_x0020_1`). Elsewhere a named group at the top is one; a number is not a name.
+    """
+    if group.get("inkscape:groupmode") == "layer":
+        return group.get("inkscape:label") or _name(group)
+    marked = bool(group.children) and (group.children[0].get("id") or "").startswith("CorelCorpID")
+    if marked or depth == 0:
+        return _name(group)
+    return None
+
+
+def _name(group: Element) -> str | None:
+    identity = group.get("id")
+    if identity is None or _NUMBER.match(identity):
+        return None
+    return unescape(identity)
+
+
+def unescape(name: str) -> str:
+    """ "Layer 1" of "Layer_x0020_1"."""
+    return _ESCAPED.sub(lambda found: chr(int(found[1], 16)), name)
+
 
 _GROUPS = ("g", "a")
 _TEXTS = ("text", "flowRoot")

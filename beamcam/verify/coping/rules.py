@@ -1,99 +1,66 @@
 """Rules for programs that cope profiles."""
 
-from beamcam.errors import rule_makers
+from beamcam.errors import error
 
-_error, _warning, _note = rule_makers("verify-coping")
+# fmt: off
 
-PARTS = _error(
-    "parts",
+
+PARTS = error("verify-coping-parts",
     "found {found} parts for one program; expected one",
-    "A program of a coper makes one part.",
-)
-SECTION = _error(
-    "section",
+    "A program of a coper makes one part.")
+SECTION = error("verify-coping-section",
     "found a section of profile code {found}; expected {expected}",
-    "The read-back knows where the walls of these sections are, and of no others.",
-)
-TORCH = _error(
-    "torch",
+    "The read-back knows where the walls of these sections are, and of no others.")
+TORCH = error("verify-coping-torch",
     "found {found}; expected {expected}",
-    "The torch may only be on while it cuts, and only as the machine file says that it is.",
-)
-ANGLE = _error(
-    "angle",
+    "The torch may only be on while it cuts, and only as the machine file says that it is.")
+ANGLE = error("verify-coping-angle",
     "found the torch cutting at A {found}; expected -90, 0 or 90, fixed from pierce to end",
-    "Any other angle cuts the wall askew, or another wall.",
-)
-HEIGHT = _error(
-    "height",
+    "Any other angle cuts the wall askew, or another wall.")
+HEIGHT = error("verify-coping-height",
     "found the tip {found} mm over the {face} face as it {does}; expected {expected} mm",
-    "Too low the torch strikes the steel, too high its arc goes out or its kerf gets wider.",
-)
-FEED = _error(
-    "feed",
+    "Too low the torch strikes the steel, too high its arc goes out or its kerf gets wider.")
+FEED = error("verify-coping-feed",
     "found a feed of {found} mm/min through {thickness} mm; expected {expected} mm/min",
     "The cut chart of the machine file has one speed for each thickness: a faster cut is not "
-    "through, a slower one is wider.",
-)
-PIERCE = _error(
-    "pierce",
+    "through, a slower one is wider.")
+PIERCE = error("verify-coping-pierce",
     "found a wait of {found} s to pierce; expected {expected} s",
-    "A torch that moves before it is through leaves a cut that is not.",
-)
-AIR = _error(
-    "air",
+    "A torch that moves before it is through leaves a cut that is not.")
+AIR = error("verify-coping-air",
     "found the torch started at x {x}, y {y} of face {face}, where no steel is; expected it over "
     "scrap",
-    "An arc does not start in air.",
-)
-STRIKES = _error(
-    "strikes",
+    "An arc does not start in air.")
+STRIKES = error("verify-coping-strikes",
     "found the torch {found} mm from the bar at A {a}, Y {y}, Z {z}; expected {expected} mm",
-    "The torch and its holder must meet neither web nor flange, wherever they go.",
-)
-LIMIT = _error(
-    "limit",
+    "The torch and its holder must meet neither web nor flange, wherever they go.")
+LIMIT = error("verify-coping-limit",
     "found {axis} at {found}; expected {least} to {most}",
-    "The axis stops at its switch.",
-)
-PLACE = _error(
-    "place",
+    "The axis stops at its switch.")
+PLACE = error("verify-coping-place",
     "found a cut at y {y} on face {face}; expected it on the wall, from {least} to {most}",
-    "There the torch would cut another wall.",
-)
-HURT = _error(
-    "hurt",
+    "There the torch would cut another wall.")
+HURT = error("verify-coping-hurt",
     "found {found} mm of the part cut away on face {face} near x {x}, y {y}; expected at most "
     "{expected} mm",
-    "The kerf, or what piercing burns, reaches into steel that has to stay.",
-)
-LEFT = _error(
-    "left",
+    "The kerf, or what piercing burns, reaches into steel that has to stay.")
+LEFT = error("verify-coping-left",
     "found {found} mm of scrap left on face {face} near x {x}, y {y}; expected it cut off",
-    "The piece that falls off is larger than the part, or nothing falls off at all.",
-)
-GONE = _error(
-    "gone",
+    "The piece that falls off is larger than the part, or nothing falls off at all.")
+GONE = error("verify-coping-gone",
     "found nothing of face {face} left; expected a wall of the part",
-    "Each wall of the section is accounted for.",
-)
-HOLDS = _error(
-    "holds",
+    "Each wall of the section is accounted for.")
+HOLDS = error("verify-coping-holds",
     "found scrap of face {scrap} that holds to face {face} over {found} mm near x {x}; expected it "
     "cut off",
-    "The root between web and flange is not cut through there.",
-)
-EXTRA = _error(
-    "extra",
+    "The root between web and flange is not cut through there.")
+EXTRA = error("verify-coping-extra",
     "found a cut near x {x}, y {y} on face {face} that runs along no contour of the part; expected "
     "none but a straight lead",
-    "It makes nothing that was asked for.",
-)
-ORDER = _error(
-    "order",
+    "It makes nothing that was asked for.")
+ORDER = error("verify-coping-order",
     "found a cut on face {face} behind the first one of the far end; expected those last",
-    "A piece that hangs by less and less moves; what is left is cut in the wrong place.",
-)
+    "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE, HURT, LEFT,
     GONE, HOLDS, EXTRA, ORDER,

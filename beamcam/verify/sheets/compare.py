@@ -17,11 +17,15 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.sheets.contours import cover
 from beamcam.verify.sheets.dark import dark_faults
-from beamcam.verify.sheets.direction import direction_faults
 from beamcam.verify.sheets.hole_feeds import hole_faults
-from beamcam.verify.sheets.look_settings import OrderPlace, settings_faults, turn_faults
 from beamcam.verify.sheets.need import Need, shift_of
-from beamcam.verify.sheets.order import order_faults
+from beamcam.verify.sheets.order import (
+    OrderPlace,
+    direction_faults,
+    order_faults,
+    settings_faults,
+    turn_faults,
+)
 from beamcam.verify.sheets.overcut import overcut_faults
 from beamcam.verify.sheets.paths import follow
 from beamcam.verify.sheets.strokes import Strokes
@@ -118,12 +122,12 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
 
         said += tab_faults(work, traced)
     if work.half_kerf:
-        from beamcam.verify.sheets.band import band_faults
+        from beamcam.verify.sheets.sides import band_faults
 
         said += band_faults(work, traced)
     led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
     if work.half_kerf and led and not work.stepped:
-        from beamcam.verify.sheets.pierces import edge_faults, pierce_faults
+        from beamcam.verify.sheets.leads import edge_faults, pierce_faults
 
         said += pierce_faults(work, traced)
         said += edge_faults(work, traced)

@@ -5,15 +5,92 @@ twice, and a traverse beside the path starts the next stroke elsewhere. How far 
 passed, and how the head runs up and brakes, is said before the first stroke.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from math import inf
 
+import numpy as np
+from msgspec.structs import replace
+
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
+from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.geometry.array_types import Floats
+from beamcam.geometry.curves import Bezier, EllipseArc, Line
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
+from beamcam.machine.materials import material_said
+from beamcam.machine.path_limits import PathLimits, path_limits
 from beamcam.machine.torch import Torch
+from beamcam.model.drawing import Measures, extent
+from beamcam.model.moved import moved_feature
+from beamcam.model.part import Contour, Feature, Part
+from beamcam.verify.head import head_of, part_faults, stock_faults
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.ability import told_limits
+from beamcam.verify.sheets.asked_layout import between
+from beamcam.verify.sheets.need import OUTLINE, Need, need_of, rows_on, shift_of, thickness_of
+
+# --- ability --------------------------------------------------------------------------------------
+
+# Expected feed of a move in programs that set the controller's accelerations.
+#
+# The feed of the machine's row, or the greatest one that the axes can follow: on the smallest
+# radius of the curve the acceleration across is v^2 / r and the jerk v^3 / r^2.
+
+
+SECONDS_PER_MINUTE = 60.0
+FLAT = 1e-12
+
+
+def told_limits(machine: Machine) -> PathLimits | None:
+    """The limits of a machine whose programs have to give accelerations; None of others."""
+    told = any("{acceleration}" in word for word in machine.words.modal)
+    return path_limits(machine) if told else None
+
+
+def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Floats:
+    """The feed in mm/min that each move should have, at most what is asked for it, (n,)."""
+    asked = asked_mm_min / SECONDS_PER_MINUTE
+    radius = np.where(moves.is_arc, moves.arcs[:, 2], inf)
+    for k, curve in moves.curves.items():
+        radius[k] = _min_radius(curve)
+    turning = np.minimum(
+        np.sqrt(limits.across_mm_s2 * radius), np.cbrt(limits.jerk_mm_s3 * radius**2)
+    )
+    straight = ~moves.is_arc
+    straight[list(moves.curves)] = False
+    greatest = np.where(
+        straight, _straight_mm_s(moves, limits), np.minimum(limits.speed_mm_s, turning)
+    )
+    greatest[straight & (asked <= limits.speed_mm_s)] = inf
+    return np.where(greatest < asked, greatest * SECONDS_PER_MINUTE, asked_mm_min)
+
+
+def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
+    """The maximum speed of both axes along each chord; inf where it has no length."""
+    ways = np.abs(moves.end - moves.start)
+    length = np.hypot(ways[:, 0], ways[:, 1])
+    speeds = np.array([limits.speed_x_mm_s, limits.speed_y_mm_s])
+    reached = np.divide(
+        length[:, None] * speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0
+    )
+    found: Floats = reached.min(axis=1, initial=inf)
+    return found
+
+
+def _min_radius(curve: Bezier | EllipseArc) -> float:
+    """The minimum radius of a parabola; of an ellipse that at the ends of its main axis."""
+    if isinstance(curve, EllipseArc):
+        return curve.major * curve.ratio**2
+    # The curvature |f' x f''| / |f'|^3 is greatest where f' = 2 (a + t b) is shortest: at the
+    # vertex, or at the end that is nearer to it.
+    (x0, y0), (x1, y1), (x2, y2) = curve.points
+    ax, ay, bx, by = x1 - x0, y1 - y0, x2 - 2 * x1 + x0, y2 - 2 * y1 + y0
+    if ax * by == ay * bx:
+        return inf
+    vertex = -(ax * bx + ay * by) / (bx * bx + by * by)
+    bend = abs(curve.curvature(min(max(vertex, 0.0), 1.0)))
+    return 1.0 / bend if bend > FLAT else inf
+
 
 SLACK = 1e-3  #: share of an acceleration
 BLENDED_SLACK = 1e-6  #: mm
@@ -105,3 +182,106 @@ class ControllerState:
         if self.limits is not None and (self._ramped is None or self._ramped > before):
             expected = f"{self.limits.along_mm_s2:g} mm/s2 to run up and to brake"
             yield self._fault(rules.RAMP, line, "no E word before the first move", expected)
+
+
+# --- shared ---------------------------------------------------------------------------------------
+
+# Parts that share a sheet, each at the place where the machine lays it, as one part to compare.
+#
+# Where each lies follows from the parts in the order given and the machine's table alone: in rows
+# from the lower left corner, `margin` to the edges and `spacing` from box to box.
+
+
+SKELETON = "skeleton"  #: where the cuts through what is left of a sheet are said to be
+
+
+def as_one(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> tuple[Part, Machine, list[Diagnostic]]:
+    """One part with all that has to be on the sheet, the machine that leaves it there, and faults.
+
+    A part that is alone stays as it is.
+    """
+    torch = machine.torch
+    if torch is None or len(parts) == 1:
+        return parts[0], machine, []
+    features: list[Feature] = []
+    said = [
+        rules.OTHER_SHEET.at(
+            part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
+        )
+        for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
+    ]  # fmt: skip
+    tops: dict[float, float] = {}  #: upper edge of each row of parts, by its lower one
+    for part, (here, need) in zip(parts, places_of(parts, machine, torch, skips), strict=True):
+        _, low, _, high = _box(need)
+        row = round(here[1] + low, 6)
+        tops[row] = max(tops.get(row, row), here[1] + high)
+        features += [moved_feature(feature, here) for feature in part.features]
+        features += [
+            moved_feature(Contour("v", "outer", tuple(curves), part.source), here)
+            for process, some in need.curves.items()
+            if (curves := [c for c, f in zip(some, need.features[process], strict=True)
+                           if f == OUTLINE])
+        ]  # fmt: skip
+    half = between(parts[0], torch) / 2
+    if torch.skeleton_cuts and half > _kerf(parts[0], torch):
+        for y in (t + half for t in tops.values() if t + half < torch.width - torch.margin / 2):
+            line = Line((torch.length, y), (0.0, y))
+            source = replace(parts[0].source, where=SKELETON, line=None)
+            features.append(Contour("v", "open", (line,), source, closed=False))
+    whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
+    return whole, replace(machine, torch=replace(torch, place="drawn")), said
+
+
+def places_of(
+    parts: Sequence[Part], machine: Machine, torch: Torch, skips: Collection[str]
+) -> Iterator[tuple[Point, Need]]:
+    """Where each of several parts lies on the table, its x 0, y 0; and what of it has to be cut."""
+    left = bottom = torch.margin
+    spacing = between(parts[0], torch)
+    top = bottom
+    for part in parts:
+        need = need_of(part, machine, torch, skips)
+        x0, y0, x1, y1 = _box(need)
+        if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
+            left, bottom = torch.margin, top + spacing
+            top = bottom
+        yield (left - x0, bottom - y0), need
+        left, top = left + (x1 - x0) + spacing, max(top, bottom + (y1 - y0))
+
+
+def _box(need: Need) -> tuple[float, float, float, float]:
+    return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
+
+
+def told_faults(
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str], name: str
+) -> Iterator[Diagnostic]:
+    """All differences of the head that `text` begins with from the parts as they have to lie."""
+    head = head_of(text)
+    if head is None or machine.torch is None:
+        return
+    yield from stock_faults(
+        head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
+    )
+    if len(parts) == 1:
+        need = need_of(parts[0], machine, machine.torch, skips)
+        places: list[tuple[float, ...]] = [shift_of(need, machine.torch)]
+        if not need.curves and head.parts:  # texts alone are found wherever the program has them
+            places = [head.parts[0].at]
+    else:
+        places = [place for place, _ in places_of(parts, machine, machine.torch, skips)]
+    lie = [*zip(parts, places, strict=True)]
+    yield from part_faults(head, lie, machine.torch.tolerance, False, name)
+
+
+def _kerf(part: Part, torch: Torch) -> float:
+    taken = [row.kerf for row in rows_on(part, torch) if row.process == "cut"]
+    return taken[0] if taken and torch.kerf_by != "none" else 0.0
+
+
+def _shown(part: Part, torch: Torch) -> str:
+    return (
+        f"{thickness_of(part, torch):.2f} mm {material_said(part.grade, torch.material)}".rstrip()
+    )

@@ -22,9 +22,8 @@ from msgspec import Struct
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.sides import is_behind, off, waste_sides
+from beamcam.verify.sheets.sides import is_behind, off, waste_rings, waste_sides
 from beamcam.verify.sheets.toolpaths import Samples, Toolpaths
-from beamcam.verify.sheets.touching import waste_rings
 from beamcam.verify.sheets.work import Traced, Work
 
 HALVINGS = 24  #: of the way between a place that has a path and one that has none

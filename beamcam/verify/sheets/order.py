@@ -1,15 +1,27 @@
 """In which order contours are cut: marks first, and what lies in a contour before it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
+from msgspec import Struct
+from msgspec.structs import replace
 
+from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.torch import TorchProcess
+from beamcam.geometry.array_types import Counts, Floats
+from beamcam.machine.torch import LookSettings, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.shared import SKELETON
-from beamcam.verify.sheets.work import SHOWN, Traced, Work
+from beamcam.verify.sheets.controller_state import SKELETON
+from beamcam.verify.sheets.grid import Pairs
+from beamcam.verify.sheets.joining import Chain
+from beamcam.verify.sheets.paths import on_contour
+from beamcam.verify.sheets.region import aligned, region_of
+from beamcam.verify.sheets.sides import waste_sides
+from beamcam.verify.sheets.strokes import HeadStroke, Strokes
+from beamcam.verify.sheets.toolpaths import Samples, kept_samples
+from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -127,3 +139,262 @@ def _covers(polygon: "Polygon | None", other: "Polygon") -> bool:
     import shapely
 
     return polygon is not None and bool(shapely.covers(shapely.buffer(polygon, TOUCHING), other))
+
+
+# --- direction ------------------------------------------------------------------------------------
+
+# In which direction contours are cut: as they are drawn, or with the material at one side.
+#
+# A swirling plasma bevels the side of its cut that is left of the head more than the right one: cut
+# the other way round, the bevel is on the part.
+
+
+ASKED = 8  #: places of a stroke where it is asked which contour it follows
+MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
+
+
+def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Closed cuts that go round their contour the wrong way."""
+    # A beam that the controller leads comes to its contour half a kerf behind the start.
+    led = work.torch.kerf_by == "machine"
+    heads = [t for t in traced if t.members or (led and t.contour is not None)]
+    if work.process != "cut" or not heads or not work.need.count:
+        return []
+    if work.region is None:
+        features = np.array(work.asked.features[work.process])
+        region = region_of(work.need, features, work.torch.gap, work.fine)
+        work = replace(work, region=region)
+    assert work.region is not None
+    asked = _asked(work)
+    said = []
+    for t, ring in zip(heads, _rings_of(work, heads).tolist(), strict=True):
+        wanted = asked[ring] if ring >= 0 else None
+        found = _is_anticlockwise(work, t)
+        if wanted is None or found is None or found == wanted:
+            continue
+        said.append(
+            rules.DIRECTION.at(
+                Source(work.name, t.stroke.line), found=_shown(found), expected=_shown(wanted),
+                contour=work.contour(work.region.rings[ring][0][0]), how=work.torch.direction,
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _shown(is_anticlockwise: bool) -> str:
+    return "counter-clockwise" if is_anticlockwise else "clockwise"
+
+
+def _asked(work: Work) -> list[bool | None]:
+    """Of each ring whether it is to be followed counter-clockwise; None if that is left open."""
+    assert work.region is not None
+    rings, polygons = work.region.rings, work.region.polygons
+    turned = [_area(np.array(polygon.exterior.coords)) > 0.0 for polygon in polygons]
+    # Of contours that cross, neither lies inside of the other.
+    clear = shapely.is_valid(polygons)
+    crossing, _ = shapely.STRtree(polygons[clear]).query(polygons[clear], "overlaps")
+    clear[np.flatnonzero(clear)[crossing]] = False
+    way = work.torch.direction
+    sides = waste_sides(work) if way != "drawn" else np.zeros(0)
+    found: list[bool | None] = []
+    for ring, is_turned, is_clear in zip(rings, turned, clear.tolist(), strict=True):
+        if way == "drawn":
+            found.append(is_turned if _is_one_feature(work, ring) else None)
+            continue
+        first, back = ring[0]
+        waste_left = bool((sides[first] > 0.0) != back)
+        # With climb the waste is on the left: counter-clockwise where it lies inside.
+        is_hole = waste_left == is_turned
+        found.append(is_hole == (way == "climb") if is_clear and sides[first] else None)
+    return found
+
+
+def _is_one_feature(work: Work, ring: Chain) -> bool:
+    """Whether a ring is one feature as it is drawn, and no other curve lies on it.
+
+    Of curves that are joined, and of what is drawn twice, any direction is one that is drawn.
+    """
+    assert work.region is not None
+    ways = np.array([way for way, _ in ring])
+    features = np.array(work.asked.features[work.process])
+    own = features[ways[0]]
+    if any(back for _, back in ring) or (features[ways] != own).any():
+        return False
+    low, high = work.need.boxes
+    twins = np.flatnonzero(work.region.twins)
+    least, most = low[ways].min(axis=0), high[ways].max(axis=0)
+    beside = np.all((high[twins] >= least) & (low[twins] <= most), axis=1)
+    return not beside.any()
+
+
+def _rings_of(work: Work, heads: Sequence[Traced]) -> Counts:
+    """The ring that each stroke follows at most of the places where it is asked; -1 for none."""
+    assert work.region is not None
+    ring_of = np.full(work.need.count, -1)
+    for k, ring in enumerate(work.region.rings):
+        ring_of[[way for way, _ in ring]] = k
+    ways = [np.unique(np.linspace(t.first, t.last - 1, ASKED).astype(np.int64)) for t in heads]
+    owner = np.repeat(np.arange(len(heads)), [len(own) for own in ways])
+    every = np.concatenate(ways)
+    places = work.path.point(every, work.path.lengths[every] / 2)
+    most = float(work.slack.max(initial=0.0))
+    reaches = (work.half_kerf + most, MITRE * work.half_kerf + 2 * most)
+    away, nearest, _ = work.need.nearest_within(places, reaches, ring_of >= 0)
+    rings = np.where(np.isfinite(away), ring_of[nearest], -1)
+    found = np.full(len(heads), -1)
+    for k in range(len(heads)):
+        own = rings[owner == k]
+        kinds, times = np.unique(own[own >= 0], return_counts=True)
+        if len(kinds) and 2 * times.max() > len(own):
+            found[k] = kinds[np.argmax(times)]
+    return found
+
+
+def _is_anticlockwise(work: Work, head: Traced) -> bool | None:
+    """The turn of strokes that go round a contour together; None of what has no inside."""
+    points = np.concatenate(
+        [work.path.outline(m.first, m.last, work.fine) for m in head.members or [head]]
+    )
+    if len(points) < 3:
+        return None
+    area = _area(points)
+    length = float(np.hypot(*np.diff(points, axis=0, append=points[:1]).T).sum())
+    return None if abs(area) <= MIN_WIDTH * length else area > 0.0
+
+
+def _area(points: Floats) -> float:
+    """What a ring encloses, above 0 counter-clockwise."""
+    x, y = (points - points[0]).T
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum()) / 2
+
+
+# --- passes ---------------------------------------------------------------------------------------
+
+# Contours that are followed several times: passes one after the other, taken for one stroke.
+
+
+def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
+    """Strokes of which each counts its passes; equal ones count as such only behind one another.
+
+    Where no row has more than one pass the strokes come back as they are.
+    """
+    if all(row.passes == 1 for row in rows):
+        return strokes
+    each: list[HeadStroke] = []
+    kept: list[range] = []
+    count = 0
+    for stroke in strokes.each:
+        if kept and _is_repeat(each[-1], kept[-1], stroke, strokes.moves):
+            each[-1] = replace(each[-1], passes=each[-1].passes + 1)
+            continue
+        kept.append(range(stroke.first, stroke.last))
+        last = count + len(kept[-1])
+        each.append(replace(stroke, first=count, last=last))
+        count = last
+    rows_kept = np.concatenate([np.zeros(0, dtype=np.int64), *(np.array(span) for span in kept)])
+    return Strokes(each, strokes.moves.take(rows_kept.astype(np.int64)))
+
+
+def _is_repeat(first: HeadStroke, span: range, other: HeadStroke, moves: Moves) -> bool:
+    """Whether a stroke repeats the path of one before it, with the same words."""
+    said = (first.row, first.side, first.radius, len(span))
+    if said != (other.row, other.side, other.radius, other.last - other.first):
+        return False
+    a, b = slice(span.start, span.stop), slice(other.first, other.last)
+    columns = (moves.start, moves.end, moves.is_arc, moves.arcs, moves.feed_mm_min)
+    if not all(np.array_equal(column[a], column[b]) for column in columns):
+        return False
+    pairs = zip(span, range(other.first, other.last), strict=True)
+    return all(moves.curves.get(i) == moves.curves.get(k) for i, k in pairs)
+
+
+# --- look settings --------------------------------------------------------------------------------
+
+# Whether each contour is worked as its colour or layer asks: speed, power, passes and order.
+
+
+PLAIN = LookSettings()
+
+Settings = tuple[float, float, int]  #: mm/min, power, passes
+
+
+class OrderPlace(Struct, frozen=True):
+    """The place in the order that the contours of a stroke ask for; several may lie on one."""
+
+    line: int
+    lowest: int
+    highest: int
+
+
+def settings_faults(
+    work: Work, traced: Sequence[Traced]
+) -> tuple[list[Diagnostic], list[OrderPlace]]:
+    """Strokes with other settings than their contour requires, and the turn of each stroke."""
+    row = work.asked.rows.get(work.process)
+    if not work.need.count or not traced or row is None:
+        return [], []
+    owns = [work.torch.settings.get(k, PLAIN) for k in work.asked.looks[work.process]]
+    asked = [_settings_asked(row, own) for own in owns]
+    samples = work.path.samples(SPACING)
+    samples = kept_samples(samples, on_contour(work, traced)[samples[2]])
+    points, stroke = work.path.elements.places(*samples[:2]), work.of_way[samples[2]]
+    pairs = _followed(work, samples, points)
+    near = work.need.owner[pairs.element]
+    said: list[Diagnostic] = []
+    turns: list[OrderPlace] = []
+    for number, one in enumerate(work.strokes):
+        mine = stroke[pairs.point] == number
+        ways = np.unique(near[mine]).tolist()
+        if not ways:
+            continue
+        own = one.row.feed_mm_min, one.row.power, one.passes
+        # The strokes of a table may leave it open of which of two speeds they are.
+        rows = (one.row, *one.alike) if work.stepped else (one.row,)
+        likewise = {(row.feed_mm_min, row.power, one.passes) for row in rows}
+        fits = np.isin(near, [w for w in ways if asked[w] in likewise])
+        wrong = np.flatnonzero(mine & ~np.isin(pairs.point, pairs.point[mine & fits]))
+        for k in wrong[:1].tolist():
+            said.append(_other(work, one.line, own, asked[near[k]], work.contour(int(near[k]))))
+        orders = [owns[w].order for w in ways]
+        turns.append(OrderPlace(one.line, min(orders), max(orders)))
+    return said[:SHOWN], turns
+
+
+def _followed(work: Work, samples: Samples, points: Floats) -> Pairs:
+    """The samples of the path and what they are near; what they cross only if nothing else is."""
+    most = float(work.slack.max(initial=0.0))
+    pairs = work.need.near(points, work.half_kerf + most)
+    along = aligned(work.path, samples, work.need, pairs, most)
+    runs_along = np.zeros(len(points), dtype=bool)
+    runs_along[pairs.point[along]] = True
+    return pairs.kept(along | ~runs_along[pairs.point])
+
+
+def _settings_asked(row: TorchRow, own: LookSettings) -> Settings:
+    return (
+        row.feed_mm_min if own.speed is None else own.speed,
+        row.power if own.power is None else own.power,
+        row.passes if own.passes is None else own.passes,
+    )
+
+
+def _other(work: Work, line: int, found: Settings, expected: Settings, contour: str) -> Diagnostic:
+    return rules.SETTINGS.at(
+        Source(work.name, line), contour=contour, process=work.process,
+        found=_setting_shown(found), expected=_setting_shown(expected),
+    )  # fmt: skip
+
+
+def _setting_shown(settings: Settings) -> str:
+    speed, power, passes = settings
+    return f"{speed:g} mm/min, power {power:g}, {passes} passes"
+
+
+def turn_faults(turns: Sequence[OrderPlace], name: str) -> list[Diagnostic]:
+    """The first stroke whose contours ask for a place in the order that is over by then."""
+    reached = 0
+    for turn in sorted(turns, key=lambda t: t.line):
+        if turn.highest < reached:
+            return [rules.TURN.at(Source(name, turn.line), found=turn.highest, expected=reached)]
+        reached = max(reached, turn.lowest)
+    return []

@@ -13,11 +13,11 @@ import numpy as np
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.verify.sheets.alignment import aligned, beside_bends
 from beamcam.verify.sheets.bridges import join_bridged
 from beamcam.verify.sheets.ends import end_faults, restart_faults
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.leads import Bounds, rings
+from beamcam.verify.sheets.region import aligned, beside_bends
 from beamcam.verify.sheets.toolpaths import Samples, joined_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
 

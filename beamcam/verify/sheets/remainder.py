@@ -18,10 +18,10 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.asked_layout import as_asked
+from beamcam.verify.sheets.controller_state import as_one
 from beamcam.verify.sheets.need import need_of, rows_of, shift_of
-from beamcam.verify.sheets.passes import passes_folded
+from beamcam.verify.sheets.order import passes_folded
 from beamcam.verify.sheets.paths import follow
-from beamcam.verify.sheets.shared import as_one
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.verify.sheets.work import work_of
 

@@ -20,7 +20,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Bezier, BSpline
-from beamcam.verify.sheets.elements import Pieces, straight_pieces
+from beamcam.verify.sheets.grid import Pieces, straight_pieces
 
 SLOWEST = 1e-3  #: share of the maximum speed that counts as the speed of a span
 TINY = 1e-30  #: for a span that is a point

@@ -32,8 +32,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.description import PART_DATA
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.ability import expected_feeds
-from beamcam.verify.sheets.controller_state import ControllerState, Setting
+from beamcam.verify.sheets.controller_state import ControllerState, Setting, expected_feeds
 from beamcam.verify.sheets.corner_feeds import NearCorners, near_corners
 
 ENDS = (2, 30)

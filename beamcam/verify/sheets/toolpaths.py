@@ -15,8 +15,7 @@ from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.geometry.polylines import polylines
-from beamcam.verify.sheets.elements import Elements, Pieces, straight_pieces
-from beamcam.verify.sheets.grid import Grid, Pairs
+from beamcam.verify.sheets.grid import Elements, Grid, Pairs, Pieces, straight_pieces
 from beamcam.verify.sheets.spline_arcs import spline_pieces
 
 #: Element, share of it and way of each of some places.

@@ -1,15 +1,17 @@
 """The strokes of one process and the curves that they should follow."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.need import Need
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from shapely import Polygon
 
     from beamcam.verify.sheets.region import Region
+    from beamcam.verify.sheets.toolpaths import Toolpaths
 
 SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
@@ -258,3 +261,96 @@ def widest_joint(need: Toolpaths, gap: float) -> float:
     # Where one ends as the next begins, the place is known already.
     apart = np.any(ends != np.roll(starts, -1, axis=0), axis=1)
     return widest_gap(np.concatenate((starts, ends[apart])), gap)
+
+
+# --- alike ----------------------------------------------------------------------------------------
+
+# Strokes that two processes make by the same words, distinguished by the curves they follow.
+
+
+PLACES = 9  #: of a stroke that are looked at
+
+Away = Callable[[Floats], float]
+
+
+def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, float]) -> Strokes:
+    """The strokes with the rows of what they follow, where word and feed leave several.
+
+    What follows no contour, as a text does, is taken for a mark: its place is not known yet.
+    """
+    if not any(stroke.alike for stroke in strokes.each):
+        return strokes
+    fine = torch.tolerance / 8
+    known: dict[TorchProcess, Away] = {
+        process: _away(need.toolpaths(process, fine).moved(shift)) for process in need.curves
+    }
+    each = [_settled(s, strokes, known, torch) if s.alike else s for s in strokes.each]
+    return Strokes(each, strokes.moves)
+
+
+def _away(toolpaths: "Toolpaths") -> Away:
+    """Median distance of points from the nearest curve."""
+
+    def measured(places: Floats) -> float:
+        return float(np.median([toolpaths.nearest_to(place)[0] for place in places]))
+
+    return measured
+
+
+def _settled(
+    stroke: HeadStroke, strokes: Strokes, known: Mapping[TorchProcess, Away], torch: Torch
+) -> HeadStroke:
+    options: dict[TorchProcess, TorchRow] = {}
+    for row in (stroke.row, *stroke.alike):
+        options.setdefault(row.process, row)
+    if len(options) == 1:
+        return stroke
+    span = slice(stroke.first, stroke.last)
+    ends = strokes.moves.end[span]
+    places = ends[:: max(1, len(ends) // PLACES)]
+    away = {process: known[process](places) for process in options if process in known}
+    nearest = min(away, key=lambda process: away[process], default=stroke.process)
+    if away.get(nearest, inf) > stroke.row.kerf + 8 * torch.tolerance:
+        nearest = next((process for process in options if process != "cut"), stroke.process)
+    return replace(stroke, row=options[nearest])
+
+
+# --- contour names --------------------------------------------------------------------------------
+
+# Messages about a block of a program, with the contour of the input that the block is beside.
+
+
+#: Rules that know a line of the program only.
+NAMELESS = {
+    rule.code
+    for rule in (
+        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
+        rules.COMPENSATION,
+    )
+}  # fmt: skip
+
+
+def with_contours(
+    said: Iterable[Diagnostic], moves: Moves, need: Need, shift: tuple[float, float], fine: float
+) -> list[Diagnostic]:
+    """The messages; to those of `NAMELESS` the nearest contour is added.
+
+    The place of a block that does not move is the end of the next move.
+    """
+    found = list(said)
+    asked = [
+        (k, one.source.line)
+        for k, one in enumerate(found)
+        if one.code in NAMELESS and one.source.line is not None
+    ]
+    if not asked or not need.curves or not len(moves):
+        return found
+    toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
+    lines = np.maximum.accumulate(moves.line)
+    for k, line in asked:
+        row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
+        place = moves.end[row] - np.array(shift)
+        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
+        contour = f", beside the contour of {need.source(process, way)}"
+        found[k] = replace(found[k], message=found[k].message + contour)
+    return found

@@ -50,7 +50,7 @@ def verify_triggers(
 
         return tuple(with_contours(said, job.operations, parts[0], machine, skips))
     from beamcam.verify.polylines import compare_polylines
-    from beamcam.verify.sheets.shared import as_one
+    from beamcam.verify.sheets.controller_state import as_one
 
     part, machine, faults = as_one(parts, machine, skips)
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(part, torch)))

@@ -12,7 +12,7 @@ from typing import cast
 from msgspec import Struct, field
 
 from beamcam.controllers.simotion import rules
-from beamcam.controllers.simotion.circles import circle_points
+from beamcam.controllers.simotion.axes import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
 from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine

@@ -53,7 +53,7 @@ def verify_table(
     stream = Stream(pieces, name)
     part, faults = None, list[Diagnostic]()
     if parts:
-        from beamcam.verify.sheets.shared import as_one
+        from beamcam.verify.sheets.controller_state import as_one
 
         part, machine, faults = as_one(parts, machine, skips)
     table: Followed | Velocities

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.arcs import sweep_of
 from beamcam.controllers.codesys.curves import arc_fault, radius_centre
+from beamcam.controllers.interpreter import sweep_of
 
 lengths = st.floats(-500, 500)
 

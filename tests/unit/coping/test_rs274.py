@@ -14,9 +14,8 @@ import pytest
 from shapely import LineString, Polygon
 
 from beamcam.model.part import Contour, Part
-from beamcam.solid.kernel import kernel
+from beamcam.solid.kernel import kernel, outline
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.section import outline
 from tests.random_copes import random_cope
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.coping.samples import COPER, NAMES, program_of, sample

@@ -10,7 +10,7 @@ from shapely import Point, Polygon
 from beamcam.errors import Source
 from beamcam.model.part import Part, Profile
 from beamcam.model.surface import Patch, patch_of, surface_of
-from beamcam.solid.section import outline
+from beamcam.solid.kernel import outline
 
 IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
 UPN200 = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)

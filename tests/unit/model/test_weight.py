@@ -8,9 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beamcam.errors import Source
-from beamcam.model.catalogue import measures_of
 from beamcam.model.part import Part, Profile, SectionPoint
-from beamcam.model.weight import section_area, weight_of
+from beamcam.model.weight import measures_of, section_area, weight_of
 from beamcam.pipeline import read_file
 from tests.conftest import CORPUS
 

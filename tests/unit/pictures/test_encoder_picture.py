@@ -12,8 +12,7 @@ from beamcam.cli import main
 from beamcam.pictures.encoder import COUNTS, Study, encoder_scene
 from beamcam.pictures.svg import to_svg
 from beamcam.simulate.encoder import Encoder
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder
+from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder
 from tests.unit.pictures.drawings import Drawing, corners
 
 SHIELD = Path(__file__).resolve().parents[3] / "samples" / "json" / "shield.json"

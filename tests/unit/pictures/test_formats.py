@@ -18,8 +18,7 @@ from beamcam.motion.profile import profile_to_velocity
 from beamcam.pictures.pdf import largest, to_pdf
 from beamcam.pictures.png import dashes, to_png
 from beamcam.pictures.profile import profile_scene, ticks
-from beamcam.pictures.scene import Circle, Polyline, Scene, Text
-from beamcam.pictures.styles import STYLES, css
+from beamcam.pictures.scene import STYLES, Circle, Polyline, Scene, Text, css
 from beamcam.pictures.svg import to_svg
 from beamcam.report.velocity_profile import MM_S, RPM, VelocityUnit
 from tests.unit.pictures.drawings import Drawing, corners

@@ -5,7 +5,7 @@ from math import hypot
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.pictures.labels import CAPITAL, LETTER, Labels
+from beamcam.pictures.scene import CAPITAL, LETTER, Labels
 
 PLACES = st.lists(st.tuples(st.integers(0, 120), st.integers(0, 60)), min_size=1, max_size=25)
 SIZE, RADIUS = 9.0, 2.0

@@ -16,7 +16,7 @@ from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.ends import End, ends_of, leaves_stock, web_borders
 from beamcam.planning.operations.saw_cut import saw_angles
 from beamcam.planning.stock import from_store
-from beamcam.solid.section import outline as outline_of_section
+from beamcam.solid.kernel import outline as outline_of_section
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part, plan
 
 SAW = saw_of(load("beamline-pusher"))

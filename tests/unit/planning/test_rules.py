@@ -27,7 +27,7 @@ RULES = [
     rule
     for module in pkgutil.walk_packages(planning.__path__, "beamcam.planning.")
     if not module.name.startswith(("beamcam.planning.contours", "beamcam.planning.coping"))
-    and module.name not in ("beamcam.planning.left_out", "beamcam.planning.map_keys")
+    and module.name not in ("beamcam.planning.left_out", "beamcam.planning.left_out")
     for rule in getattr(importlib.import_module(module.name), "RULES", ())
 ]
 

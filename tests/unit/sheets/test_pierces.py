@@ -10,7 +10,7 @@ from beamcam.errors import VerifyError
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.planning.contours import leads
+from beamcam.planning.contours import kerf
 from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
@@ -42,7 +42,7 @@ def test_a_lead_shorter_than_its_room_is_refused(
     share: float, is_refused: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Lines of 3, 1.5 and 0.6 mm end 3.75, 2.25 and 1.35 mm from the part."""
-    monkeypatch.setattr(leads, "SHARES", (share,))
+    monkeypatch.setattr(kerf, "SHARES", (share,))
     machine = table(lead="line", lead_in=3.0)
     if not is_refused:
         assert post((WINDOW,), machine).text

@@ -17,7 +17,7 @@ from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import post
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.order import order
-from beamcam.planning.contours.shape import Shape
+from beamcam.planning.contours.outline import Shape
 from beamcam.planning.sheet import plan_sheet
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
 

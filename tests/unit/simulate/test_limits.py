@@ -16,16 +16,13 @@ from beamcam.cli import main
 from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine.bodies import Body
-from beamcam.machine.formula import Formula
+from beamcam.machine.formula import Body, Formula
 from beamcam.simulate.bars import bar_trace, cell_axes
-from beamcam.simulate.collisions import strikes
 from beamcam.simulate.encoder import Encoder, precision, stair_times
-from beamcam.simulate.limits import run_warnings
+from beamcam.simulate.limits import run_warnings, strikes
 from beamcam.simulate.program import simulate_program
-from beamcam.simulate.state import State
 from beamcam.simulate.text import table_rows
-from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder
+from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder
 from tests.conftest import BEAM_CELL, SAMPLES
 from tests.unit.simulate.programs import course_of
 from tests.unit.verify.programs import BEAM, PART, PROGRAM

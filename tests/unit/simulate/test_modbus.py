@@ -17,11 +17,10 @@ from msgspec.structs import replace
 from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
 from beamcam.interrupts import Asked
-from beamcam.machine.modbus import Modbus
+from beamcam.machine.tables import Modbus
 from beamcam.simulate.bars import bar_trace
-from beamcam.simulate.registers import check_range, register_count, registers, shown
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
+from beamcam.simulate.modbus import check_range, register_count, registers, shown
+from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
 from tests.conftest import ROOT
 from tests.runs import HANG_S, interrupted, wait_until
 from tests.unit.simulate.programs import course_of
@@ -165,7 +164,7 @@ def test_the_command_sends(server: Server, tmp_path: Path) -> None:
 @contextmanager
 def served(rows: Iterable[TraceRow], modbus: Modbus) -> Iterator[int]:
     """The controller in a thread: its port. It ends when it is asked to."""
-    from beamcam.simulate.controller import serve
+    from beamcam.simulate.modbus import serve
 
     ports: list[int] = []
     ready, asked = threading.Event(), Asked()

@@ -14,8 +14,7 @@ from click.testing import CliRunner
 
 from beamcam.cli import main
 from beamcam.commands.monitor import Reader
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import TraceRow
+from beamcam.simulate.trace import State, TraceRow
 from tests.conftest import ROOT
 from tests.runs import interrupted, wait_until
 from tests.unit.verify.programs import BEAM

@@ -13,14 +13,12 @@ from msgspec.structs import replace
 
 from beamcam.cli import main
 from beamcam.machine import load
-from beamcam.machine.bodies import Body
-from beamcam.machine.formula import Formula
+from beamcam.machine.formula import Body, Formula
 from beamcam.machine.load import shipped
 from beamcam.pipeline import post, read_file
 from beamcam.simulate.bars import cell_axes
-from beamcam.simulate.collisions import strikes
-from beamcam.simulate.state import State
-from beamcam.simulate.trace import TraceBuilder
+from beamcam.simulate.limits import strikes
+from beamcam.simulate.trace import State, TraceBuilder
 
 DSTV = Path(__file__).resolve().parents[3] / "samples" / "dstv"
 CELLS = tuple(name for name in shipped() if load(name).stock == "beam")

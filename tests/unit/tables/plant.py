@@ -15,13 +15,12 @@ from msgspec.structs import replace
 
 from beamcam.controllers.simotion.axes import Axis
 from beamcam.controllers.simotion.checker import check
-from beamcam.controllers.simotion.cutting_table import CuttingTable
 from beamcam.controllers.simotion.syntax import Unit
-from beamcam.controllers.simotion.trial import parsed, project_objects
+from beamcam.controllers.simotion.trial import CuttingTable, parsed, project_objects
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import HeightAxis
-from beamcam.model.triggers import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
+from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp, TriggerTable
 
 from .shop import plain_machine, table_machine
 

@@ -10,7 +10,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import SheetPlan
-from beamcam.model.triggers import TriggerTable
+from beamcam.model.program import TriggerTable
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
 from beamcam.readers import read

@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from beamcam.emitters import simotion
 from beamcam.machine.machine import Machine
-from beamcam.model.triggers import Switch, Travel, TriggerTable
+from beamcam.model.program import Switch, Travel, TriggerTable
 from tests.conftest import Golden
 
 from .deeds import (

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.emitters import simotion
 from beamcam.machine.runtime import INPUTS
-from beamcam.model.triggers import ArcTravel, Travel
+from beamcam.model.program import ArcTravel, Travel
 
 from .deeds import (
     alarm,

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from beamcam.emitters import simotion_units
+from beamcam.emitters import simotion
 
 from .shop import NAMES, program, table_machine
 
@@ -49,7 +49,7 @@ def faults(text: str) -> list[int]:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_grammar_accepts_every_unit(name: str, path_objects: bool, style: str) -> None:
     machine = table_machine(path_objects=path_objects, max_data=1024)
-    for _, unit in simotion_units.units(program(name, style, machine)):
+    for _, unit in simotion.units(program(name, style, machine)):
         assert faults(without_frame(unit)) == []
 
 

@@ -8,18 +8,18 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.controllers.simotion import read_program
-from beamcam.emitters import simotion, simotion_units
+from beamcam.emitters import simotion
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import shipped
 from beamcam.machine.torch import TorchRow
-from beamcam.model.triggers import Lift, Switch, TriggerTable
-from beamcam.motion.table_times import trigger_time
+from beamcam.model.program import Lift, Switch, TriggerTable
+from beamcam.motion.sheet_times import trigger_time
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
-from beamcam.simulate.triggers import trigger_trace
+from beamcam.simulate.program import trigger_trace
 from beamcam.verify.st import verify_triggers
 
 from . import test_grammar as stranger
@@ -130,7 +130,7 @@ def test_a_compiler_and_the_grammar_of_a_stranger_accept_it(kind: str, style: st
     if kind == "plcopen":
         assert stranger.faults(shipped("plcopen_blocks") + text) == []
         return
-    units = simotion_units.units(text)
+    units = simotion.units(text)
     assert (len(units) > 1) == (style == "table")
     for _, unit in units:
         assert stranger.faults(stranger.without_frame(unit)) == []

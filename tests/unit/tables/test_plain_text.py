@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 
 from beamcam.controllers.simotion.checker import check
-from beamcam.controllers.simotion.plain import parse_plain
+from beamcam.controllers.simotion.types import parse_plain
 from beamcam.machine.runtime import shipped
 
 from . import test_grammar as stranger

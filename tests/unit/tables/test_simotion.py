@@ -15,12 +15,12 @@ from msgspec.structs import replace
 from beamcam.controllers.simotion import read_program
 from beamcam.controllers.simotion import trial as trials
 from beamcam.controllers.simotion.trial import trial
-from beamcam.emitters import simotion, simotion_units
+from beamcam.emitters import simotion
 from beamcam.geometry.curves import Line
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import runtime_of
-from beamcam.model.triggers import Switch, Travel
+from beamcam.model.program import Switch, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
 from beamcam.verify.st import verify_triggers
@@ -84,7 +84,7 @@ def test_what_is_read_is_what_an_executor_of_the_text_does(
 def test_set_points_are_split_over_units_by_their_size() -> None:
     machine = table_machine(max_data=1024)
     text = program("rounded-rectangle", "table", machine)
-    units = simotion_units.split_units(text)
+    units = simotion.split_units(text)
     count = len(triggers("rounded-rectangle").operations)
     assert len(units) == 1 + -(-count // (1024 // simotion.POINT_BYTES))
     assert "".join(unit for _, unit in units) == text
@@ -123,12 +123,12 @@ def test_an_axis_that_does_not_move_is_not_commanded() -> None:
 
 
 def test_names_of_units() -> None:
-    assert simotion_units.unit_name("Träger 12/a") == "unit_Tr_ger_12_a"
-    assert simotion_units.unit_name("***") == "unit_job"
-    left, right = (simotion_units.unit_name(f"bracket of the {w} gallery") for w in ("L", "R"))
+    assert simotion.unit_name("Träger 12/a") == "unit_Tr_ger_12_a"
+    assert simotion.unit_name("***") == "unit_job"
+    left, right = (simotion.unit_name(f"bracket of the {w} gallery") for w in ("L", "R"))
     assert left != right
-    assert len(left) == len("unit_") + simotion_units.MAX_NAME
-    assert simotion_units.unit_name(left.removeprefix("unit_")) == left
+    assert len(left) == len("unit_") + simotion.MAX_NAME
+    assert simotion.unit_name(left.removeprefix("unit_")) == left
 
 
 def test_a_thousand_set_points_are_read_back_in_two_seconds() -> None:

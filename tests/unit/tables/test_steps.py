@@ -17,10 +17,10 @@ from beamcam.geometry.array_types import Counts
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.steps import StepRows, StepTable
+from beamcam.model.program import StepRows, StepTable
 from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
-from beamcam.motion.velocity_table import Way
+from beamcam.motion.steps import Way
 from beamcam.planning.contours.material import speed_between
 from beamcam.verify.steps import verify_table
 from tests.path_samples import positions

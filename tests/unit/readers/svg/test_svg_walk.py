@@ -7,8 +7,8 @@ import pytest
 from beamcam import readers
 from beamcam.errors import Severity
 from beamcam.readers import svg
-from beamcam.readers.svg.layers import unescape
 from beamcam.readers.svg.tree import looks_like
+from beamcam.readers.svg.walk import unescape
 from tests.svg_text import PAGE, codes, drawing, length_of, read
 
 SAMPLES = Path(__file__).parents[4] / "samples"
