@@ -73,7 +73,7 @@ class ShareTask(Task, frozen=True):
         stock, plan = None, posted.plan
         length = 0.0
         if isinstance(plan, Plan):
-            length = plan.bar.parts
+            length = round(plan.bar.parts, 6)
             cuts = plan.bar.front_trim + plan.bar.kerfs + plan.bar.end_trim - plan.bar.nested
             stock = StockRow(
                 remnant=plan.bar.remnant, cuts=cuts,
