@@ -123,7 +123,7 @@ def work(text: str, machine: Machine) -> list[tuple[object, ...]]:
     """What the head does: its moves with the tool on, and each word that starts or stops one."""
     found: list[tuple[object, ...]] = []
     on = False
-    states: dict[str, int] = {}
+    states: dict[str, int] = {"arc": True}  # unless it is put out
     for event in table_events(text, machine)[0]:
         if isinstance(event, Move) and on:
             if event.start != event.end or event.curve is not None:
