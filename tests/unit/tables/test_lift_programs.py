@@ -5,8 +5,10 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from msgspec.structs import replace
 
+from beamcam.cli import main
 from beamcam.controllers.simotion import read_program
 from beamcam.emitters import simotion
 from beamcam.errors import PlanError
@@ -283,3 +285,23 @@ def test_a_sheet_that_the_torch_does_not_clear_is_refused() -> None:
     with pytest.raises(PlanError, match="plan-torch-headroom: found a sheet of 8 mm; expected at "
                                         "most 5 mm"):  # fmt: skip
         plan_sheet([steel_part("shield")], machine)
+
+
+@pytest.mark.parametrize("name", ["simotion", "plcopen"])
+def test_the_height_is_a_column_beside_the_path(name: str, tmp_path: Path) -> None:
+    """Of `simulate`, and of the playback of a report; an encoder is read of X and Y alone."""
+    machine = str(MACHINES / f"table-{name}-z.toml")
+    sample = str(MACHINES.parent / "json" / "shield.json")
+    made, trace, page = (str(tmp_path / f"shield.{end}") for end in ("st", "csv", "html"))
+    for words in (
+        ["post", sample, "--machine", machine, "-o", made],
+        ["simulate", made, "--machine", machine, "-o", trace, "--encoder", "machine"],
+        ["report", made, "--machine", machine, "-o", page],
+    ):
+        run = CliRunner().invoke(main, words)
+        assert run.exit_code == 0, run.output
+    head, *rows = Path(trace).read_text(encoding="utf-8").splitlines()
+    assert head == "time_s,AxisX,AxisY,AxisZ,AxisX read,AxisY read,process,line"
+    on = {row.split(",")[3] for row in rows if row.split(",")[6] == "cut"}
+    assert {"14.000", "11.000"} <= on, "8 mm of sheet, and 6 and 3 over it"
+    assert '"name":"AxisZ"' in Path(page).read_text(encoding="utf-8").replace('": "', '":"')
