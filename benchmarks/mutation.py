@@ -6,9 +6,9 @@ and angles replaced. `outcome` tells, in a way that shares nothing with the read
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
 look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
 make the part but break a tool (`faults`), that a smaller machine could not run, or that are wrong
-in order, state, limits, leads or direction on a table (`sheet_faults`), plans that lie (`liars`,
-`sheet_liars`), jobs that are not what was asked for (`asked_liars`), and texts that are not the
-part's (`letterings`) have to be refused too.
+in order, state, limits, leads, direction, heights or outputs on a table (`sheet_faults`), plans
+that lie (`liars`, `sheet_liars`), jobs that are not what was asked for (`asked_liars`), and texts
+that are not the part's (`letterings`) have to be refused too.
 
     python benchmarks/mutation.py [--mutants 2500] [--seed 1]
 """

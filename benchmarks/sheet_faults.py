@@ -219,8 +219,14 @@ def never_down_to_the_cut(program: Lines, chance: random.Random) -> Lines | None
 
 
 def traverse_between_the_heights(program: Lines, chance: random.Random) -> Lines | None:
+    found = [
+        k for k, (a, b) in enumerate(pairwise(program)) if a == "G0 Z20" and b.startswith("G0 X")
+    ]  # fmt: skip
+    if not found:
+        return None
+    at = chance.choice(found)
     low = chance.choice(([], ["G0 Z5"], ["G0 Z19"]))
-    return _changed(program, chance, r"G0 Z20", *low)
+    return [*program[:at], *low, *program[at + 1 :]]
 
 
 def no_touch(program: Lines, chance: random.Random) -> Lines | None:
