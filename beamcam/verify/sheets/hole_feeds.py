@@ -15,7 +15,7 @@ def hole_faults(work: Work, traced: Sequence[Traced]) -> Iterator[Diagnostic]:
     """Strokes that run as in a small hole elsewhere, or in one as elsewhere."""
     if not any(s.row.slows_holes for s in work.strokes):
         return
-    rings = [t for t in traced if t.members]
+    rings = [t for t in traced if t.members or (t.contour is not None and not t.joined)]
     polygons = [t.inside() for t in rings]
     small: dict[int, bool | None] = {}  #: by stroke; None: as good as either
     for t, polygon, depth in zip(rings, polygons, ring_depths(polygons), strict=True):
@@ -25,7 +25,7 @@ def hole_faults(work: Work, traced: Sequence[Traced]) -> Iterator[Diagnostic]:
         is_small: bool | None = around < limit and depth is not None and depth % 2 == 1
         if depth is None or (depth % 2 == 1 and abs(around - limit) <= doubt):
             is_small = None
-        small |= {id(one.stroke): is_small for one in t.members}
+        small |= {id(one.stroke): is_small for one in t.members or [t]}
     told = 0
     for t in traced:
         expected, found = small.get(id(t.stroke), False), t.stroke.in_hole

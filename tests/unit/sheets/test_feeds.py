@@ -202,6 +202,15 @@ def test_a_program_of_other_shares_is_refused(
     assert verify_sheet(post((PART,), one).text, (PART,), two)
 
 
+@pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-oxyfuel", "plate-codesys"])
+def test_compensation_by_the_machine_is_read_back_too(name: str) -> None:
+    """Corners are those of the programmed path, holes those of the drawing."""
+    machine = slowed(name, {"kerf_by": "machine", "lead": "line"})
+    text = post((PART,), machine).text
+    other = slowed(name, {"kerf_by": "machine", "lead": "line"}, hole_diameter=15.0)
+    assert "verify-sheet-hole-feed" in {d.code for d in verify_sheet(text, (PART,), other)}
+
+
 def test_the_times_are_those_of_the_slower_feeds() -> None:
     """By hand: the length of every move by its feed."""
     machine = replace(slowed(), axes=())  # no accelerations are known then
