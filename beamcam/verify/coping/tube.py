@@ -27,8 +27,7 @@ from beamcam.verify.coping.wanted import FINE, corners_of, ring_of, slot_ring, w
 Shape = Any  #: of shapely
 
 SPECK = 0.05  #: mm2 that is nothing
-SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, and
-SPEED_SLACK = 0.004  #: mm of it, as figures are written
+SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
 HOLE_STEPS = 120
 _CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
@@ -44,6 +43,9 @@ class TubeTorch(Torch):
     ) -> None:
         super().__init__(machine, coper, rows, name)
         self._radius = radius
+        form = machine.format
+        #: mm that a way may be off as its ends are written
+        self._written = 2 * (form.resolution + radius * radians(10.0**-form.angle_decimals))
 
     def _surface(self, x: float, a_deg: float) -> Point:
         return x - self._coper.trim, self._radius * radians(90.0 - a_deg)
@@ -82,7 +84,7 @@ class TubeTorch(Torch):
         for row in self._rows:
             wanted = [row.feed_mm_min * m.minutes for m in moves]
             if all(
-                abs(way - want) <= SPEED_SHARE * way + SPEED_SLACK
+                abs(way - want) <= SPEED_SHARE * way + self._written
                 for way, want in zip(ways, wanted, strict=True)
             ):
                 return row
