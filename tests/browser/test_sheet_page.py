@@ -160,8 +160,8 @@ def test_a_hole_and_its_block_lead_to_each_other(browser: Browser, folder: Path)
     assert browser.run("return document.querySelector('circle.hole.now') !== null")
     assert browser.run("return document.querySelector('tr.now') !== null")
     browser.click("#first")
-    browser.run("document.querySelector(\"#listing [data-line='6']\").click()")
-    assert browser.run("return Sheet.trace.lineAt(Sheet.time)") == 6
+    browser.run("document.querySelector(\"#listing [data-line='12']\").click()")
+    assert browser.run("return Sheet.trace.lineAt(Sheet.time)") == 12
     browser.click("td button[data-line]")
     first = browser.run("return Number(document.querySelector('td button').dataset.line)")
     assert browser.run("return Sheet.trace.lineAt(Sheet.time)") == first
