@@ -76,6 +76,10 @@ def ways_to_read(
         yield NO_WAY_TO_READ.at(source)
 
 
+#: What is refused for its size or place, which a turn may help.
+_OFF_SHEET = frozenset({"plan-sheet-size", "plan-sheet-place", "plan-sheet-full"})
+
+
 def ways_out(
     request: Request,
     tried: Sequence[Machine],
@@ -93,18 +97,24 @@ def ways_out(
         return UNTRIED.at(source, found=features, expected=MOST_TRIED)
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
-    stuck = [one for one in on if one.machine.torch is not None and _made(one) is None]
+    refused = [(one, _refused(one)) for one in on if one.machine.torch is not None]
+    stuck = [(one, codes) for one, codes in refused if codes]
+    open_ones = [one for one, codes in stuck if any(code.startswith("plan-open") for code in codes)]
+    too_large = [one for one, codes in stuck if not codes.isdisjoint(_OFF_SHEET)]
     found = [*_first(map(_by_thickness, on))] or [
         *_first(map(_by_placing, on)),
         *(
             f"--machine {machine.name}"
             for machine in others
-            if _keeps_size(machine) >= any(map(_keeps_size, tried))
-            and _made(replace(request, machine=machine)) is not None
+            if machine.torch is None
+            or (
+                _keeps_size(machine) >= any(map(_keeps_size, tried))
+                and _made(replace(request, machine=machine)) is not None
+            )
         ),
-        *_first(map(_by_gap, stuck)),
-        *_first(map(_by_rotating, stuck)),
-        *_first(map(_by_unrolling, stuck)),
+        *_first(map(_by_gap, open_ones)),
+        *_first(map(_by_rotating, too_large)),
+        *_first(map(_by_unrolling, (one for one, _ in stuck))),
         *_first(map(_by_leave, on)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),
@@ -128,6 +138,16 @@ def _made(request: Request) -> AnyPlan | None:
         return post_of(request.machine).plan(job)
     except BeamcamError:
         return None
+
+
+def _refused(request: Request) -> frozenset[str]:
+    """The codes with which a machine refuses one of each part; none where it makes them."""
+    try:
+        job = Job(replace(request, quantity=None), tuple(range(len(request.parts))))
+        post_of(request.machine).plan(job)
+    except BeamcamError as error:
+        return frozenset(one.code for one in error.diagnostics)
+    return frozenset()
 
 
 def _by_thickness(request: Request) -> Iterator[str]:

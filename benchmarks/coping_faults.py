@@ -16,13 +16,15 @@ from collections.abc import Callable, Iterator
 
 from msgspec.structs import replace
 
+from beamcam.emitters.head import head_lines
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping import plan as planner
-from beamcam.posts import head_lines, post_of
+from beamcam.planning.left_out import by_hand_sources, left_out_kinds
+from beamcam.posts import post_of
 from benchmarks.script import arguments, at_least, start
 from tests.random_copes import random_cope
 from tests.random_tubes import random_tube
@@ -35,7 +37,8 @@ OfText = Callable[[Lines, random.Random], Lines | None]
 def program_of(plan: CopePlan, job: Job) -> str:
     """The text of a plan's program."""
     post = post_of(job.machine)
-    program = post.with_head(post.motion(plan, job.machine, "JOB"), tuple(head_lines(job)))
+    head = head_lines(job, plan, left_out_kinds(plan), sum(1 for _ in by_hand_sources(plan)))
+    program = post.with_head(post.motion(plan, job.machine, "JOB"), tuple(head))
     text = post.emit(program, job)
     assert isinstance(text, str)
     return text

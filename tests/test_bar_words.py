@@ -239,7 +239,8 @@ def tried(program: Program, every: int) -> Tried:
             lines = (*program.lines[: index + 1], words.block, *program.lines[index + 1 :])
             text = "\n".join(lines) + "\n"
             row = owner_of(words.word, words.carries, ROWS)
-            refusing = {*row.refused_by, *owner_of(words.word, "", ROWS).refused_by}
+            # A block in front of the last line of the head parts the program from what it says.
+            refusing = {*row.refused_by, *owner_of(words.word, "", ROWS).refused_by, "verify-head"}
             said = verify(text, program.parts, program.machine, bar=BAR)
             errors = {d.code for d in said if d.severity is Severity.ERROR}
             wrong = ""

@@ -62,7 +62,7 @@ def said_in(path: Path) -> list[tuple[int, str]]:
 
 def test_no_text_names_an_option_that_does_not_exist() -> None:
     # Custom properties of CSS begin with two hyphens too.
-    paths = [path for path in PACKAGE.rglob("*.py") if path.name != "static_files.py"]
+    paths = [path for path in PACKAGE.rglob("*.py") if path.name != "html.py"]
     found = {
         f"{path.name}:{line}": flags
         for path in paths

@@ -101,7 +101,7 @@ def strokes(text: str, machine: Machine) -> int:
         rows = [row.split(",") for row in re.findall(r"^-?\d.*", text, re.M)]
         laser = "0" + "".join(row[3 if len(row) == 4 else 4] for row in rows)
         return laser.count("01")
-    return len(re.findall(r"^(?:N\d+ )?(?:M0?[34]\b|M13\b)", text, re.M))
+    return len(re.findall(r"^(?:N\d+ )?(?:M0?[347]\b|M13\b)", text, re.M))
 
 
 def test_the_table_has_every_feature_and_every_machine_of_sheets() -> None:

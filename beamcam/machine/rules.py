@@ -43,7 +43,7 @@ KEY_TWICE = error("machine-key-twice",
     "Two names of one key could have two values. Remove the older one.")
 
 NO_COPER = error("machine-coper",
-    "found {found}, which copes profiles; {what} takes programs for bars and sheets only",
+    "found {found}, which copes profiles; expected one for bars or sheets, {what} takes no other",
     "`post`, `plan`, `verify` and `batch` know machines whose torch goes round a profile; other "
     "commands do not yet.")
 RULES = (

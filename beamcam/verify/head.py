@@ -126,8 +126,6 @@ def head_of(text: str) -> Head | None:
                 values |= {"stock": found[2], "grade": found[3] or ""}
         elif found := _PART.fullmatch(line):
             parts[found[1]] = f"{parts[found[1]]} {found[2]}" if found[1] in parts else found[2]
-        elif line != _UNREAD:
-            break
     in_order = [*parts] == [str(number) for number in range(1, len(parts) + 1)]
     told = tuple(map(_told_part, parts.values())) if in_order else ()
     return Head(int(made[2]), made[3], made[4] or "", tuple(sorted(kinds)), parts=told, **values)
@@ -144,7 +142,8 @@ def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
             line = _NUMBERED.sub("", line, count=1)
         if not (line.startswith(begin) and line.endswith(end) and stop >= 0):
             return
-        yield line[len(begin) : len(line) - len(end)]
+        said = line[len(begin) : len(line) - len(end)]
+        yield said.partition(end)[0] if end else said  # a comment may stand behind it
         at = stop + 1
 
 

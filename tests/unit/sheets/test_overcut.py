@@ -93,7 +93,7 @@ def test_another_overcut_is_refused(
     assert said
     assert {one.code for one in said} <= {
         "verify-sheet-overcut", "verify-sheet-open", "verify-sheet-twice", "verify-sheet-missing",
-        "verify-sheet-tabs",
+        "verify-sheet-tabs", "verify-sheet-edge",
     }  # fmt: skip
     if made < wanted:
         assert {one.code for one in said} == {"verify-sheet-overcut"}
