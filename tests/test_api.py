@@ -330,9 +330,13 @@ def test_the_time_of_a_machine_by_name_path_and_record(tmp_path: Path) -> None:
 ELSEWHERE = {
     "output", "config_file", "trust", "quiet", "verbose", "as_json", "quantity", "exit_left_out",
     "schema", "against", "colours", "no_verify", "first", "inputs", "program", "a", "b", "show",
-    "help", "every", "encoder", "name", "modbus", "serve", "pace", "machine", "source",
+    "help", "every", "contour", "frame", "encoder", "name", "modbus", "serve", "pace", "machine",
+    "source",
 }  # fmt: skip
-CALLED = {"no_verify": "read_back", "first": "from_operation", "colours": "map"}
+CALLED = {
+    "no_verify": "read_back", "first": "from_operation", "contour": "from_contour",
+    "colours": "map",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("command", [

@@ -27,6 +27,7 @@ from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
 from beamcam.machine.dialects import DIALECTS
+from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.names import DEFAULT_MACHINE
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import STEP_FORMS
@@ -258,14 +259,16 @@ def post(
     strict: bool = False,
     read_back: bool = True,
     from_operation: int | None = None,
+    from_contour: int | None = None,
     date: str = "",
 ) -> Posted:
     """The program that makes `parts` from one bar: its `text`, the `plan`, and `remarks`.
 
     `order`, `turn` and `strict` as of `plan`; `style` is "chain" or "table" of triggers, of step
     tables the suffix of their form. `from_operation` gives the remainder of the program only, from
-    that operation of the plan on; `date` is what `{date}` of the machine's words says. It was read
-    back and compared with the parts, unless `read_back` is False, which the program then says.
+    that operation of the plan on, `from_contour` that of a sheet; `date` is what `{date}` of the
+    machine's words says. It was read back and compared with the parts, unless `read_back` is False,
+    which the program then says.
     Raises PlanError, MachineError, and VerifyError for a program that would make anything else.
     """
     check_flags(read_back=read_back, turn=turn, strict=strict)
@@ -275,6 +278,10 @@ def post(
     check_style(style, loaded)
     check_text("date", date)
     posted = post_bar(wanted, loaded, job, bar, skips, read_back, order, turn, strict, style, date)
+    if from_contour is not None:
+        from beamcam.sheet_remainder import rest_of_sheet
+
+        return rest_of_sheet(posted, _contour(from_contour, loaded))
     if from_operation is None:
         return posted
     from beamcam.remainder import rest_of
@@ -294,6 +301,7 @@ def verify(
     bar: float | None = None,
     style: str | None = None,
     from_operation: int | None = None,
+    from_contour: int | None = None,
     after: FileInput | None = None,
     solid: bool = False,
 ) -> tuple[Diagnostic, ...]:
@@ -303,21 +311,22 @@ def verify(
     that makes exactly the parts, in their order on the bar; `order` "best" and `turn` take them in
     another one and turned. `skips` names the kinds of features that may be missing, as
     `--allow-skips` does; `bar` is the bar's length, where it is known. With `from_operation` the
-    program is the remainder of one, of `after`, or of the program that `post` makes of the parts.
-    `solid` machines a whole program as a solid too, and compares the pieces.
+    program is the remainder of one (`from_contour`: of a sheet's), of `after`, or of the program
+    that `post` makes of the parts. `solid` machines a whole program as a solid too, and compares
+    the pieces.
     Raises MachineError, and PlanError where that cannot be posted.
     """
     check_asked(bar=bar, skips=skips)
     check_flags(turn=turn, solid=solid)
     check_text("name", name)
-    if solid and from_operation is not None:
+    if solid and (from_operation is not None or from_contour is not None):
         fault = "a remainder has no solid of its own"
         raise AskError(ASK_VALUE.at(Source("beamcam"), name="solid", fault=fault))
     loaded, wanted, data = machine_of(machine), parts_asked(parts), program_bytes(program)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
     request = Request(wanted, loaded, named_skips(skips), name, order, turn, style=style)
-    if from_operation is None:
+    if from_operation is None and from_contour is None:
         found = read_program_back(data, request, bar)
         if not solid:
             return found
@@ -326,12 +335,20 @@ def verify(
         return (*found, *solid_faults(data, request, bar))
     from beamcam.remainder import faults_of
 
-    first = _operation(from_operation, loaded)
+    if from_contour is not None:
+        first = _contour(from_contour, loaded)
+    else:
+        first = _operation(from_operation, loaded)
     if after is None:
         whole = post_bar(wanted, loaded, "JOB", bar, skips, False, order, turn).text
     else:
         whole = program_bytes(after).decode("utf-8", "replace")
-    return faults_of(data.decode("utf-8", "replace"), whole, first, whole_job(request, bar))
+    rest, job = data.decode("utf-8", "replace"), whole_job(request, bar)
+    if from_contour is not None:
+        from beamcam.sheet_remainder import faults_of_sheet_rest
+
+        return faults_of_sheet_rest(rest, whole, first, job)
+    return faults_of(rest, whole, first, job)
 
 
 def check_style(style: object, machine: Machine) -> None:
@@ -340,6 +357,15 @@ def check_style(style: object, machine: Machine) -> None:
     forms = known.get(machine.controller, ())
     if style is not None and style not in forms:
         raise AskError(ask_type("style", style, " or ".join(map(repr, (*forms, None)))))
+
+
+def _contour(first: object, machine: Machine) -> int:
+    """The contour that the rest of a sheet's program begins with. Raises AskError."""
+    number: int = converted(first, int, "from_contour")
+    if machine.stock != "sheet" or machine.controller in TABLE_CONTROLLERS:
+        fault = f"{machine.name} runs no program of contours"
+        raise AskError(ASK_VALUE.at(Source("beamcam"), name="from_contour", fault=fault))
+    return number
 
 
 def _operation(first: object, machine: Machine) -> int:
