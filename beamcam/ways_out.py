@@ -106,11 +106,8 @@ def ways_out(
         *(
             f"--machine {machine.name}"
             for machine in others
-            if machine.torch is None
-            or (
-                _keeps_size(machine) >= any(map(_keeps_size, tried))
-                and _made(replace(request, machine=machine)) is not None
-            )
+            if (machine.torch is None or _keeps_size(machine) >= any(map(_keeps_size, tried)))
+            and _made(replace(request, machine=machine)) is not None
         ),
         *_first(map(_by_gap, open_ones)),
         *_first(map(_by_rotating, too_large)),

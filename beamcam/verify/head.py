@@ -134,6 +134,8 @@ def head_of(text: str) -> Head | None:
 def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
     """The texts of the comments behind the first line of a head, as far as they go."""
     begin, end = _NUMBERED.sub("", made[1], count=1), made[5].rstrip("\r")
+    if begin == "(":
+        end = ")"  # another comment may stand behind it
     at = made.end() + 1
     for _ in range(MOST_LINES):
         stop = text.find("\n", at)
@@ -143,7 +145,7 @@ def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
         if not (line.startswith(begin) and line.endswith(end) and stop >= 0):
             return
         said = line[len(begin) : len(line) - len(end)]
-        yield said.partition(end)[0] if end else said  # a comment may stand behind it
+        yield said.partition(end)[0] if end else said
         at = stop + 1
 
 
