@@ -1,7 +1,7 @@
 """The frame of a job: a program that leads the head round all of its work with the tool off.
 
 3 ------------- 2
-|  o   ____     |     Run before the job: whoever stands there sees whether the sheet lies
+|  o   ____     |     Run before the job: the operator sees whether the sheet lies
 |     |    |    |     under it, and whether a clamp is in the way.
 0 ------------- 1
 """

@@ -97,10 +97,13 @@ def ways_out(
         return UNTRIED.at(source, found=features, expected=MOST_TRIED)
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
-    refused = [(one, _refused(one)) for one in on if one.machine.torch is not None]
-    stuck = [(one, codes) for one, codes in refused if codes]
-    open_ones = [one for one, codes in stuck if any(code.startswith("plan-open") for code in codes)]
-    too_large = [one for one, codes in stuck if not codes.isdisjoint(_OFF_SHEET)]
+    refused = [
+        (one, {said.code for said in why.diagnostics})
+        for one in on
+        if one.machine.torch is not None and isinstance(why := _planned(one), BeamcamError)
+    ]
+    open_ones = [one for one, codes in refused if any(c.startswith("plan-open") for c in codes)]
+    too_large = [one for one, codes in refused if not codes.isdisjoint(_OFF_SHEET)]
     found = [*_first(map(_by_thickness, on))] or [
         *_first(map(_by_placing, on)),
         *(
@@ -111,7 +114,7 @@ def ways_out(
         ),
         *_first(map(_by_gap, open_ones)),
         *_first(map(_by_rotating, too_large)),
-        *_first(map(_by_unrolling, (one for one, _ in stuck))),
+        *_first(map(_by_unrolling, (one for one, _ in refused))),
         *_first(map(_by_leave, on)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),
@@ -129,22 +132,18 @@ def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:
 
 def _made(request: Request) -> AnyPlan | None:
     """The plan of all parts on the longest bar; None where the machine refuses them."""
+    plan = _planned(request)
+    return None if isinstance(plan, BeamcamError) else plan
+
+
+def _planned(request: Request) -> AnyPlan | BeamcamError:
+    """The plan of one of each part on the longest bar, or why the machine refuses them."""
     pieces = tuple(range(len(request.parts)))
     try:
         job = Job(replace(request, quantity=None), pieces, max(request.stock, default=None))
         return post_of(request.machine).plan(job)
-    except BeamcamError:
-        return None
-
-
-def _refused(request: Request) -> frozenset[str]:
-    """The codes with which a machine refuses one of each part; none where it makes them."""
-    try:
-        job = Job(replace(request, quantity=None), tuple(range(len(request.parts))))
-        post_of(request.machine).plan(job)
     except BeamcamError as error:
-        return frozenset(one.code for one in error.diagnostics)
-    return frozenset()
+        return error
 
 
 def _by_thickness(request: Request) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Programs whose heads say otherwise than what was asked for, all to be refused by `post`.
 
-A head is removed, allows kinds that nobody named, allows none of those that were named, was made
+A head is removed, allows kinds that were not named, allows none of those that were named, was made
 by another form or for another machine file, says another stock, or a part elsewhere, larger or not
 at all; on every machine whose programs have a head.
 """

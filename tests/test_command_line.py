@@ -166,7 +166,7 @@ def test_inspect_takes_the_thickness_that_post_takes(tmp_path: Path) -> None:
 #: Options of `post` that a folder has not, and why.
 NOT_OF_FOLDERS = {
     "--from-operation": "a stop in mid bar is of one program",
-    "--from-contour": "a stop amid a sheet is of one program",
+    "--from-contour": "a stop within a sheet is of one program",
     "--frame": "a program to lay a sheet by, beside one job",
     "--force": "has a batch post unchanged inputs again; a model's members stand for themselves",
 }

@@ -143,7 +143,7 @@ def changed_head(text: str, old: str, new: str) -> str:
 
 
 def test_a_missing_last_cut_is_found_by_the_bar_of_the_head() -> None:
-    """Behind a mitre the bar might end; nobody but the head says that it does not."""
+    """Behind a mitre the bar might end; only the head says that it does not."""
     request = Request((MITRE,), load("beamline"))
     text = post([MITRE], request.machine, bar=6000.0).text
     assert not errors_in(read_back(text, request))

@@ -37,7 +37,11 @@ def post(*words: object) -> Result:
          "3 holes, 2 cuts, 1 bar of 2424.04, 1:43 min; "
          "read back: the part but for 3 marks left to the hand"),
         ((DSTV / "channel.nc1", "--from-operation", 4), "rest.gcode",
-         "operations 4 to 12 of 12; read back: the part, exactly"),
+         "operations 4 to 12 of 12; read back: the rest of the whole program, exactly"),
+        ((SAMPLES / "dxf" / "plate.dxf", "--thickness", 3, "--from-contour", 2), "rest.ngc",
+         "contours 2 to 7 of 7; read back: the rest of the whole program, exactly"),
+        ((SAMPLES / "coping" / "coped.nc1", "--machine", "coper-linuxcnc"), "coped.ngc",
+         "14 cuts, 1260 mm of bar, 1:47 min; read back: the part but for 4 corners rounded"),
     ],
 )  # fmt: skip
 def test_a_line_says_what_was_written(

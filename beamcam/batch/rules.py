@@ -30,7 +30,7 @@ REMNANT_OF = error("batch-remnant",
     "The parts are of several sections or grades, and a remnant is of one of them.")
 STALE_SHARE = warning("batch-stale-share",
     "{found!r} still stands from an earlier run over stock; expected it to be of this one",
-    "The pieces lie on other bars or sheets now; whoever runs the older program makes them twice.")
+    "The pieces lie on other bars or sheets now; the older program would make them twice.")
 OVER_INPUT = error("batch-over-input",
     "found the output {found!r}, which is the file {read!r} that this run reads; expected another "
     "name or folder",

@@ -46,6 +46,7 @@ from beamcam.pipeline import (
     stock_of,
     untold,
 )
+from beamcam.planning.coping.rules import ROUNDED
 from beamcam.planning.left_out import by_hand_sources, left_out_sources
 
 
@@ -167,7 +168,7 @@ def command(
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
     if not (voice.quiet or voice.as_json):
         for name, each in made:
-            voice.tell(success(name, each, first))
+            voice.tell(success(name, each, first or contour))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
 
@@ -255,16 +256,17 @@ _OF_PROCESS = {"cut": "contour", "mark": "marked line", "engrave": "engraved lin
 def success(name: str, posted: Posted, first: int | None = None) -> str:
     """`channel.gcode: 14 holes, 2 cuts, 1 bar of 12000, 33:56 min; read back: the part, exactly`.
 
-    `name` is the program's file. `first` is the operation that a remainder begins with.
+    `name` is the program's file. `first` is the operation or contour that a remainder begins with.
     """
     plan, job = posted.plan, posted.job
     count = len(plan.operations)
     made = [*_made(plan, job.machine.saw is None)]
     made.append(clock(posted.time(job.machine).total_s))
     if first is not None:
-        made = [f"operations {first} to {count} of {count}"]
+        steps = "contours" if isinstance(plan, SheetPlan) else "operations"
+        made = [f"{steps} {first} to {count} of {count}"]
     shown = "the program" if name == STANDARD else PurePath(name).name
-    return f"{shown}: {', '.join(made)}; {_read_back(posted)}"
+    return f"{shown}: {', '.join(made)}; {_read_back(posted, first is not None)}"
 
 
 def _made(plan: AnyPlan, comes_cut: bool) -> Iterator[str]:
@@ -303,11 +305,13 @@ def _kind(feature: Feature) -> str:
     return "end"  # a contour or plane that the cuts make
 
 
-def _read_back(posted: Posted) -> str:
+def _read_back(posted: Posted, is_rest: bool) -> str:
     """What the read-back found of a program that is not refused."""
     plan = posted.plan
     if not posted.job.request.verified:
         return "NOT read back"
+    if is_rest:
+        return "read back: the rest of the whole program, exactly"
     pieces = len(plan.pieces)
     parts = "the part" if pieces == 1 else f"the {pieces} parts"
     left_out = sum(1 for _ in left_out_sources(plan))
@@ -316,6 +320,8 @@ def _read_back(posted: Posted) -> str:
     lacking = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
     if by_hand:
         lacking.append(f"{_counted(by_hand, 'mark')} left to the hand")
+    if rounded := sum(int(one["count"]) for one in plan.remarks if one.code == ROUNDED.code):
+        lacking.append(f"{_counted(rounded, 'corner')} rounded")
     return f"read back: {parts} but for {' and '.join(lacking)}" if lacking else exactly
 
 

@@ -92,7 +92,7 @@ class OfPart(Struct, frozen=True):
 class BeginPart(Struct, frozen=True):
     """Work on another part of the bar begins."""
 
-    text: str  #: for whoever reads the program at the machine
+    text: str  #: for the operator
 
 
 class TellText(Struct, frozen=True):

@@ -88,7 +88,7 @@ def turns_that_help(
 ) -> Iterator[Diagnostic]:
     """For each part that cannot be made as given, the turn that would help, if one does.
 
-    Parts of more than `MOST_TRIED` features are not tried: nobody asked for their turns.
+    Parts of more than `MOST_TRIED` features are not tried, as no turn was asked for.
     """
     for part in {id(p): p for p in parts}.values():
         if len(part.features) > MOST_TRIED:

@@ -171,7 +171,7 @@ def ring_of(curves: Sequence[Curve], fine: float, near: float) -> tuple[int, int
 
 
 def whole(ring: Sequence[Curve], near: float) -> Curves:
-    """A ring whose first and last curve are one where it was begun amid a line or an arc."""
+    """A ring whose first and last curve are one where it was begun within a line or an arc."""
     first, last = ring[0], ring[-1]
     between = tuple(ring[1:-1])
     if len(ring) < 2:

@@ -111,8 +111,8 @@ def behind(body: "Manifold", point: Vec, normal: Vec) -> "Manifold":
 
 # The section of a bar as a plane shape, and the walls that its faces look at.
 #
-#         Y                       I: web amid the flanges       T: flange flat along Y at Z = 0,
-#         |  o                    U, C: web on the h side          stem along Z amid its height
+#         Y                       I: web at mid flange          T: flange flat along Y at Z = 0,
+#         |  o                    U, C: web on the h side          stem along Z at mid height
 #         |-----                  L: v leg flat along Y at Z = 0, u leg along Z at Y = 0
 #      h  |      v                M: four walls                 B: height along Y, thickness along Z
 #         |-----

@@ -19,7 +19,7 @@ NO_MACHINE = error("solid-machine",
 PIECES = error("solid-pieces",
     "found {found} in what the program leaves; expected {expected}",
     "The pieces are what holds together after all cuts. A cut that is missing leaves two parts in "
-    "one; a piece that nobody asked for is steel wasted.")
+    "one; a piece that was not asked for is steel wasted.")
 SIZE = error("solid-size",
     "found {piece} {found} mm long; expected {expected} mm, the length of {mark}",
     "The piece is as long as its solid after all cuts. A tolerance is what the machine's decimals "

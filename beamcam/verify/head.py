@@ -13,7 +13,7 @@ It is read whatever signs a controller has for comments, and written nowhere in 
 lines follow each other, all between the signs of the first one; what stands elsewhere in a program
 is no head. A program whose head says otherwise than what was asked for, or than what the program
 does, is refused. Nothing in a head excuses a program but the kinds that may be left out, which
-`verify` takes from it where nobody names others.
+`verify` takes from it where no others are named.
 """
 
 import re
@@ -55,7 +55,7 @@ HEAD = error("verify-head",
     "found {found} in the head of the program; expected {expected}",
     "The head says which kinds of features may be missing, how many marks are left for manual "
     "work, for which machine file the program was made, the bar, and where its parts lie. A wrong "
-    "head would mislead a later check, and whoever loads the bar.")  # fmt: skip
+    "head would mislead a later check, and the operator who loads the bar.")  # fmt: skip
 HEAD_TEXT = warning("verify-head-text",
     "found {found} in the head of the program; expected {expected}",
     "The program may have been made for a part of the same shape with another mark, drawing, "

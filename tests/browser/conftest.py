@@ -7,6 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from tests.conftest import SAMPLES
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 
@@ -87,3 +91,29 @@ def browser() -> Iterator[Browser]:
         yield Browser(driver)
     finally:
         driver.quit()
+
+
+def mouse(browser: Browser, kind: str, x: float, y: float, **more: Any) -> None:
+    browser.driver.execute_cdp_cmd(
+        "Input.dispatchMouseEvent",
+        {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1, **more},
+    )
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Setup sheets of a bar of three parts and of a plate."""
+    made = tmp_path_factory.mktemp("sheets")
+    for name, inputs, machine in (
+        ("bar", ("channel", "tie", "channel"), "beamline-annex"),
+        ("plate", ("gusset",), "plate-linuxcnc"),
+    ):
+        words = [
+            "report",
+            *(str(SAMPLES / "dstv" / f"{one}.nc1") for one in inputs),
+            "--machine",
+            machine,
+        ]
+        done = CliRunner().invoke(main, [*words, "-o", str(made / f"{name}.html")])
+        assert done.exit_code == 0, done.output
+    return made

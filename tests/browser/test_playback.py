@@ -14,25 +14,10 @@ from click.testing import CliRunner
 from PIL import Image
 
 from beamcam.cli import main
-from tests.browser.conftest import Browser
-from tests.browser.test_solid import mouse
+from tests.browser.conftest import Browser, mouse
 
-DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 ROUNDS = 20_000  #: blocks of the long program
 HEAD = "%\n(JOB)\nG21 G17 G90 G91.1 G40 G94\nG64 P0.01\nG0 X700 Y500\nM3 S1\nF3000\n"
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("players")
-    for name, inputs, machine in (
-        ("bar", ("channel", "tie", "channel"), "beamline-annex"),
-        ("plate", ("gusset",), "plate-linuxcnc"),
-    ):
-        words = ["report", *(str(DSTV / f"{one}.nc1") for one in inputs), "--machine", machine]
-        done = CliRunner().invoke(main, [*words, "-o", str(made / f"{name}.html")])
-        assert done.exit_code == 0, done.output
-    return made
 
 
 @pytest.fixture(scope="module")

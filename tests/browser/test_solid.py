@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from PIL import Image
 
 from beamcam.cli import main
-from tests.browser.conftest import Browser
+from tests.browser.conftest import Browser, mouse
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 NO_WEBGL = (
@@ -20,19 +20,6 @@ NO_WEBGL = (
     "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
     "return kind === 'webgl' ? null : own.call(this, kind, ...more); };"
 )
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("solids")
-    for name, inputs, machine in (
-        ("bar", ("channel", "tie", "channel"), "beamline-annex"),
-        ("plate", ("gusset",), "plate-linuxcnc"),
-    ):
-        words = ["report", *(str(DSTV / f"{one}.nc1") for one in inputs), "--machine", machine]
-        done = CliRunner().invoke(main, [*words, "-o", str(made / f"{name}.html")])
-        assert done.exit_code == 0, done.output
-    return made
 
 
 @pytest.fixture
@@ -65,13 +52,6 @@ def place(browser: Browser) -> tuple[float, float]:
         "const r = e.getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]"
     )
     return float(x), float(y)
-
-
-def mouse(browser: Browser, kind: str, x: float, y: float, **more: Any) -> None:
-    browser.driver.execute_cdp_cmd(
-        "Input.dispatchMouseEvent",
-        {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1, **more},
-    )
 
 
 def drag(browser: Browser, dx: float, dy: float, modifiers: int = 0) -> None:

@@ -113,7 +113,7 @@ def _may_pass(starts: Floats, ends: Floats, places: Floats, tolerance: float) ->
 #  _________
 # |   ___   |   The window touches the edge of the plate at o, and both are drawn as one contour:
 # |  |   |  |   two regions of waste, each cut by itself. Where it is the part that hangs together
-# |  |   |  |   by a point, the contour stays whole, as nobody says that it is two parts.
+# |  |   |  |   by a point, the contour stays whole, as nothing says that it is two parts.
 # |__o___|__|
 
 

@@ -131,7 +131,7 @@ def _shared(contours: Sequence[Contour]) -> Iterator[tuple[int, int, int]]:
 def _steps(count: int, edges: Sequence[tuple[int, int]]) -> list[int] | None:
     """How many kerfs each part is moved along an axis; None where edges contradict one another.
 
-    Of parts that hang together the first is not moved back: the least of them is 0.
+    Of parts that touch, directly or by others, the first is not moved back: the least of them is 0.
     """
     beside: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for before, behind in edges:

@@ -16,7 +16,7 @@ TORCH = error("verify-coping-torch",
     "The torch may only be on while it cuts, and only as the machine file says that it is.")
 ANGLE = error("verify-coping-angle",
     "found the torch cutting at A {found}; expected -90, 0 or 90, fixed from pierce to end",
-    "Any other angle cuts the wall askew, or another wall.")
+    "Any other angle cuts the wall at a slant, or another wall.")
 HEIGHT = error("verify-coping-height",
     "found the tip {found} mm over the {face} face as it {does}; expected {expected} mm",
     "Too low the torch strikes the steel, too high its arc goes out or its kerf gets wider.")
