@@ -13,8 +13,11 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 from msgspec.structs import replace
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from beamcam.emitters.head import head_lines
 from beamcam.errors import PlanError, errors_in
