@@ -120,6 +120,8 @@ def ways_out(
         *_first(map(_by_turning, on)),
         *_one_by_one(on),
     ]
+    if not found:
+        found = [*_first(map(_by_opening, open_ones))]
     if not found and read is not None:
         found = [*_by_units(on, read)]
     return WAYS_OUT.at(source, found=" or ".join(found)) if found else NO_WAY_OUT.at(source)
@@ -172,6 +174,15 @@ def _by_gap(request: Request) -> Iterator[str]:
         if gap > torch.gap and _made(_with_torch(request, replace(torch, gap=gap))) is not None:
             yield f"--gap {gap:g}"
             return
+
+
+def _by_opening(request: Request) -> Iterator[str]:
+    """Open lines cut on their line, where no gap joins their ends."""
+    torch = request.machine.torch
+    if torch is None or torch.allow_open:
+        return
+    if _made(_with_torch(request, replace(torch, allow_open=True))) is not None:
+        yield "--allow-open"
 
 
 def _by_rotating(request: Request) -> Iterator[str]:

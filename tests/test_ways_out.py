@@ -133,8 +133,9 @@ def ring(width: float, height: float) -> list[tuple[float, float]]:
     (4, [(0, 0), (80, 0), (80, 60), (0, 60), (0, 0.15)], "--gap 0.2"),
     (4, [(0, 0), (20, -20), (1620, 1580), (1600, 1600), (0, 0)], "--rotate 105"),
     (1, ring(300, 200), "--units mm"),
+    (4, [(0, 0), (80, 0), (80, 60)], "--allow-open"),
 ])  # fmt: skip
-def test_a_drawing_is_told_what_closes_turns_or_scales_it(
+def test_a_drawing_is_told_what_closes_opens_turns_or_scales_it(
     tmp_path: Path, units: int, shape: list[tuple[float, float]], way: str
 ) -> None:
     path = saved(tmp_path, units, shape)

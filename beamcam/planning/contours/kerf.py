@@ -169,7 +169,10 @@ Lead = tuple[Curves, Curves]  #: in and out
 NO_LEADS: Lead = ((), ())
 
 #: The shares of the machine's lengths that are tried, longest first.
-SHARES = (1.0, 0.6, 0.35, 0.2)
+SHARES = (1.0, 0.6, 0.35, 0.2, 0.1)
+
+#: How far off its path a lead ends at least, in tolerances: one of the path's own radius lies on it.
+OFF_PATH = 4.0
 
 
 def leads_of(
@@ -196,12 +199,14 @@ def leads_of(
     clearance = max(0.0, half_kerf - torch.tolerance / 2)
     fence = [s.curves for s in contours if s.process == "cut"]
     tree = shapely.STRtree(polylines_of(fence, torch.tolerance / 4))
+    off_path = half_kerf + OFF_PATH * torch.tolerance if half_kerf else 0.0
     ways_in: dict[int, Curves] = {}
     ways_out: dict[int, Curves] = {}
     short: set[int] = set()
     # Each for itself, so that a way out without room does not shorten the way in.
     for found, is_out, far in (
-        (ways_in, False, pierce_radius), (ways_in, False, 0.0), (ways_out, True, 0.0),
+        (ways_in, False, max(pierce_radius, off_path)), (ways_in, False, off_path),
+        (ways_out, True, off_path),
     ):  # fmt: skip
         for share in SHARES:
             tried = {

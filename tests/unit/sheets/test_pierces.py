@@ -4,6 +4,8 @@ import re
 from math import dist
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.errors import VerifyError
@@ -83,3 +85,18 @@ def test_a_wider_pierce_asks_for_more_room() -> None:
         machine = replace(machine, torch=replace(torch, rows=rows))
         place, _ = pierced(post((part,), machine).text)
         assert (diameter / 2 - dist(place, (50.0, 50.0)) >= 4.0) == room
+
+
+@settings(max_examples=60, deadline=None)
+@given(diameter=st.floats(1.52, 8.0), lead_in=st.floats(0.3, 8.0), lead_out=st.floats(0.0, 4.0))
+def test_a_lead_round_the_middle_of_a_hole_is_no_lead(
+    diameter: float, lead_in: float, lead_out: float
+) -> None:
+    """A quarter circle of the path's own radius lies on it: another one is taken, or none."""
+    part = drawing(contour(box(0, 0, 60, 60)), contour(circle(30, 30, diameter), line=2))
+    machine = table(lead_in=lead_in, lead_out=lead_out, min_hole=0.0, min_hole_share=0.0)
+    text = post((part,), machine).text
+    assert isinstance(text, str)
+    away = dist(pierced(text)[0], (30.0, 30.0))
+    path = diameter / 2 - HALF_KERF
+    assert away <= path - 0.03 or away == pytest.approx(path, abs=2e-3)
