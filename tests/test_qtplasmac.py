@@ -60,7 +60,7 @@ def test_the_filter_of_the_controller_takes_every_line(sample: str, tmp_path: Pa
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("G0 X43.6599 Y151.9099\n", ""), ("(o=0,", "(o=1,"), ("F2300", "F1300"),
+        ("G0 X50 Y150\n", ""), ("(o=0,", "(o=1,"), ("F2300", "F1300"),
         ("pd=0.5", "pd=x"),
     ],
 )  # fmt: skip

@@ -210,6 +210,9 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     if torch.overscan and not (torch.laser_mode and _names(words.power, "power")):
         expected = "0, or laser_mode and {power} in words.power"
         yield "torch.overscan", torch.overscan, expected
+    for key, asked in (("hole_overcut", torch.hole_overcut), ("hole_lead", torch.hole_lead)):
+        if asked not in (None, "lead") and not worded:
+            yield f"torch.{key}", asked, "nothing, as the table does not run G-code"
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
 

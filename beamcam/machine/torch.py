@@ -124,6 +124,9 @@ class Torch(Keys, frozen=True):
     #: a turn of more than 20 degrees
     min_tab_to_corner: NotNegative = 0.0
     overcut: NotNegative = 0.0  #: how far a closed cut goes on along its contour beyond its start
+    hole_overcut: NotNegative | None = None  #: that of small holes (`hole_diameter` of their row)
+    #: lead-in of small holes that are round: as `lead` says, or half a circle from their middle
+    hole_lead: Literal["lead", "middle"] = "lead"
     min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
     min_hole_share: NotNegative = 0.0  #: smallest diameter that can be cut, by the thickness
     #: Holes and slots that the torch cannot make (smaller ones, threads, countersinks, blind ones):

@@ -184,6 +184,7 @@ class Pass(Struct, frozen=True, gc=False):
     lead_in: tuple[Curve, ...]  #: from the pierced hole to the contour
     curves: tuple[Curve, ...]  #: along it
     lead_out: tuple[Curve, ...]  #: the overcut beyond its start, and the way off it
+    again: int = 0  #: how many curves of `lead_out` are the overcut
 
 
 class ContourOp(Struct, frozen=True, gc=False):

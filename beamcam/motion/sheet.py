@@ -90,7 +90,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
         op = run[0]
         for one in op.passes:
             whole = op.closed and op.row.process == "cut" and len(op.passes) == op.row.passes
-            closing = one.curves[-1].end if closes and whole and one.lead_out else None
+            closing = one.curves[-1].end if closes and whole and one.again else None
             commands += _pass(op, next(paths), pen, closing)
     if tool != "cut":
         commands.append(ChooseTool("cut"))

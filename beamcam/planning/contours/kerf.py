@@ -12,7 +12,7 @@ from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.common_cuts import begun_off_common, in_levels
 from beamcam.planning.contours.entry import uncompensated
-from beamcam.planning.contours.lead_in import leads, waste_side
+from beamcam.planning.contours.lead_in import from_middle, leads, waste_side
 from beamcam.planning.contours.narrow import left_in, sharp_corners, told_near, told_of, too_near
 from beamcam.planning.contours.outline import Shape
 from beamcam.planning.contours.outline import ways as polylines_of
@@ -171,7 +171,7 @@ NO_LEADS: Lead = ((), ())
 #: The shares of the machine's lengths that are tried, longest first.
 SHARES = (1.0, 0.6, 0.35, 0.2, 0.1)
 
-#: How far off its path a lead ends at least, in tolerances: one of the path's own radius lies on it.
+#: How far off its path a lead ends at least, in tolerances: one of the path's radius lies on it.
 OFF_PATH = 4.0
 
 
@@ -203,6 +203,11 @@ def leads_of(
     ways_in: dict[int, Curves] = {}
     ways_out: dict[int, Curves] = {}
     short: set[int] = set()
+    if torch.hole_lead == "middle":
+        small = {k: from_middle(ways[k].curves) for k in asked if ways[k].is_small}
+        round_ones = {k: curves for k, curves in small.items() if curves}
+        kept = _clear_of(tree, round_ones, False, torch.tolerance, clearance, 0.0)
+        ways_in |= {k: round_ones[k] for k in kept}
     # Each for itself, so that a way out without room does not shorten the way in.
     for found, is_out, far in (
         (ways_in, False, max(pierce_radius, off_path)), (ways_in, False, off_path),

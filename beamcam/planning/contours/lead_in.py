@@ -1,6 +1,6 @@
 """Lead-ins and lead-outs: the paths between the pierced point and a closed contour."""
 
-from math import pi
+from math import dist, pi
 
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line
@@ -8,6 +8,8 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 
 Curves = tuple[Curve, ...]
+
+SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart
 
 
 def waste_side(area: float, is_hole: bool) -> int:
@@ -31,6 +33,28 @@ def leads(
     return (
         _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
         _lead(last.end, last.tangent(1.0), side, torch, torch.lead_out * share, True),
+    )
+
+
+def from_middle(curves: Curves) -> Curves:
+    """Lead-in of a round hole: half a circle from its middle, tangent to it; none of another."""
+    first, *others = curves
+    if not isinstance(first, Arc) or not all(_is_of(first, other) for other in others):
+        return ()
+    (x, y), (mx, my) = first.start, first.centre
+    half = Arc(
+        ((x + mx) / 2, (y + my) / 2), first.radius / 2, first.start_deg - 180.0,
+        180.0 if first.sweep_deg > 0.0 else -180.0,
+    )  # fmt: skip
+    return (half,)
+
+
+def _is_of(arc: Arc, other: Curve) -> bool:
+    """Whether another curve lies on the circle of an arc."""
+    return (
+        isinstance(other, Arc)
+        and dist(arc.centre, other.centre) <= SAME_CIRCLE
+        and abs(arc.radius - other.radius) <= SAME_CIRCLE
     )
 
 

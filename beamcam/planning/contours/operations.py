@@ -143,9 +143,15 @@ def _operation(
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     last = len(stretches) - 1
     beyond = (*overcut(shape, kerf, torch), *lead[1]) if side == "on" else lead[1]
+    again = len(beyond) - len(lead[1]) if side == "on" else len(beyond)
     passes = tuple(
         [
-            Pass(lead[0] if k == 0 else (), curves, beyond if k == last else ())
+            Pass(
+                lead[0] if k == 0 else (),
+                curves,
+                beyond if k == last else (),
+                again if k == last else 0,
+            )
             for k, curves in enumerate(stretches)
             for _ in range(row.passes)
         ]
@@ -162,7 +168,7 @@ def _is_small(shape: Shape, material: Material) -> bool:
     if shape.process != "cut" or not (shape.is_ring and shape.is_hole):
         return False
     row = material.row_for("cut", shape.look)
-    if row is None or not row.slows_holes:
+    if row is None:
         return False
     return total_length(shape.curves) < pi * row.hole_diameter
 

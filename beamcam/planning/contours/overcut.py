@@ -9,10 +9,12 @@ ROUNDING = 1e-6
 
 
 def overcut_length(shape: Shape, torch: Torch) -> float:
-    """The overcut that is asked of a contour: that of its colour or layer, or of the machine."""
+    """The overcut that is asked of a contour: of its colour or layer, of small holes, or of all."""
     if shape.process != "cut" or not shape.is_ring:
         return 0.0
     own = torch.settings.get(shape.look, PLAIN).overcut
+    if own is None and shape.is_small:
+        own = torch.hole_overcut
     return torch.overcut if own is None else own
 
 

@@ -153,7 +153,8 @@ def _close(work: Work, bounds: Bounds, traced: Sequence[Traced], first: int, las
     head, tail = bounds[first][0], bounds[last][1]
     total = begins[tail - 1] + work.path.lengths[tail - 1]
     for low in range(traced[first].last - 1, head - 1, -1):
-        if begins[low] - begins[head] > work.most_in:
+        most = max(work.most_in, work.most_from_middle) if low == head + 1 else work.most_in
+        if begins[low] - begins[head] > most:
             continue
         for high in range(bounds[last][0] + 1, tail + 1):
             if high < tail and total - begins[high] > work.most_out:

@@ -17,7 +17,7 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.sheets.contours import cover
 from beamcam.verify.sheets.dark import dark_faults
-from beamcam.verify.sheets.hole_feeds import hole_faults
+from beamcam.verify.sheets.hole_feeds import find_small, hole_faults, middle_faults
 from beamcam.verify.sheets.need import Need, shift_of
 from beamcam.verify.sheets.order import (
     OrderPlace,
@@ -113,6 +113,7 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         asked = np.flatnonzero(~work.small)
         return [], [work.missing(k, work.need.starts[k]) for k in asked[:1].tolist()]
     traced, said = follow(work)
+    find_small(work, traced)
     said += cover(work, traced)
     said += overcut_faults(work, traced)
     said += direction_faults(work, traced)
@@ -130,5 +131,6 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         from beamcam.verify.sheets.leads import edge_faults, pierce_faults
 
         said += pierce_faults(work, traced)
+        said += middle_faults(work, traced)
         said += edge_faults(work, traced)
     return traced, said

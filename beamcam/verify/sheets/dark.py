@@ -6,20 +6,22 @@ import numpy as np
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.overcut import asked_overcut
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
 
 
 def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> Iterator[Diagnostic]:
     """Cuts that are left dark before they are closed, or burn on behind that where they must not.
 
-    `asked` says that the arc goes out where a cut is closed.
+    `asked` says that the arc goes out where a cut with an overcut is closed.
     """
-    told = 0
+    told, by_machine = 0, work.torch.kerf_by == "machine"
     for t in traced:
         last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
         closed = t.closed and len(t.members) == 1
+        closed = closed and bool((by_machine and t.half_kerf) or asked_overcut(work, t, t.over))
         beyond = last - t.last if closed and asked and work.process == "cut" else 0
-        if t.stroke.dark == beyond:
+        if t.stroke.dark == beyond or (beyond and _closes(work, t, last - t.stroke.dark)):
             continue
         told += 1
         if told <= SHOWN:
@@ -27,6 +29,18 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> Iterator[D
                 Source(work.name, t.stroke.line), found=_shown(t.stroke.dark),
                 expected=_shown(beyond), contour=work.contour_at(work.path.starts[t.first]),
             )  # fmt: skip
+
+
+def _closes(work: Work, t: Traced, way: int) -> bool:
+    """Whether the path comes back to where a stroke joins its contour as `way` begins.
+
+    What comes along the contour for no longer than a lead may be one, or the contour's beginning.
+    """
+    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
+    if not t.first < way < t.last:
+        return False
+    away = work.path.starts[first : t.first] - work.path.starts[way]
+    return bool((np.hypot(*away.T) <= work.meeting).any())
 
 
 def _shown(moves: int) -> str:

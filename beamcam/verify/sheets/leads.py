@@ -37,7 +37,7 @@ class _Shape:
         #: Places of stairs are nearer to each other than their ends have to be.
         self._shortest = SHORTEST * work.meeting if work.stepped else 0.0
         self._most_in, self._most_out = work.most_in, work.most_out
-        self._most_lead = work.most_lead
+        self._most_lead, self._from_middle = work.most_lead, work.most_from_middle
         self._near = work.meeting**2
 
     def _meets(self, low: int, high: int) -> bool:
@@ -69,6 +69,8 @@ class _Shape:
         while begin < last - 1 and size <= self._most_in:
             begin += 1
             size += self._lengths[begin]
+        if begin == first < last - 1 and self._lengths[first] <= self._from_middle:
+            begin += 1
         end = self._before(first, last, self._most_out)
         for low in range(begin, first - 1, -1):
             for high in range(end, last + 1):

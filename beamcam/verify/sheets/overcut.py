@@ -38,7 +38,7 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         elif t.joined or t.closed or not (over := _retraced(work, t)):
             continue
         else:
-            limits = over, _asked(work, t), _asked(work, t)
+            limits = over, asked_overcut(work, t, over), asked_overcut(work, t, over)
         found, least, most = limits
         if least - slack <= found <= most + slack:
             continue
@@ -68,7 +68,7 @@ def _along(work: Work, t: Traced) -> Limits:
     """
     led = _led_along(work, t)
     over = sum(other.over for other in t.members) - led
-    asked = _asked(work, t)
+    asked = asked_overcut(work, t, over)
     if not over and not asked:
         return 0.0, 0.0, 0.0
     first = float(work.path.lengths[t.first : t.last].sum())
@@ -181,13 +181,21 @@ def _is_drawn_twice(work: Work, t: Traced, along: float) -> bool:
     return bool((np.diff(at) > 8 * work.tolerance).any())
 
 
-def _asked(work: Work, t: Traced) -> float:
-    """The overcut of a contour: that of its colour or layer, or the machine's."""
-    if all(own.overcut is None for own in work.torch.settings.values()):
-        return work.torch.overcut
-    _, way = work.need.nearest_to(work.path.starts[t.first])
-    own = work.torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
-    return work.torch.overcut if own is None else own
+def asked_overcut(work: Work, t: Traced, found: float) -> float:
+    """The overcut of a contour: that of its colour or layer, of small holes, or the machine's.
+
+    Where a hole may be a small one or not, the one of both that is nearer to what was found.
+    """
+    torch = work.torch
+    if any(own.overcut is not None for own in torch.settings.values()):
+        _, way = work.need.nearest_to(work.path.starts[t.first])
+        own = torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
+        if own is not None:
+            return own
+    small = torch.overcut if torch.hole_overcut is None else torch.hole_overcut
+    if t.small is None:
+        return min((small, torch.overcut), key=lambda asked: abs(asked - found))
+    return small if t.small else torch.overcut
 
 
 def _beside(work: Work, t: Traced) -> Limits:
@@ -208,7 +216,7 @@ def _beside(work: Work, t: Traced) -> Limits:
     length = float(path.lengths[start : t.last].sum())
     found = 0.0 if found > length - 2 * work.tolerance else found
     room = STAYS * float(path.lengths[start]) - 3 * t.half_kerf
-    asked = _asked(work, t)
+    asked = asked_overcut(work, t, found)
     least = min(asked, max(0.0, room))
     radius = float(path.elements.arcs[path.first(np.array([start]))[0], 2])
     share = min(0.5, t.half_kerf / radius) if radius else 0.0

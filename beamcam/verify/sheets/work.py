@@ -1,7 +1,7 @@
 """The strokes of one process and the curves that they should follow."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import inf
+from math import inf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -55,6 +55,7 @@ class Traced(Struct):
         default_factory=list
     )  #: strokes that go round with it, it first
     joined: bool = False  #: whether it goes round a contour together with others
+    small: bool | None = False  #: whether it goes round a small hole; None: as good as either
 
     def inside(self) -> "Polygon | None":
         """The polygon that it goes round; None of less than a triangle, or if another has it."""
@@ -129,6 +130,14 @@ class Work(Struct, frozen=True):
         return self._most(self.torch.lead_in) if self.torch.lead != "none" else 0.0
 
     @property
+    def most_from_middle(self) -> float:
+        """Maximum length of the half circle from the middle of a small hole, which is one move."""
+        if self.torch.lead == "none" or self.torch.hole_lead != "middle":
+            return 0.0
+        widest = max((s.row.hole_diameter for s in self.strokes), default=0.0)
+        return self._most(pi / 4 * widest)
+
+    @property
     def most_out(self) -> float:
         """Maximum length of what follows a contour: an overcut, and a lead-out."""
         return self.most_lead + self.most_over
@@ -144,7 +153,7 @@ class Work(Struct, frozen=True):
         if self.process != "cut":
             return 0.0
         asked = [own.overcut for own in self.torch.settings.values() if own.overcut is not None]
-        most = max([self.torch.overcut, *asked])
+        most = max([self.torch.overcut, self.torch.hole_overcut or 0.0, *asked])
         return self._most(most) + 2 * self.tolerance if most else 0.0
 
     def _most(self, length: float) -> float:
