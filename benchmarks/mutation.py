@@ -6,7 +6,8 @@ and angles replaced. `outcome` tells, in a way that shares nothing with the read
 the machine makes is another thing now. All such mutants have to be caught, and programs that only
 look different (renumbered, respaced, commented, leading zeros) have to raise nothing. Programs that
 make the part but break a tool (`faults`), that a smaller machine could not run, or that are wrong
-in order, state, limits, leads, direction, heights or outputs on a table (`sheet_faults`), plans
+in order, state, limits, leads, direction, heights or outputs on a table (`sheet_faults`), in the
+feed of holes and corners or in cuts that parts share (`feed_faults`), plans
 that lie (`liars`, `sheet_liars`), jobs that are not what was asked for (`asked_liars`), and texts
 that are not the part's (`letterings`) have to be refused too.
 
@@ -36,6 +37,7 @@ from beamcam.verify.bars import verify
 from beamcam.verify.left_out import BY_HAND, LEFT_OUT
 from benchmarks.asked_liars import told as told_of_jobs
 from benchmarks.faults import FAULTS
+from benchmarks.feed_faults import told as told_of_feeds
 from benchmarks.heads import counted
 from benchmarks.letterings import lettered_otherwise
 from benchmarks.liars import PROFILES, told
@@ -314,10 +316,14 @@ def main() -> None:
     tables = told_of_tables(FAULTS_EACH, asked.seed)
     for name in sorted(tables.made):
         print(f"{name:34} {tables.caught[name]:5} of {tables.made[name]:5} caught")
-    both = small.caught.total() + tables.caught.total()
-    print(
-        f"{both} of {small.made.total() + tables.made.total()} beyond limits and of tables caught"
-    )
+    feeds = told_of_feeds(FAULTS_EACH, asked.seed)
+    for name in sorted(feeds.made):
+        print(f"{name:34} {feeds.caught[name]:5} of {feeds.made[name]:5} caught")
+    alarms = sum(why == "alarm" for _, why in feeds.missed)
+    print(f"{alarms} alarms of sound feeds and common cuts")
+    scores = (small, tables, feeds)
+    of = sum(one.made.total() for one in scores)
+    print(f"{sum(one.caught.total() for one in scores)} of {of} beyond limits and of tables caught")
     lied = told(MACHINES)
     print(f"{sum(lied.caught.values())} of {sum(lied.made.values())} lies of the planner caught")
     changed_heads, refused_heads = counted()
@@ -334,6 +340,7 @@ def main() -> None:
     for missed in (
         *small.missed[:5],
         *tables.missed[:5],
+        *feeds.missed[:5],
         *jobs.missed[:5],
         *broken.missed[:5],
         *lied.missed[:5],

@@ -38,7 +38,7 @@ def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[s
         bridges = f", {len(op.passes)} passes" if len(op.passes) > 1 else ""
         yield (
             f"{number:4} X {x:10.3f} Y {y:10.3f}  {op.row.process:7}{path_of(op):10.1f} mm at "
-            f"{op.row.feed_mm_min:g} mm/min{bridges} {seconds:7.1f} s  {op.source}"
+            f"{op.row.feed_mm_min * op.feed_share:g} mm/min{bridges} {seconds:7.1f} s  {op.source}"
         )
     yield from not_made_lines(plan)
     yield (

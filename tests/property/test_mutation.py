@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from beamcam.diff.differ import diff_programs
 from beamcam.errors import errors_in
 from beamcam.verify.bars import run
-from benchmarks import sheet_faults
+from benchmarks import feed_faults, sheet_faults
 from benchmarks.faults import FAULTS, NEED_PARTS
 from benchmarks.liars import told
 from benchmarks.mutants import MUTATIONS, REWRITES, Mutate, wrong_spindle
@@ -83,6 +83,14 @@ def test_faults_of_tables_are_refused() -> None:
     assert classes == {*sheet_faults.BY_CLASS, "direction"}
     names = {kind.split(" ")[1] for kind in result.made} - {"turned"}
     assert names == {f.__name__ for many in sheet_faults.BY_CLASS.values() for f in many}
+
+
+def test_faults_of_feeds_and_of_common_cuts_are_refused() -> None:
+    """And programs that mean the same are not."""
+    result = feed_faults.told(2, 7)
+    assert result.missed == []
+    names = {kind.split(" ")[1] for kind in result.made}
+    assert names == {f.__name__ for many in feed_faults.BY_CLASS.values() for f in many}
 
 
 def test_whatever_the_planner_says_of_a_plan_that_lies_it_is_refused() -> None:
