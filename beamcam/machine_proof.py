@@ -171,7 +171,10 @@ def _sheets(machine: Machine) -> Iterator[Part]:
     others: list[Feature] = [
         _contour((Line((20.0, 4.0 + 7 * k), (50.0, 4.0 + 7 * k)),), "open", process)
         for k, process in enumerate(rest)
+        if process != "spot"
     ]
+    if machine.torch.drilled == "spot":
+        others.append(Hole("v", 100.0, 10.0, 0.0, _AT, kind="mark"))
     for features in ((*cuts, *others), cuts, cuts[:2]):
         yield Part("P1", profile, 120.0, _AT, features=tuple(features))
 

@@ -250,7 +250,7 @@ def _write(
 # --- what is said of a program that is written ----------------------------------------------------
 
 #: What a pass of a torch or laser makes, by its process.
-_OF_PROCESS = {"cut": "contour", "mark": "marked line", "engrave": "engraved line"}
+_OF_PROCESS = {"cut": "contour", "mark": "marked line", "engrave": "engraved line", "spot": "spot"}
 
 
 def success(name: str, posted: Posted, first: int | None = None) -> str:

@@ -9,7 +9,7 @@ those that stand in a template are words of the machine.
 import re
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping
-from typing import Literal
+from typing import Literal, get_args
 
 from msgspec import Struct
 
@@ -19,7 +19,7 @@ from beamcam.controllers.rules import BY_STOCK, ProgramRules
 from beamcam.machine.codes import plain_code, plain_key, shown_code
 from beamcam.machine.machine import CodeMeaning, Machine
 from beamcam.machine.tools import tool_numbers
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import Torch, TorchProcess
 
 Role = Literal[
     "saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "change", "other"
@@ -149,7 +149,7 @@ def _dialect_of(machine: Machine) -> Dialect:
         laser_mode=torch is not None and torch.laser_mode,
         dwell_s=0.001 if machine.format.dwell_unit == "ms" else 1.0,
         lifting=torch if torch is not None and torch.z == "program" else None,
-        shares=any(getattr(machine.words, f"choose_{p}") for p in ("cut", "mark", "engrave")),
+        shares=any(getattr(machine.words, f"choose_{p}") for p in get_args(TorchProcess)),
         magic=any(MAGIC.match(line) for line in machine.words.material),
         materials={float(r.number): r.feed_mm_min for r in torch.rows} if torch else {},
     )

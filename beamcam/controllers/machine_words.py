@@ -35,7 +35,7 @@ from beamcam.model.description import PART_DATA
 #: Of the tools of a bar; `scribe` and `punch` do not turn.
 _TOOLS = ("drill", "tap", "countersink", "mill", "punch", "scribe")
 _STANDING = ("punch", "scribe")
-_PROCESSES = ("cut", "mark", "engrave")
+_PROCESSES = ("cut", "mark", "engrave", "spot")
 #: What stands in the braces: a stroke from 11 or 12 to 33 or 44, figures that fit any other word.
 _STROKE = {
     "y": "11", "z": "12", "near_y": "21", "near_z": "22", "bottom_y": "33", "bottom_z": "44",

@@ -205,6 +205,8 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.cross", torch.cross, "the size of the cross that marks a centre for the drill"
     if torch.drilled == "mark" and not any(row.process == "mark" for row in torch.rows):
         yield "torch.drilled", torch.drilled, "refuse, as no row marks"
+    if torch.drilled == "spot" and not (worded and words.spot_on and words.spot_off):
+        yield "torch.drilled", torch.drilled, "refuse or mark, as there are no words of spot_on"
     if torch.origin != "table" and not worded:
         yield "torch.origin", torch.origin, "table, from whose corner the controller counts"
     if torch.overscan and not (torch.laser_mode and _names(words.power, "power")):

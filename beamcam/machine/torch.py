@@ -10,7 +10,7 @@ from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 
 Degrees = Annotated[float, Meta(ge=-360, le=360)]
 Share = Annotated[float, Meta(gt=0, le=1)]
-TorchProcess = Literal["cut", "mark", "engrave"]
+TorchProcess = Literal["cut", "mark", "engrave", "spot"]
 
 
 class TorchRow(Keys, frozen=True):
@@ -48,6 +48,10 @@ class TorchRow(Keys, frozen=True):
     @property
     def slows_holes(self) -> bool:
         return self.hole_feed_share < 1.0 and self.hole_diameter > 0.0
+
+    def spotting(self) -> "TorchRow":
+        """The row by which the torch spots where no row says how: as it begins a cut."""
+        return replace(self, process="spot", passes=1, hole_diameter=0.0, corner_distance=0.0)
 
     @property
     def pierce_radius(self) -> float:
@@ -130,8 +134,9 @@ class Torch(Keys, frozen=True):
     min_hole: NotNegative = 0.0  #: smallest diameter that can be cut
     min_hole_share: NotNegative = 0.0  #: smallest diameter that can be cut, by the thickness
     #: Holes and slots that the torch cannot make (smaller ones, threads, countersinks, blind ones):
-    #: refused, or their centres marked for the drill and listed for manual work.
-    drilled: Literal["refuse", "mark"] = "refuse"
+    #: refused, or their centres marked for the drill, by a cross or by a spot of the torch where it
+    #: stands, and listed for manual work. Centre points of the part are marked likewise.
+    drilled: Literal["refuse", "mark", "spot"] = "refuse"
     #: Bevels: refused, or the outline cut square and each edge listed for manual work. No
     #: machine has a head that tilts yet.
     bevel: Literal["refuse", "square", "head"] = "refuse"

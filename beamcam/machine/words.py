@@ -47,6 +47,9 @@ class Words(Keys, frozen=True):
     mark_off: tuple[str, ...] = ()  #: and off
     engrave_on: tuple[str, ...] = ()  #: the tool on to engrave
     engrave_off: tuple[str, ...] = ()  #: and off
+    choose_spot: tuple[str, ...] = ()  #: as choose_mark, to spot
+    spot_on: tuple[str, ...] = ()  #: the tool on to spot a centre where it stands
+    spot_off: tuple[str, ...] = ()  #: and off
     left: tuple[str, ...] = ()  #: kerf compensation on: tool left of the contour
     right: tuple[str, ...] = ()  #: tool right of the contour
     straight: tuple[str, ...] = ()  #: kerf compensation off
@@ -68,7 +71,7 @@ PART_NAMES = frozenset(
 WORK_WORDS = (
     "saw", "drill", "tap", "countersink", "punch", "mill", "mill_to", "mill_end", "scribe",
     "scribe_to", "scribe_end", "stamp", "printer", "cut_on", "cut_off", "mark_on", "mark_off",
-    "engrave_on", "engrave_off",
+    "engrave_on", "engrave_off", "spot_on", "spot_off",
 )  # fmt: skip
 
 
@@ -137,6 +140,9 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "mark_off": _OFF_NAMES,
     "engrave_on": _TORCH_NAMES,
     "engrave_off": _OFF_NAMES,
+    "choose_spot": frozenset(),
+    "spot_on": _TORCH_NAMES,
+    "spot_off": _OFF_NAMES,
     "left": _SIDE_NAMES,
     "right": _SIDE_NAMES,
     "straight": frozenset(),

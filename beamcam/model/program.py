@@ -132,7 +132,7 @@ class StartSheet(Struct, frozen=True):
 class ToolOn(Struct, frozen=True, gc=False):
     """Start the tool of a process where the head stands, and wait until it is through."""
 
-    process: Literal["cut", "mark", "engrave"]
+    process: Literal["cut", "mark", "engrave", "spot"]
     feed_mm_min: float
     power: float
     pierce_s: float
@@ -148,7 +148,7 @@ class ToolOn(Struct, frozen=True, gc=False):
 class ChooseTool(Struct, frozen=True, gc=False):
     """From here on places are those of the tool that a process works with."""
 
-    process: Literal["cut", "mark", "engrave"]
+    process: Literal["cut", "mark", "engrave", "spot"]
 
 
 class ChooseMaterial(Struct, frozen=True, gc=False):
@@ -165,7 +165,7 @@ class CloseCut(Struct, frozen=True, gc=False):
 class ToolOff(Struct, frozen=True, gc=False):
     """Stop the tool of a process."""
 
-    process: Literal["cut", "mark", "engrave"]
+    process: Literal["cut", "mark", "engrave", "spot"]
 
 
 class Pace(Struct, frozen=True, gc=False):

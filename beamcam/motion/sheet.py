@@ -72,6 +72,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     commands: list[Command] = [StartSheet(plan.thickness), *map(Comment, plan.notes)]
     tells = len(plan.pieces) > 1 and names_in(machine.words, WORK_WORDS) & PART_NAMES
     chooses, chosen = bool(machine.words.material), None
+    cuts = next((op.row for op in plan.operations if op.row.process == "cut"), None)
     closes = bool(machine.words.close)
     tool: TorchProcess = "cut"
     for run in _runs(plan.operations, machine):
@@ -81,9 +82,10 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
             commands.append(ChooseTool(tool))
         if tells and run[0].features:
             commands.append(OfPart(part_data([plan.pieces[run[0].features[0][0]].part])))
-        if chooses and row.process == "cut" and row != chosen:
-            chosen = row
-            commands.append(ChooseMaterial(row, plan.thickness))
+        data = cuts if row.process == "spot" else row if row.process == "cut" else None
+        if chooses and data is not None and data != chosen:
+            chosen = data
+            commands.append(ChooseMaterial(data, plan.thickness))
         if len(run) > 1 or (run[0].is_hatch and pen.overscan):
             commands += _hatch(run, paths, pen)
             continue

@@ -58,6 +58,7 @@ def _operations(plan: SheetPlan, machine: Machine, said: list[str]) -> Iterator[
             if start != here:
                 yield Travel(*start, triggers.traverse_mm_s, op.source)
             yield from lift(op.row.pierce_height, op.source)
+            assert op.row.process != "spot", "a table without G-code has no words for spots"
             yield Switch(op.row.process, True, op.row.pierce_s, op.source)
             yield from lift(op.row.cut_height, op.source)
             moves = list(way.along(start, curves))

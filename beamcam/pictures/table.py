@@ -340,7 +340,7 @@ def _leads(
     trace: Trace, strokes: Sequence[tuple[int, int, str]], frame: Frame
 ) -> Iterator[Polyline]:
     for first, last, process in strokes:
-        if process in ("mark", "engrave"):
+        if process in ("mark", "engrave", "spot"):
             continue  # a letter may begin beside a ring, as a 9 does
         for a, b in lead_moves(trace, first, last, 0.02) or ():
             points = _drawn(trace, a, b, frame) if b > a else ()

@@ -10,15 +10,17 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from math import prod
+from typing import cast
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chord_runs import refit_runs
+from beamcam.geometry.curves import Line
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch
-from beamcam.model.part import Part
+from beamcam.machine.torch import Torch, TorchProcess
+from beamcam.model.part import Hole, Part, Slot
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import BEVEL
@@ -39,6 +41,8 @@ from beamcam.planning.contours.place import box_of, refuse_large, refuse_size, s
 
 #: What arcs for short chords may take of the machine's tolerance; rounding has the rest.
 CHORDS_SHARE = 0.5
+#: mm that the torch moves while it makes a spot, as no controller stops a tool that never moved.
+SPOT = 0.01
 SHEET_CODES = ("B",)
 #: How programs name a pipe that they write unrolled, as a plate.
 PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
@@ -71,6 +75,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if machine.words.arc_cw:
         joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
     shapes, said = _nested(joined, assigned, torch, kerf)
+    shapes += _spots(part, assigned)
     remarks += [*joined.remarks, *said]
     if not shapes:
         raise PlanError(_nothing(part, assigned, len(joined.small), torch.gap))
@@ -97,13 +102,25 @@ def _refuse_work(
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
     refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
     refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
-    refusals += material.refusals({w.process for w in assigned.wanted})
+    spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
+    refusals += material.refusals({w.process for w in assigned.wanted} | spots)
     if machine.triggers is not None and machine.triggers.z is not None:
         refusals += material.unlifted({w.process for w in assigned.wanted}, machine.triggers.z)
     if refusals:
         raise PlanError(refusals)
     if not assigned.wanted:
         raise PlanError(_nothing(part, assigned, 0, torch.gap))
+
+
+def _spots(part: Part, assigned: Assigned) -> list[Shape]:
+    """The spots as lines so short that they are none but for the controller."""
+    return [
+        Shape(
+            "spot", (Line((x, y), (x + SPOT, y)),), False, tuple(sorted(set(features))),
+            cast("Hole | Slot", part.features[features[0]]).source,
+        )
+        for (x, y), features in assigned.spots.items()
+    ]  # fmt: skip
 
 
 def _with_arcs(shape: Shape, torch: Torch) -> Shape:

@@ -7,6 +7,7 @@ path; a controller that compensates gets the contour.
 
 from collections.abc import Sequence
 from math import dist
+from typing import cast
 
 import numpy as np
 from msgspec import Struct
@@ -18,7 +19,7 @@ from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.drawing import Measures
-from beamcam.model.part import Contour, ContourKind, Part, Process, Profile
+from beamcam.model.part import Contour, ContourKind, Hole, Part, Process, Profile
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
@@ -85,11 +86,16 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     if errors_in(told):
         return Recovered((), tuple(told))
     paths = _paths(strokes, torch, ROUNDED * machine.format.resolution, name)
+    spots = [
+        Hole("v", *p.curves[0].start, 0.0, p.source, kind="mark")
+        for p in paths if p.process == "spot"
+    ]  # fmt: skip
+    paths = [path for path in paths if path.process != "spot"]
     crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
     if crossings > MOST_CROSSINGS:
         told.append(rules.CROWDED.at(Source(name), found=f"{crossings:.1g}"))
         return Recovered((), tuple(told))
-    part = _placed(sheet, _contours(paths, torch, told), torch)
+    part = _placed(sheet, _contours(paths, torch, told), spots, torch)
     if not errors_in(told):
         told += [d for d in verify_sheet(text, (part,), machine, name=name) if d not in told]
     return Recovered((part,), tuple(told))
@@ -166,7 +172,7 @@ def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> l
         if kind == "outer" and signed_area(curves) < 0.0:
             curves = tuple([c.reversed() for c in reversed(curves)])
         process = MARK if path.process == "mark" else path.process
-        found.append(Contour("v", kind, curves, path.source, process, path.closed))
+        found.append(Contour("v", kind, curves, path.source, cast("Process", process), path.closed))
     return found
 
 
@@ -207,8 +213,8 @@ def _depths(paths: Sequence[_Path], tolerance: float) -> list[int]:
     return depths
 
 
-def _placed(sheet: Part, contours: Sequence[Contour], torch: Torch) -> Part:
-    """The part with its contours, and the sheet's size."""
+def _placed(sheet: Part, contours: Sequence[Contour], spots: Sequence[Hole], torch: Torch) -> Part:
+    """The part with its contours and centre points, and the sheet's size."""
     box = join_boxes([c.bbox for contour in contours for c in contour.curves])
     if box is None:
         return replace(sheet, measures=Measures())
@@ -219,11 +225,12 @@ def _placed(sheet: Part, contours: Sequence[Contour], torch: Torch) -> Part:
             replace(contour, curves=tuple([c.transformed(shift) for c in contour.curves]))
             for contour in contours
         ]
+        spots = [replace(spot, x=spot.x - x, y=spot.y - y) for spot in spots]
     height = box[3] - y
     thickness = sheet.profile.web_thickness or 0.0
     profile = Profile("B", f"PL{thickness:g}", height, 0.0, 0.0, sheet.profile.web_thickness)
     outlined = any(c.kind == "outer" for c in contours)
     return replace(
-        sheet, profile=profile, length=box[2] - x, features=tuple(contours),
+        sheet, profile=profile, length=box[2] - x, features=(*contours, *spots),
         measures=None if outlined else Measures(),
     )  # fmt: skip

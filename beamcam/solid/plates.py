@@ -73,7 +73,7 @@ def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
     whole, slits = _outlines(part, torch)
     left: list[tuple[Feature, Shape]] = []
-    may_lack = torch.drilled == "mark" or "all" in skips or not {*SKIPS}.isdisjoint(skips)
+    may_lack = torch.drilled != "refuse" or "all" in skips or not {*SKIPS}.isdisjoint(skips)
     least = max(torch.min_hole, torch.min_hole_share * thickness)
     for feature, shape, width in _holes(part):
         made = feature.kind == "through" and feature.depth is None and width >= least

@@ -27,7 +27,7 @@ from beamcam.solid.rules import NO_SOLID
 Shape = Any  #: of shapely
 AROUND = 20.0  #: mm of sheet round all cuts
 HAIR = 0.01  #: mm of width of a cut whose kerf no one makes up for
-PROCESSES = ("cut", "mark", "engrave")
+PROCESSES = ("cut", "mark", "engrave", "spot")
 ENDS = (2, 30)
 _M_WORD = re.compile(r"\s*M0*(\d+)(?!\d)(.*)")
 _ADDRESS = re.compile(r"([A-Z$])(?:\{(\w+)\}|(-?\d+(?:\.\d+)?))")

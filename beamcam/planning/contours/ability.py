@@ -29,7 +29,7 @@ def bevels_of(contour: Contour, torch: Torch) -> list[Bevel]:
 
 def is_drilled(feature: Feature, torch: Torch, thickness: float) -> bool:
     """Whether a hole or slot is left to the drill, its centre marked."""
-    if torch.drilled != "mark" or not isinstance(feature, Hole | Slot):
+    if torch.drilled == "refuse" or not isinstance(feature, Hole | Slot):
         return False
     if feature.kind == "mark" or feature.face not in PLATE_FACES:
         return False
@@ -72,7 +72,7 @@ def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | No
 
 def _refuse_centre(hole: Hole, torch: Torch) -> Diagnostic | None:
     """Why a table cannot mark a centre: it has no cross for it, or it should be of some depth."""
-    if not torch.cross:
+    if not torch.cross and torch.drilled != "spot":
         expected = "none, or the size of a cross in the machine file (torch.cross)"
     elif hole.depth is not None:
         expected = f"one without a depth, it is marked by a cross of {torch.cross:g}"

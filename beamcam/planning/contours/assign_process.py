@@ -71,6 +71,8 @@ class Assigned(Struct):
     skipped: dict[int, str] = field(default_factory=dict)  #: feature: the code it is left out by
     filled: dict[int, str] = field(default_factory=dict)  #: hatched, not followed: the process
     listed: dict[int, str] = field(default_factory=dict)  #: marks left for manual work, and why
+    #: places that the torch spots where it stands, and the features whose centres they are
+    spots: dict[Point, list[int]] = field(default_factory=dict)
     refusals: list[Diagnostic] = field(default_factory=list)
     remarks: list[Diagnostic] = field(default_factory=list)
 
@@ -98,6 +100,8 @@ def assign_processes(
                 found.filled[index] = meaning
             else:
                 _follow(index, feature, meaning, meanings.key(feature), found)
+        elif torch.drilled == "spot" and cast("Hole | Slot", feature).kind == "mark":
+            _spot(cast("Hole | Slot", feature), index, found)
         else:
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
@@ -132,6 +136,9 @@ def _is_out(
     if is_drilled(feature, torch, thickness):
         hole = cast("Hole | Slot", feature)
         found.listed[index] = DRILL
+        if torch.drilled == "spot":
+            _spot(hole, index, found)
+            return True
         found.wanted += [
             AssignedCurve(curve, "mark", index, feature.source)
             for at in centres_of(hole) for curve in _cross(at, torch.cross)
@@ -151,6 +158,12 @@ def _is_out(
     else:
         found.refusals.append(said)
     return True
+
+
+def _spot(hole: Hole | Slot, index: int, found: Assigned) -> None:
+    """Have the centres of a feature spotted, each place once."""
+    for x, y in centres_of(hole):
+        found.spots.setdefault((round(x, 6), round(y, 6)), []).append(index)
 
 
 def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:
@@ -177,7 +190,7 @@ class _Meanings:
     def __call__(self, contour: Contour) -> Meaning | None:
         look = contour.layer, contour.colour
         if look == (None, None):
-            return _MEANINGS[contour.process]
+            return cast("Meaning", _MEANINGS[contour.process])
         if look not in self._known:
             self._known[look] = cast("Meaning | None", process_of(contour, self._table))
         return self._known[look]

@@ -66,6 +66,8 @@ class Material:
         """The first row of the machine that fits the sheet; None if there is none."""
         if process not in self._rows:
             row = next(filter(self._fits, self._rows_of(process)), None)
+            if row is None and process == "spot" and (cut := self.row("cut")) is not None:
+                row = cut.spotting()
             if row is not None and self._is_stepped:
                 speed = speed_between(self._torch, process, self.material, self.thickness)
                 row = replace(row, feed_mm_min=speed)

@@ -113,7 +113,7 @@ def _in_order(
     Those that the controller compensates get their start with their entry.
     """
     here: Point = (0.0, 0.0)
-    fixed = [is_one_way(s, torch) for s in shapes]
+    fixed = [is_one_way(s, torch) or s.process == "spot" for s in shapes]
     for index, turned in order(shapes, ranks=[rank(s, torch) for s in shapes], fixed=fixed):
         shape = shapes[index]
         if shape.closed:

@@ -301,6 +301,10 @@ class _Free:
 
 
 Tour = list[tuple[int, bool]]
+TURNS = {
+    "spot": 1,
+    "cut": 2,
+}  #: of processes, behind those of any other: spots by the torch's place
 
 
 def order(
@@ -323,9 +327,10 @@ def order(
     ]
     parents = [s.parent for s in shapes]
     ranks = ranks or [0] * len(shapes)
-    stages: dict[tuple[int, bool, int], list[int]] = {}
+    stages: dict[tuple[int, int, int], list[int]] = {}
     for k, (rank, shape) in enumerate(zip(ranks, shapes, strict=True)):
-        stages.setdefault((rank, shape.process == "cut", shape.level), []).append(k)
+        turn = TURNS.get(shape.process, 0)
+        stages.setdefault((rank, turn, shape.level), []).append(k)
     here = home
     done: Tour = []
     for _, stage in sorted(stages.items()):

@@ -38,6 +38,13 @@ def compare_part(
     stepped: bool = False,
 ) -> list[Diagnostic]:  # fmt: skip
     """All differences of the strokes from a part with its texts, and what its need says itself."""
+    if need.spots or any(stroke.process == "spot" for stroke in strokes.each):
+        from beamcam.verify.sheets.spots import spot_faults, without_spots
+
+        step = machine.format.resolution
+        near = torch.tolerance + 2 * step
+        need.said += spot_faults(strokes, need, shift_of(need, torch), near, name)
+        strokes = without_spots(strokes)
     add_texts(need, part, machine, torch, strokes)
     if not need.curves and not strokes.each:
         return need.said

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from itertools import compress
+from math import dist
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from beamcam.verify.sheets.toolpaths import Toolpaths
 
 Needs = dict[TorchProcess, list[Curve]]
+SAME_PLACE = 1e-5  #: mm between the centres of two features that are spotted once
 OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
 
 
@@ -38,6 +40,8 @@ class Need(Struct):
     sources: dict[int, Source] = field(default_factory=dict)  #: of the features
     #: contours that are filled and not followed, by the key of their settings
     filled: dict[str, list[Contour]] = field(default_factory=dict)
+    #: places that the torch spots, and a feature whose centre each is
+    spots: dict[Point, int] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Toolpaths]" = field(default_factory=dict)
 
@@ -49,6 +53,15 @@ class Need(Struct):
         self.looks.setdefault(process, []).extend([look] * len(curves))
         self.curves.setdefault(process, []).extend(curves)
         self.features.setdefault(process, []).extend([feature] * len(curves))
+
+    def add_centre(self, place: Point, torch: Torch, feature: int, source: Source) -> None:
+        """A centre to mark: by a spot, once for all features there, or by a cross."""
+        if torch.drilled != "spot":
+            self.add("mark", _cross(*place, torch.cross), feature, source)
+            return
+        self.sources[feature] = source
+        if all(dist(place, other) > SAME_PLACE for other in self.spots):
+            self.spots[place] = feature
 
     def source(self, process: TorchProcess, curve: int) -> Source:
         """Where the input has a curve of a process, which is known by its number."""
@@ -95,8 +108,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             # A hole is marked for the drill; a contour is cut as it stands, square.
             need.said.append(by_hand(feature, part, machine))
             if isinstance(feature, Hole | Slot):
-                for x, y in _drill_places(feature):
-                    need.add("mark", _cross(x, y, torch.cross), index, feature.source)
+                for place in _drill_places(feature):
+                    need.add_centre(place, torch, index, feature.source)
                 continue
             lack = None
         if lack is not None and lack not in skips:
@@ -124,7 +137,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                 kind = cast("TorchProcess", process)
                 need.add(kind, feature.curves, index, feature.source, key or "")
         elif isinstance(feature, Hole) and feature.kind == "mark":
-            need.add("mark", _cross(feature.x, feature.y, torch.cross), index, feature.source)
+            need.add_centre((feature.x, feature.y), torch, index, feature.source)
         else:
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
@@ -149,7 +162,7 @@ def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
     if isinstance(feature, Contour):
         return lack == "bevel" and torch.bevel == "square"
     if isinstance(feature, Hole | Slot) and feature.kind != "mark":
-        return lack in ("tool", "slot") and torch.drilled == "mark"
+        return lack in ("tool", "slot") and torch.drilled != "refuse"
     return False
 
 
@@ -179,7 +192,8 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
             meant = any(abs(bevel.angle) >= torch.min_bevel for bevel in feature.bevels)
             return "bevel" if meant else None
         case Hole() if feature.kind == "mark":
-            return None if torch.cross and feature.depth is None else "tool"
+            marked = torch.cross or torch.drilled == "spot"
+            return None if marked and feature.depth is None else "tool"
         case Hole():
             through = feature.kind == "through" and feature.depth is None
             return None if through and feature.diameter >= least else "tool"
@@ -306,4 +320,6 @@ def rows_on(part: Part, torch: Torch) -> list[TorchRow]:
     for row in torch.rows:
         if 0.0 < thickness <= row.up_to and is_row_for(row.material, material):
             found.setdefault(row.process, row)
+    if torch.drilled == "spot" and "cut" in found:
+        found.setdefault("spot", found["cut"].spotting())
     return list(found.values())

@@ -17,6 +17,10 @@ HOLE_LEAD = error("verify-sheet-hole-lead",
     "found the contour of {contour} begun {found}; expected half a circle from there",
     "`hole_lead` has round small holes pierced in their middle, as far from the part as there is "
     "room, and entered along their contour.")
+SPOT = error("verify-sheet-spot",
+    "found {found} at X {x}, Y {y}; expected {expected}",
+    "A spot tells the drill where to begin: each centre has one, made where the torch stands, "
+    "before the sheet may shift.")
 NO_CONTOUR = error("verify-sheet-contour",
     "found contour {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",
     "The rest of a program begins with one of its contours, and the first begins the whole.")
@@ -162,8 +166,8 @@ LAID = error("verify-sheet-laid",
     "and, where nothing is mirrored, texts",
     "Where such a feature would come to lie is not known.")
 RULES = (
-    *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, HOLE_LEAD, RAMP, HEIGHT, THC, OUTPUT, DARK,
-    MATERIAL, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND,
+    *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, HOLE_LEAD, SPOT, RAMP, HEIGHT, THC, OUTPUT,
+    DARK, MATERIAL, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND,
     COMPENSATION, DIRECTION, OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS,
     TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY,
     NOT_MADE, CROWDED,

@@ -361,7 +361,7 @@ def test_every_rule_has_a_case() -> None:
         "verify-sheet-tab-place", "verify-sheet-hatch-way", "verify-sheet-radius",
         "verify-sheet-corner", "verify-sheet-direction", "verify-sheet-restart",
         "verify-sheet-laid", "verify-sheet-pierce", "verify-sheet-hole-feed",
-        "verify-sheet-hole-lead",
+        "verify-sheet-hole-lead", "verify-sheet-spot",
         "verify-sheet-contour", "verify-sheet-rest", "verify-sheet-edge",
         "verify-sheet-frame", "verify-sheet-overscan",
         # tests/unit/sheets/test_heights.py, test_outputs.py, tests/test_qtplasmac.py
