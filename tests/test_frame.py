@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from beamcam.cli import main
 from beamcam.frame import frame_of
 from beamcam.machine import load
+from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import Posted, post
 from beamcam.verify.sheets.frame import frame_faults
@@ -19,7 +20,10 @@ from tests.conftest import SAMPLES
 from tests.unit.sheets.parts import box, circle, contour, drawing
 
 GASKET = SAMPLES / "dxf" / "gasket-inch.dxf"
-TABLES = ("plate-linuxcnc", "plate-oxyfuel", "plate-codesys", "laser-grbl")
+TABLES = (
+    "plate-linuxcnc", "plate-oxyfuel", "plate-codesys", "laser-grbl", "plate-qtplasmac",
+    "plate-mach3",
+)  # fmt: skip
 ON = re.compile(r"\bM0?[346]\b|\bM1[0-9]\b")
 
 
@@ -92,3 +96,32 @@ def test_on_the_command_line(tmp_path: Path) -> None:
     done = call("post", bar, "-o", tmp_path / "a.gcode", "--frame", frame)
     assert done.exit_code == 2
     assert "--frame is for programs of sheets" in done.stderr
+
+
+def low_powered(power: float = 10.0) -> Posted:
+    return whole("laser-grbl", material="acrylic", laser_mode=True, frame_power=power)
+
+
+def test_a_laser_may_show_its_spot() -> None:
+    """M4 S10 round the work: below the 120 of the weakest row; grbl dims it where it is slow."""
+    posted = low_powered()
+    text = frame_of(posted).text
+    assert isinstance(text, str)
+    assert re.findall(r"S(\d+)", text) == ["10"]
+    assert text.index("G0 X") < text.index("M4 S10 F6000") < text.index("G1 X")
+    assert text.rindex("M5") > text.rindex("G1 X")
+    assert "(FRAME OF THE JOB, AT LOW POWER)" in text
+    machine = posted.job.machine
+    for old, new in (("S10", "S120"), ("M4 S10 F6000", "M4 F6000"), ("AT LOW", "AT HIGH")):
+        said = frame_faults(text.replace(old, new), posted.text, machine)
+        assert "verify-sheet-frame" in {d.code for d in said}, new
+    off = frame_of(whole("laser-grbl", material="acrylic", laser_mode=True)).text
+    assert frame_faults(text, posted.text, with_torch(machine, frame_power=0.0))
+    assert "M4" not in str(off)
+
+
+def test_the_power_of_frames_marks_nothing() -> None:
+    machine = load("laser-grbl")
+    for power, mode in ((120.0, True), (10.0, False)):
+        other = with_torch(machine, frame_power=power, laser_mode=mode)
+        assert "torch.frame_power" in {key for key, _, _ in torch_faults(other)}

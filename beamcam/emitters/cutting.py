@@ -151,7 +151,7 @@ class _Writer:
                 )
             case Pace(feed_mm_min):
                 self._want(feed_mm_min)
-                if not words.slow:
+                if not words.slow or not self._row_feed:
                     return _filled(words.pace, feed=self._feed)
                 self._slow = feed_mm_min < self._row_feed
                 share = number(100.0 * feed_mm_min / self._row_feed, 3)

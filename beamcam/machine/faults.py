@@ -215,6 +215,10 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     for key, asked in (("hole_overcut", torch.hole_overcut), ("hole_lead", torch.hole_lead)):
         if asked not in (None, "lead") and not worded:
             yield f"torch.{key}", asked, "nothing, as the table does not run G-code"
+    least = min((row.power for row in torch.rows), default=0.0)
+    if torch.frame_power and not (torch.laser_mode and torch.frame_power < least):
+        expected = f"0, or less than the {least:g} of its rows, in laser_mode"
+        yield "torch.frame_power", torch.frame_power, expected
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
 

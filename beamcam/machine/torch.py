@@ -153,6 +153,8 @@ class Torch(Keys, frozen=True):
     arc_limit: Positive = 0.005  #: radii at both ends of an arc may differ by this
     traverse_mm_min: Positive = 20000.0  #: of the head with its tool off, for times
     frame_mm_min: Positive = 6000.0  #: of the head round the work, its tool off: `post --frame`
+    #: of a laser as it goes round the work, too low to mark it; 0: the tool is off
+    frame_power: NotNegative = 0.0
     acceleration: NotNegative = 0.0  #: along the path, to run up and to brake, mm/s2; 0: not known
     #: whether the tool works in feeds alone, with the last S, and traverses are dark ($32 of grbl)
     laser_mode: bool = False

@@ -1,4 +1,7 @@
-"""The frame of a job, compared with the program of the job: round all of its work, the tool off."""
+"""The frame of a job, compared with the program of the job: round all of its work, the tool off.
+
+A laser in laser mode may be on, at the power of frames and no other.
+"""
 
 import numpy as np
 
@@ -9,12 +12,18 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc
 from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch
 from beamcam.verify.sheets import rules
 
-SAID = "FRAME OF THE JOB, THE TOOL OFF"
+SAID, SAID_LOW = "FRAME OF THE JOB, THE TOOL OFF", "FRAME OF THE JOB, AT LOW POWER"
 #: M words of a frame: the end, the tool off, coolant and overrides.
-HARMLESS = frozenset({2, 30, 5, 9, 48, 49, 53})
+HARMLESS = frozenset({2, 30, 5, 9, 48, 49, 52, 53})
 FASTEST = 1.001  #: by the feed of frames
+
+
+def said_of(torch: Torch) -> str:
+    """What a frame says of itself."""
+    return SAID_LOW if torch.frame_power else SAID
 
 
 def frame_faults(
@@ -26,9 +35,14 @@ def frame_faults(
     job, _ = table_run(whole, machine, name)
     found = list(said)
     for _, event in done.others:
-        if isinstance(event, Switch) and event.number not in HARMLESS:
-            wrong, right = f"the word {event}", "no tool switched on"
+        if isinstance(event, Switch) and not _is_harmless(event, torch):
+            low = f", or the tool at {torch.frame_power:g}" if torch.frame_power else ""
+            wrong, right = f"the word {event}", f"no tool switched on{low}"
             found.append(rules.FRAME.at(Source(name, event.line), found=wrong, expected=right))
+    lit = any(isinstance(e, Switch) and e.number in (3, 4) for _, e in done.others)
+    if torch.frame_power and not lit:
+        expected = f"it at a power of {torch.frame_power:g}"
+        found.append(rules.FRAME.at(Source(name), found="the laser off", expected=expected))
     if errors_in(found):
         return tuple(found)
     around, frame = _box(job.moves), _box(done.moves)
@@ -48,9 +62,17 @@ def frame_faults(
     elif float(slow.feed_mm_min.max()) > FASTEST * torch.frame_mm_min:
         fed = f"a feed of {float(slow.feed_mm_min.max()):g} mm/min"
         found.append(rules.FRAME.at(source, found=fed, expected=f"{torch.frame_mm_min:g}"))
-    if SAID not in text:
-        found.append(rules.FRAME.at(source, found="no word of what it is", expected=SAID))
+    if (said_of_it := said_of(torch)) not in text:
+        found.append(rules.FRAME.at(source, found="no word of what it is", expected=said_of_it))
     return tuple(found)
+
+
+def _is_harmless(event: Switch, torch: Torch) -> bool:
+    """Whether a word starts no tool, or a laser at the power of frames."""
+    if event.number in HARMLESS or event.does == "none":
+        return True
+    low = event.words.get("S") == torch.frame_power
+    return bool(torch.frame_power) and event.number in (3, 4) and low
 
 
 def _box(moves: Moves) -> Floats:
