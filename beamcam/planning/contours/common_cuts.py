@@ -12,11 +12,11 @@ import shapely
 from msgspec.structs import replace
 
 from beamcam.geometry.arrays import CurveTable
+from beamcam.geometry.overlapping import overlapping
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours.direction import from_longest
 from beamcam.planning.contours.outline import Shape
 from beamcam.planning.contours.outline import ways as outlines
-from beamcam.planning.contours.repeats import overlapping
 
 
 def begun_off_common(

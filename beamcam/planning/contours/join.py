@@ -15,12 +15,13 @@ from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.geometry.near import near_pairs
+from beamcam.geometry.overlapping import overlapping
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.planning.contours import rounds, rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.doubling import told, without_steps_back
 from beamcam.planning.contours.outline import Shape, entity
-from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once, overlapping
+from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9

@@ -4,11 +4,15 @@
 |       |       |        |       | |       |     the one at its right lies a kerf farther to
 |   1   |   2   |   ->   |   1   | |   2   |     the right of the other than it was drawn, across
 |_______|_______|        |_______| |_______|     each level edge the upper one a kerf higher.
+
+Where parts share a slanting edge too, all of those that touch are moved square to their edges: the
+first stays, the others go as little as that takes, by the sum of squares.
 """
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from math import hypot
+from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
 
@@ -25,15 +29,16 @@ from beamcam.planning.contours.outline import outlines
 if TYPE_CHECKING:
     from shapely import Polygon
 
-SAME = 1e-4  #: mm that edges of two parts may be apart, and turned, to be one
+AGREES = 1e-6  #: of a kerf, by which the moves of parts may differ
+SAME = 1e-4  #: mm that edges of two parts may be apart to be one
+UPRIGHT = 1e-6  #: of a direction, by which an edge is upright or level
 FINE = 0.01  #: mm that chords may be off, to tell what lies in a part
 
 
 def spread(part: Part, torch: Torch, kerf: float) -> tuple[Part, list[Diagnostic]]:
     """The drawing with the parts that share edges moved apart by the kerf, and a note on it.
 
-    As it is drawn where they share edges that are neither upright nor level, or where the moves
-    of some of them contradict one another.
+    As it is drawn where they share curves, or where the moves of some contradict one another.
     """
     if not torch.common_cuts or not kerf or part.measures is None:
         return part, []
@@ -47,10 +52,13 @@ def spread(part: Part, torch: Torch, kerf: float) -> tuple[Part, list[Diagnostic
     shared = list(_shared([_contour(part, rings[n]) for n in outer]))
     if not shared:
         return part, []
-    steps = [_steps(len(outer), [one[1:] for one in shared if one[0] == axis]) for axis in (0, 1)]
-    if any(one[0] < 0 for one in shared) or None in steps:
-        return part, []
-    places = [(kerf * x, kerf * y) for x, y in zip(*steps, strict=True)]
+    places = [(0.0, 0.0)] * len(outer)
+    for group in _groups(len(outer), shared):
+        moves = _moves(group, [one for one in shared if one.before in group])
+        if moves is None:
+            return part, []
+        for number, (x, y) in moves.items():
+            places[number] = kerf * x, kerf * y
     features = list(part.features)
     for k, feature in enumerate(features):
         own = [n for n, o in enumerate(outer) if k == rings[o]]
@@ -61,6 +69,64 @@ def spread(part: Part, torch: Torch, kerf: float) -> tuple[Part, list[Diagnostic
     count = sum(place != (0.0, 0.0) for place in places)
     note = rules.APART.at(part.source, count=count, kerf=f"{kerf:g}")
     return replace(part, features=tuple(features)), [note]
+
+
+class _Shared(NamedTuple):
+    """An edge that two contours share."""
+
+    before: int  #: the contour at its left, or below it
+    behind: int
+    across: Point | None  #: direction from the one to the other; None of a curve
+
+    @property
+    def axis(self) -> int:
+        """0 of an upright edge, 1 of a level one, -1 of any other."""
+        return {(1.0, 0.0): 0, (0.0, 1.0): 1}.get(self.across or (0.0, 0.0), -1)
+
+
+def _groups(count: int, shared: Sequence[_Shared]) -> list[list[int]]:
+    """The contours that touch one another, directly or by others."""
+    of = list(range(count))
+    for one in shared:
+        a, b = of[one.before], of[one.behind]
+        of = [min(a, b) if k in (a, b) else k for k in of]
+    return [[n for n in range(count) if of[n] == k] for k in sorted(set(of))]
+
+
+def _moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
+    """How many kerfs each part of a group is moved; None where edges contradict one another."""
+    if any(one.axis < 0 for one in shared):
+        return _least_moves(group, shared)
+    number = {n: k for k, n in enumerate(group)}
+    x, y = (
+        _steps(
+            len(group),
+            [(number[e.before], number[e.behind]) for e in shared if e.axis == axis],
+        )
+        for axis in (0, 1)
+    )
+    if x is None or y is None:
+        return None
+    return {n: (float(x[k]), float(y[k])) for n, k in number.items()}
+
+
+def _least_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, Point] | None:
+    """The moves of least squares, the first part resting, that part all edges by one kerf."""
+    import numpy as np
+
+    columns = {n: 2 * k for k, n in enumerate(group[1:])}
+    rows = np.zeros((len(shared), 2 * len(columns)))
+    for row, one in zip(rows, shared, strict=True):
+        if one.across is None:
+            return None
+        for number, sign in ((one.before, -1.0), (one.behind, 1.0)):
+            if number in columns:
+                row[columns[number] : columns[number] + 2] += sign * np.array(one.across)
+    found = np.linalg.lstsq(rows, np.ones(len(shared)), rcond=None)[0]
+    if np.abs(rows @ found - 1.0).max() > AGREES:
+        return None
+    moves = {n: (float(found[k]), float(found[k + 1])) for n, k in columns.items()}
+    return {group[0]: (0.0, 0.0), **moves}
 
 
 def _contour(part: Part, number: int) -> Contour:
@@ -95,37 +161,39 @@ def _holds(polygon: "Polygon", place: Point | None) -> bool:
     return place is not None and bool(shapely.covers(polygon, shapely.Point(place)))
 
 
-def _shared(contours: Sequence[Contour]) -> Iterator[tuple[int, int, int]]:
-    """The edges that two contours share: which axis they lie across, and the contours.
+def _shared(contours: Sequence[Contour]) -> Iterator[_Shared]:
+    """The edges that two contours share, one on each side of them."""
+    from beamcam.geometry.arrays import CurveTable
+    from beamcam.geometry.overlapping import overlapping
 
-    Axis 0 is that of upright edges, the contour at their left first; 1 of level ones, that below
-    them first; -1 says that an edge is neither.
-    """
-    lines: dict[tuple[int, float], list[tuple[float, float, int, bool]]] = defaultdict(list)
-    slanting: dict[frozenset[Point], int] = {}
-    for number, contour in enumerate(contours):
-        turned = (
-            signed_area(contour.curves) > 0.0
-        )  # counter-clockwise: the part lies at the left of its edges
-        for curve in contour.curves:
-            (x0, y0), (x1, y1) = curve.start, curve.end
-            if isinstance(curve, Line) and abs(x1 - x0) <= SAME:
-                above = (y1 > y0) == turned  # the part lies at the left of the edge
-                lines[0, round(x0 / SAME)].append((min(y0, y1), max(y0, y1), number, above))
-            elif isinstance(curve, Line) and abs(y1 - y0) <= SAME:
-                below = (x1 < x0) == turned
-                lines[1, round(y0 / SAME)].append((min(x0, x1), max(x0, x1), number, below))
-            else:
-                places = (curve.start, curve.end)
-                ends = frozenset((round(x / SAME), round(y / SAME)) for x, y in places)
-                other = slanting.setdefault(ends, number)
-                if other != number:
-                    yield -1, other, number
-    for (axis, _), some in lines.items():
-        for low, high, number, is_before in some:
-            for a, b, other, other_before in some:
-                if is_before and not other_before and min(high, b) - max(low, a) > SAME:
-                    yield axis, number, other
+    curves = [curve for contour in contours for curve in contour.curves]
+    owners = [k for k, contour in enumerate(contours) for _ in contour.curves]
+    outwards = [1.0 if signed_area(contour.curves) > 0.0 else -1.0 for contour in contours]
+    for a, b in overlapping(CurveTable(curves), ["cut"] * len(curves)):
+        one, other = curves[a], curves[b]
+        if owners[a] == owners[b]:
+            continue
+        if not (isinstance(one, Line) and isinstance(other, Line)):
+            yield _Shared(owners[a], owners[b], None)
+            continue
+        x, y = _out(one, outwards[owners[a]])
+        u, v = _out(other, outwards[owners[b]])
+        (px, py), (qx, qy) = one.start, other.start
+        if x * u + y * v > 0.0 or abs((qx - px) * x + (qy - py) * y) > SAME:
+            continue
+        before, behind = owners[a], owners[b]
+        if x < -UPRIGHT or (abs(x) <= UPRIGHT and y < 0.0):
+            before, behind, x, y = behind, before, -x, -y
+        if min(abs(x), abs(y)) <= UPRIGHT:
+            x, y = (1.0, 0.0) if x > 0.5 else (0.0, 1.0)
+        yield _Shared(before, behind, (x, y))
+
+
+def _out(line: Line, side: float) -> Point:
+    """The direction in which a part ends at an edge; `side` is 1 if it runs counter-clockwise."""
+    (x0, y0), (x1, y1) = line.start, line.end
+    size = hypot(x1 - x0, y1 - y0) or 1.0
+    return side * (y1 - y0) / size, side * (x0 - x1) / size
 
 
 def _steps(count: int, edges: Sequence[tuple[int, int]]) -> list[int] | None:

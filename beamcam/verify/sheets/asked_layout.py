@@ -11,6 +11,7 @@ lies so: M is a quarter turn, unless it was asked to lie in some way.
 
 from collections.abc import Iterator, Sequence
 from math import atan2, cos, degrees, hypot, radians, sin
+from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -22,10 +23,13 @@ from beamcam.model.hatch import hatched
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.need import rows_on
+from beamcam.verify.sheets.touching import HAIR, by_slants, touching
+
+if TYPE_CHECKING:
+    from shapely import Polygon
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 Box = tuple[float, float, float, float]
-HAIR = 1e-3  #: mm
 
 
 def as_asked(
@@ -66,10 +70,10 @@ def pulled_apart(part: Part, torch: Torch) -> Part:
     """A drawing for common cuts whose parts touch, each as far from the next as a cut is wide.
 
     A part lies at the right of another if they would overlap, were it moved to the left by a hair;
-    above, if it were moved down. The moves are those of least sum that keep all these distances.
+    above, if it were moved down. The moves are those of least sum that keep all these distances;
+    of parts that touch along a slant, those of least squares with the first part where it is.
     """
     import shapely
-    from shapely.affinity import translate
 
     width = between(part, torch)
     if not torch.common_cuts or not width or part.measures is None:
@@ -86,27 +90,13 @@ def pulled_apart(part: Part, torch: Torch) -> Part:
         if not any(o.contains(ring.representative_point()) and o.area > ring.area
                    for o in rings.values())
     }  # fmt: skip
-    moves = {k: [0.0, 0.0] for k in outer}
-    for axis in (0, 1):
-        hair = (HAIR, 0.0) if axis == 0 else (0.0, HAIR)
-        behind: list[tuple[int, int]] = []
-        for a, one in outer.items():
-            for b, other in outer.items():
-                if a == b or one.distance(other) > HAIR / 10:
-                    continue
-                edge = shapely.intersection(one.boundary.buffer(HAIR / 10), other.boundary)
-                x0, y0, x1, y1 = edge.bounds if edge.length > HAIR else (0.0, 0.0, 0.0, 0.0)
-                slants = min(x1 - x0, y1 - y0) > HAIR and not _in_steps(edge)
-                if slants and edge.length > 4 * HAIR:
-                    return part
-                nearer = translate(other, -hair[0], -hair[1])
-                if shapely.intersection(one, nearer).area > HAIR * HAIR:
-                    behind.append((a, b))
-        for _ in outer:
-            for a, b in behind:
-                moves[b][axis] = max(moves[b][axis], moves[a][axis] + width)
-        if any(abs(moves[b][axis] - moves[a][axis] - width) > 1e-9 for a, b in behind):
+    moves: dict[int, list[float]] = {}
+    for some, slants in touching(outer):
+        mine = {k: outer[k] for k in some}
+        found = by_slants(mine, width) if slants else _by_axes(mine, width)
+        if found is None:
             return part
+        moves |= found
     features = list(part.features)
     for k, feature in enumerate(features):
         middle = _somewhere(feature)
@@ -120,16 +110,24 @@ def pulled_apart(part: Part, torch: Torch) -> Part:
     return replace(part, features=tuple(features))
 
 
-def _in_steps(edge: object) -> bool:
-    """Whether a shared edge is made of upright and level stretches."""
+def _by_axes(outer: "dict[int, Polygon]", width: float) -> dict[int, list[float]] | None:
+    """The moves of parts that touch along upright and level edges; None if these contradict."""
     import shapely
+    from shapely.affinity import translate
 
-    for line in shapely.get_parts(edge):
-        points = shapely.get_coordinates(line)
-        for (x0, y0), (x1, y1) in zip(points[:-1].tolist(), points[1:].tolist(), strict=True):
-            if abs(x1 - x0) > HAIR / 10 and abs(y1 - y0) > HAIR / 10:
-                return False
-    return True
+    moves = {k: [0.0, 0.0] for k in outer}
+    for axis, hair in enumerate(((HAIR, 0.0), (0.0, HAIR))):
+        behind = [
+            (a, b) for a, one in outer.items() for b, other in outer.items()
+            if a != b and one.distance(other) <= HAIR / 10
+            and shapely.intersection(one, translate(other, -hair[0], -hair[1])).area > HAIR * HAIR
+        ]  # fmt: skip
+        for _ in outer:
+            for a, b in behind:
+                moves[b][axis] = max(moves[b][axis], moves[a][axis] + width)
+        if any(abs(moves[b][axis] - moves[a][axis] - width) > 1e-9 for a, b in behind):
+            return None
+    return moves
 
 
 def _somewhere(feature: Feature) -> tuple[float, float] | None:

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.errors import PlanError
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.curves import Arc, Curve
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Part
@@ -259,12 +259,71 @@ def test_they_are_told_and_refused_without_the_option() -> None:
         post((part,), nested(common_cuts=False))
 
 
-def test_slanting_edges_stay_shared() -> None:
-    """Nobody says by how much along them two parts are moved."""
+def slanted(seed: int) -> tuple[Part, list[shapely.Polygon]]:
+    """A drawing of parts that touch along slants, in one row or with one part above all of it."""
+    chance = random.Random(seed)
+    tops, bottoms = [0.0], [0.0]
+    for _ in range(chance.randint(2, 4)):
+        middle = max(tops[-1], bottoms[-1]) + chance.choice([40.0, 62.5])
+        lean = chance.choice([-12.0, 7.5, 15.0])
+        bottoms.append(middle - lean)
+        tops.append(middle + lean)
+    rings = [
+        [(bottoms[k], 0.0), (bottoms[k + 1], 0.0), (tops[k + 1], 40.0), (tops[k], 40.0)]
+        for k in range(len(tops) - 1)
+    ]
+    if chance.random() < 0.4:
+        rings.append([(tops[0], 40.0), (tops[-1], 40.0), (tops[-1], 70.0), (tops[0], 70.0)])
+    if chance.random() < 0.5:
+        turn = chance.choice([17.0, 45.0, 90.0]) * pi / 180
+        rings = [
+            [(x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn)) for x, y in ring]
+            for ring in rings
+        ]
+    features = [contour(lines(*ring), line=k + 1) for k, ring in enumerate(rings)]
+    return drawing(*features, thickness=3.0), [shapely.Polygon(ring) for ring in rings]
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_parts_that_touch_along_slants_keep_their_size(seed: int) -> None:
+    """They go apart square to their edges, told, and each comes free as it is drawn."""
+    part, shapes = slanted(seed)
+    posted = post((part,), nested())
+    assert "plan-sheet-apart" in {d.code for d in posted.remarks}
+    pieces = [p for p in left_of_sheet(posted.text) if p.area > 200 and p.area < SHEET.area / 2]
+    assert len(pieces) == len(shapes)
+    for shape in shapes:
+        fits = [
+            p for p in pieces
+            if abs(p.area - shape.area) < 3e-4 * shape.area
+            and _at_origin(p).symmetric_difference(_at_origin(shape)).buffer(-0.03).is_empty
+        ]  # fmt: skip
+        assert fits
+        pieces.remove(fits[0])
+    assert not read_back(posted.text, Request((part,), nested()))
+    cut = sum(length(points) for stroke in strokes(posted.text) for points, _ in stroke)
+    assert cut < sum(shape.length for shape in shapes) - 20.0
+
+
+def test_two_parts_go_apart_by_one_kerf_across_their_slant() -> None:
+    """By hand: the edge rises 40 over 20 to the left, so its normal is (2, 1) / sqrt(5)."""
     one, other = (
         lines((0, 0), (60, 0), (40, 40), (0, 40)),
         lines((60, 0), (100, 0), (100, 40), (40, 40)),
     )
     part = drawing(contour(one), contour(other, line=2), thickness=3.0)
+    text = post((part,), nested()).text
+    x = 10 + 100 + KERF * 2 / 5**0.5 + KERF / 2
+    y = 10 + 40 + KERF / 5**0.5 + KERF / 2
+    found = {(float(a), float(b)) for a, b in re.findall(r"X([\d.]+) Y([\d.]+)", text)}
+    assert any(abs(a - x) + abs(b - y) < 2e-3 for a, b in found)
+
+
+def test_a_shared_arc_stays_shared() -> None:
+    """No move parts a curve from itself by the same everywhere."""
+    bow = Arc((60.0, 20.0), 20.0, -90.0, 180.0)
+    left = (*lines((60, 40), (0, 40), (0, 0), (60, 0), closed=False), bow)
+    right = (*lines((60, 0), (120, 0), (120, 40), (60, 40), closed=False), bow.reversed())
+    part = drawing(contour(left), contour(right, line=2), thickness=3.0)
     with pytest.raises(PlanError, match="plan-shared-edge"):
         post((part,), nested())
