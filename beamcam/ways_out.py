@@ -10,6 +10,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
+from beamcam.planning.contours.rules import SHARED
 from beamcam.planning.orientation import MOST_TRIED
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import post_of
@@ -103,6 +104,7 @@ def ways_out(
         if one.machine.torch is not None and isinstance(why := _planned(one), BeamcamError)
     ]
     open_ones = [one for one, codes in refused if any(c.startswith("plan-open") for c in codes)]
+    touching = [one for one, codes in refused if SHARED.code in codes]
     too_large = [one for one, codes in refused if not codes.isdisjoint(_OFF_SHEET)]
     found = [*_first(map(_by_thickness, on))] or [
         *_first(map(_by_placing, on)),
@@ -113,6 +115,7 @@ def ways_out(
             and _made(replace(request, machine=machine)) is not None
         ),
         *_first(map(_by_gap, open_ones)),
+        *_first(map(_by_common_cuts, touching)),
         *_first(map(_by_rotating, too_large)),
         *_first(map(_by_unrolling, (one for one, _ in refused))),
         *_first(map(_by_leave, on)),
@@ -174,6 +177,15 @@ def _by_gap(request: Request) -> Iterator[str]:
         if gap > torch.gap and _made(_with_torch(request, replace(torch, gap=gap))) is not None:
             yield f"--gap {gap:g}"
             return
+
+
+def _by_common_cuts(request: Request) -> Iterator[str]:
+    """Parts that touch, a kerf apart."""
+    torch = request.machine.torch
+    if torch is None or torch.common_cuts:
+        return
+    if _made(_with_torch(request, replace(torch, common_cuts=True))) is not None:
+        yield "--common-cuts"
 
 
 def _by_opening(request: Request) -> Iterator[str]:

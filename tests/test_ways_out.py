@@ -146,6 +146,16 @@ def test_a_drawing_is_told_what_closes_opens_turns_or_scales_it(
     assert run(*asked, *way.split()).exit_code == 0
 
 
+def test_parts_that_touch_are_told_to_share_their_cut(tmp_path: Path) -> None:
+    """Two trapezoids with one slanting side."""
+    one = [(0, 0), (80, 0), (60, 60), (0, 60), (0, 0)]
+    path = saved(tmp_path, 4, one, [(80, 0), (150, 0), (150, 60), (60, 60), (80, 0)])
+    asked = ("post", path, "--thickness", "3", "--machine", "plate-qtplasmac")
+    done = run(*asked, "-o", tmp_path / "a.ngc")
+    assert f"{FOUND}--common-cuts{END}" in done.stderr, done.stderr
+    assert run(*asked, "--common-cuts", "-o", tmp_path / "a.ngc").exit_code == 0
+
+
 def test_a_machine_that_keeps_no_kerf_off_is_no_way_out(tmp_path: Path) -> None:
     """A slit between two parts is as wide as no kerf; a table without one would cut both edges."""
     path = saved(tmp_path, 4, ring(80, 60), [(81, 0), (150, 0), (150, 60), (81, 60), (81, 0)])
