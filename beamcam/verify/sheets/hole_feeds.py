@@ -83,8 +83,10 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         middle = np.array(circle.centre) + np.array(work.shift)
         first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
         away = float(np.hypot(*(work.path.starts[first] - middle)))
-        leads = t.first - first
-        smooth = leads == 1 and _is_half_circle(work, first, middle, at)
+        # What of a short ring comes before its end again may have been traced as a lead.
+        joins = work.path.ends[first]
+        on_ring = abs(float(np.hypot(*(joins - middle)) - np.hypot(*(at - middle))))
+        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, first, middle, joins)
         if away <= 2 * work.tolerance and smooth:
             continue
         half = np.linspace(0.0, np.pi, 65)[:, None]

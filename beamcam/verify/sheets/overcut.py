@@ -1,7 +1,7 @@
 """How far closed cuts go on beyond their start, compared with what is asked of their contour."""
 
 from collections.abc import Sequence
-from math import hypot, pi, sqrt
+from math import hypot, inf, pi, sqrt
 
 import numpy as np
 
@@ -68,17 +68,16 @@ def _along(work: Work, t: Traced) -> Limits:
     """
     led = _led_along(work, t)
     over = sum(other.over for other in t.members) - led
-    asked = asked_overcut(work, t, over)
+    first = float(work.path.lengths[t.first : t.last].sum())
+    if len(t.members) > 1:
+        first += t.over - led
+    asked = asked_overcut(work, t, over, first / 2)
     if not over and not asked:
         return 0.0, 0.0, 0.0
-    first = float(work.path.lengths[t.first : t.last].sum())
     if len(t.members) == 1:
         inside = t.inside()
         if inside is None or inside.area <= MIN_WIDTH * inside.length:
             return over, 0.0, 0.0
-    else:
-        first += t.over - led
-    asked = min(asked, first / 2)
     return over, asked, asked + _along_leads(work, t.members[-1])
 
 
@@ -181,21 +180,23 @@ def _is_drawn_twice(work: Work, t: Traced, along: float) -> bool:
     return bool((np.diff(at) > 8 * work.tolerance).any())
 
 
-def asked_overcut(work: Work, t: Traced, found: float) -> float:
+def asked_overcut(work: Work, t: Traced, found: float, most: float = inf) -> float:
     """The overcut of a contour: that of its colour or layer, of small holes, or the machine's.
 
-    Where a hole may be a small one or not, the one of both that is nearer to what was found.
+    It is no longer than `most`. Where a hole may be a small one or not, the one of both that is
+    nearer to what was found.
     """
     torch = work.torch
     if any(own.overcut is not None for own in torch.settings.values()):
         _, way = work.need.nearest_to(work.path.starts[t.first])
         own = torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
         if own is not None:
-            return own
-    small = torch.overcut if torch.hole_overcut is None else torch.hole_overcut
+            return min(own, most)
+    usual = min(torch.overcut, most)
+    small = usual if torch.hole_overcut is None else min(torch.hole_overcut, most)
     if t.small is None:
-        return min((small, torch.overcut), key=lambda asked: abs(asked - found))
-    return small if t.small else torch.overcut
+        return min((small, usual), key=lambda asked: abs(asked - found))
+    return small if t.small else usual
 
 
 def _beside(work: Work, t: Traced) -> Limits:

@@ -91,8 +91,9 @@ def test_a_part_in_the_middle_of_a_hole_leaves_the_usual_lead() -> None:
 )
 @settings(max_examples=30, deadline=None)
 @given(
-    diameter=st.floats(4.0, 40.0), over=st.floats(0.0, 9.0), usual=st.sampled_from([0.0, 1.5]),
-    widest=st.floats(0.0, 45.0), lead=st.sampled_from(["line", "arc"]),
+    diameter=st.one_of(st.floats(1.9, 4.0), st.floats(4.0, 40.0)), over=st.floats(0.0, 9.0),
+    usual=st.sampled_from([0.0, 1.5]), widest=st.floats(0.0, 45.0),
+    lead=st.sampled_from(["line", "arc"]),
     tabs=st.sampled_from([0, 1]), start=st.sampled_from(["nearest", "straight", "drawn"]),
     lead_out=st.sampled_from([0.0, 1.0, 4.0]),
 )  # fmt: skip
