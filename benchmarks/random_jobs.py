@@ -37,6 +37,7 @@ TABLES: tuple[tuple[str, dict[str, tuple[object, ...]]], ...] = (
     ("plate-linuxcnc", {"kerf_by": ("offset", "machine", "none"), "lead": ("arc", "line", "none")}),
     ("plate-codesys", {"kerf_by": ("offset", "machine"), "lead": ("arc", "line")}),
     ("plate-oxyfuel", {"thickness": (10.0, 20.0), "lead": ("arc", "line")}),
+    ("plate-qtplasmac", {"lead": ("arc", "line"), "drilled": ("spot", "mark")}),
     ("laser-grbl", {"material": ("wood",), "kerf_by": ("offset", "none")}),
 )
 Point = tuple[float, float]
