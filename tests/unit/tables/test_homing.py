@@ -37,7 +37,7 @@ def wrong_by(one: Plant) -> float:
     return max(abs(axis.origin - one.triggers.back_off) for axis in one.axes)
 
 
-def moments(one: Plant) -> Iterator[object]:
+def moments(one: Plant) -> Iterator[bytes]:
     """A copy of the plant in every cycle of its homing, from the press of start."""
     one.press_start()
     while one.value("workState") == HOMING:
@@ -47,7 +47,7 @@ def moments(one: Plant) -> Iterator[object]:
     assert wrong_by(one) <= EXACT
 
 
-def outcome(one: Plant, kept: object, deed: Deed, cycles: int) -> str:
+def outcome(one: Plant, kept: bytes, deed: Deed, cycles: int) -> str:
     """What a fault of so many cycles, from a moment on, leads to: zero, or a number."""
     one.go_back(kept)
     deed(one)
