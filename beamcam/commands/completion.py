@@ -33,13 +33,14 @@ Register-ArgumentCompleter -Native -CommandName beamcam -ScriptBlock {
 def command(ctx: click.Context, shell: str) -> None:
     """Print the lines that make SHELL complete beamcam's commands and options.
 
-    Put them into the file that the shell reads at its start, or where it looks for completions.
+    Put them into the file that the shell reads at its start, or where it looks for completions;
+    PowerShell's profile calls the file with a dot: . .\\beamcam.ps1
 
     \b
     beamcam completion bash > ~/.local/share/bash-completion/completions/beamcam
     beamcam completion zsh > ~/.zfunc/_beamcam
     beamcam completion fish > ~/.config/fish/completions/beamcam.fish
-    beamcam completion powershell >> $PROFILE
+    beamcam completion powershell > beamcam.ps1
     """
     if shell == "powershell":
         click.echo(POWERSHELL)
