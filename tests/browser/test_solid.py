@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pypdfium2
 import pytest
 from click.testing import CliRunner
 from PIL import Image
@@ -245,3 +246,19 @@ def test_in_the_dark_and_on_paper_it_has_their_ground(browser: Browser, folder: 
         assert seen(browser)[2, 2].tolist() == [255, 255, 255]
     finally:
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
+
+
+@pytest.mark.parametrize("drawn_by", ["webgl", "still"])
+def test_a_printer_has_it_too(
+    browser: Browser, folder: Path, drawn_by: str, request: pytest.FixtureRequest
+) -> None:
+    """Browsers print no WebGL, so that the page paints its picture over it."""
+    if drawn_by == "still":
+        request.getfixturevalue("without_webgl")
+    browser.open(folder / "plate.html")
+    printed = browser.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})
+    page = pypdfium2.PdfDocument(base64.b64decode(printed["data"]))[0]
+    colours = np.array(page.render(scale=1.0).to_pil().convert("RGB")).astype(int)
+    red, green, blue = colours[..., 0], colours[..., 1], colours[..., 2]
+    steel = (blue > red + 15) & (blue > green + 5) & (blue < 240)
+    assert steel.mean() > 0.02
