@@ -14,6 +14,7 @@ from PIL import Image
 
 from beamcam.cli import main
 from tests.browser.conftest import Browser, mouse
+from tests.runs import wait_until
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 NO_WEBGL = (
@@ -248,15 +249,26 @@ def test_in_the_dark_and_on_paper_it_has_their_ground(browser: Browser, folder: 
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
 
 
-@pytest.mark.parametrize("drawn_by", ["webgl", "still"])
-def test_a_printer_has_it_too(
-    browser: Browser, folder: Path, drawn_by: str, request: pytest.FixtureRequest
-) -> None:
-    """Browsers print no WebGL, so that the page paints its picture over it."""
-    if drawn_by == "still":
-        request.getfixturevalue("without_webgl")
+def test_a_printer_has_it_too(browser: Browser, folder: Path) -> None:
+    """Some browsers print no WebGL, so that the page paints its picture over it on paper."""
     browser.open(folder / "plate.html")
-    printed = browser.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})
+    assert browser.run("return document.querySelector('#solid-view .printed')") is None
+    shown = "return getComputedStyle(document.querySelector('#solid-view .printed')).display"
+    same = (
+        "const [gl, copy] = document.querySelectorAll('#solid-view canvas');"
+        "const pen = document.createElement('canvas').getContext('2d');"
+        "[pen.canvas.width, pen.canvas.height] = [gl.width, gl.height]; pen.drawImage(gl, 0, 0);"
+        "return pen.canvas.toDataURL() === copy.toDataURL()"
+    )
+    try:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        wait_until(lambda: browser.run("return 'printed' in Sheet.solid"))
+        assert browser.run(shown) == "block"
+        assert browser.run(same) is True
+        printed = browser.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})
+    finally:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    assert browser.run(shown) == "none"
     page = pypdfium2.PdfDocument(base64.b64decode(printed["data"]))[0]
     colours = np.array(page.render(scale=1.0).to_pil().convert("RGB")).astype(int)
     red, green, blue = colours[..., 0], colours[..., 1], colours[..., 2]
