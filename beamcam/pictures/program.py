@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from beamcam.errors import VerifyError, errors_in
-from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pictures.scene import Scene, Unit
@@ -50,7 +49,13 @@ def program_scene(
 
     Raises VerifyError for a program that cannot be understood.
     """
-    refuse_coper(program.machine, "a picture")
+    if program.machine.stock == "profile":
+        from beamcam.pictures.coper import CoperProgram, coper_scene
+
+        known = CoperProgram(
+            program.text, program.machine, program.name, program.sha256, program.parts
+        )
+        return coper_scene(known, unit)
     if program.machine.stock == "beam":
         from beamcam.pictures.bar import bar_scene
 
