@@ -32,7 +32,7 @@ from beamcam.version import __version__
 
 BODY = 9.0
 MAX_STILLS = 4  #: parts of a bar that are shown in space
-WIDE, HIGH, LOW = 1600, 420, 290  #: pixels of such a picture: alone, and with another on a page
+WIDE, HIGH, LOW = 1600, 420, 250  #: pixels of such a picture: alone, and with another on a page
 FOOT = 48.0  #: points of a page for its footer, and for the heading above a picture
 
 
