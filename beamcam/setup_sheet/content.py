@@ -8,6 +8,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, errors_in
+from beamcam.machine.coper_faults import refuse_coper
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.pictures.bar import BarMade
@@ -78,7 +79,9 @@ class SheetSources(Struct, frozen=True):
 
 
 def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
-    """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
+    """Content of a program's setup sheet. Raises VerifyError where none of it is understood, and
+    MachineError for a coper.
+    """
     from beamcam.pictures.bar import bar_scene
     from beamcam.pictures.part import part_scene
     from beamcam.pictures.program import bar_made, table_made
@@ -86,6 +89,7 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
 
     program = source.program
     machine = program.machine
+    refuse_coper(machine, "a setup sheet")
     done = simulate_program(program.data, machine, program.name, program.style, program.parts)
     trace = done.trace
     parts = tuple(dict.fromkeys(program.parts))
