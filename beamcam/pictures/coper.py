@@ -61,8 +61,8 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
     Raises VerifyError for a program that is not understood, is wrong by itself, or names no section
     of the catalogue while its part is not known.
     """
-    part = _part_of(program)
-    strokes = _strokes_of(program, part)
+    part = part_of(program)
+    strokes = strokes_of(program, part)
     coper = program.machine.needed(program.machine.coper, "coper")
     is_tube = coper.turns == "bar"
     faces: tuple[Face, ...] = ("v",) if is_tube else ("v", "u")
@@ -103,7 +103,7 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
     return Scene(program.name, about, WIDTH, y + 46.0 + 13.0 * len(notes), tuple(drawn))
 
 
-def _part_of(program: CoperProgram) -> Part:
+def part_of(program: CoperProgram) -> Part:
     """The part, or one of the section and length that the program's head names."""
     if program.parts:
         return program.parts[0]
@@ -122,8 +122,11 @@ def _part_of(program: CoperProgram) -> Part:
     return Part("", profile, length, Source(program.name), grade=head.grade)
 
 
-def _strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
-    """What the torch cuts. Raises VerifyError where it is not understood, or wrong by itself."""
+def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
+    """What the torch cuts, in its order.
+
+    Raises VerifyError for a program that is not understood, or wrong by itself.
+    """
     machine, name = program.machine, program.name
     coper = machine.needed(machine.coper, "coper")
     events, said = cell_events(program.text, machine, name)

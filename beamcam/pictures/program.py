@@ -12,6 +12,7 @@ from beamcam.pictures.scene import Scene, Unit
 
 if TYPE_CHECKING:
     from beamcam.pictures.bar import BarMade
+    from beamcam.pictures.coper import CoperProgram
     from beamcam.pictures.table import TableMade
     from beamcam.simulate.program import Simulated
 
@@ -50,12 +51,9 @@ def program_scene(
     Raises VerifyError for a program that cannot be understood.
     """
     if program.machine.stock == "profile":
-        from beamcam.pictures.coper import CoperProgram, coper_scene
+        from beamcam.pictures.coper import coper_scene
 
-        known = CoperProgram(
-            program.text, program.machine, program.name, program.sha256, program.parts
-        )
-        return coper_scene(known, unit)
+        return coper_scene(coper_program(program), unit)
     if program.machine.stock == "beam":
         from beamcam.pictures.bar import bar_scene
 
@@ -63,6 +61,13 @@ def program_scene(
     from beamcam.pictures.table import table_scene
 
     return table_scene(table_made(program, done), unit)
+
+
+def coper_program(program: ReadProgram) -> "CoperProgram":
+    """A coper's program as its picture takes it."""
+    from beamcam.pictures.coper import CoperProgram
+
+    return CoperProgram(program.text, program.machine, program.name, program.sha256, program.parts)
 
 
 def table_made(program: ReadProgram, done: "Simulated | None" = None) -> "TableMade":

@@ -8,7 +8,6 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, errors_in
-from beamcam.machine.coper_faults import refuse_coper
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.pictures.bar import BarMade
@@ -79,17 +78,16 @@ class SheetSources(Struct, frozen=True):
 
 
 def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
-    """Content of a program's setup sheet. Raises VerifyError where none of it is understood, and
-    MachineError for a coper.
-    """
+    """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
     from beamcam.pictures.bar import bar_scene
+    from beamcam.pictures.coper import coper_scene
     from beamcam.pictures.part import part_scene
-    from beamcam.pictures.program import bar_made, table_made
+    from beamcam.pictures.program import bar_made, coper_program, table_made
     from beamcam.pictures.table import table_scene
+    from beamcam.setup_sheet.unrolled import coper_made, coper_operations
 
     program = source.program
     machine = program.machine
-    refuse_coper(machine, "a setup sheet")
     done = simulate_program(program.data, machine, program.name, program.style, program.parts)
     trace = done.trace
     parts = tuple(dict.fromkeys(program.parts))
@@ -104,6 +102,14 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
         totals = bar_totals(operations, trace)
         tools = _bar_tools(source, operations)
         bar = tuple(_stretches(made))
+    elif machine.stock == "profile":
+        known = coper_program(program)
+        made = coper_made(known, trace)
+        trace = made.trace
+        scene = coper_scene(known, unit)
+        operations = coper_operations(known, made)
+        totals = table_totals(made)
+        tools = (ToolRow("torch", "", "cut"),)
     else:
         made = table_made(program, done)
         scene = table_scene(made, unit)
