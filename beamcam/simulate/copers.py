@@ -48,7 +48,8 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
                     for a, b in zip(here, (*event.end, event.a_deg[1]), strict=True)
                 )
                 seconds = _seconds(event, here, to, [axis.speed for axis in used])
-                builder.add([seconds], [to], UNIFORM, event.line, state)
+                if seconds > 0.0:  # the first one only says where everything is
+                    builder.add([seconds], [to], UNIFORM, event.line, state)
                 here = to
             case Pause():
                 builder.wait(event.seconds, event.line, state)
