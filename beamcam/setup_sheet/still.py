@@ -30,6 +30,9 @@ TURN = np.array((
     (sin(PITCH) * sin(YAW), cos(PITCH), -sin(PITCH) * cos(YAW)),
     (-cos(PITCH) * sin(YAW), sin(PITCH), cos(PITCH) * cos(YAW)),
 ))  # fmt: skip
+#: Where along a face its letter may stand, the best before the others; its radius in pixels.
+SHARES = (0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7)
+LETTER = 18
 #: Which side of the box the letter of a face stands on: axis, and its greater or lesser end.
 SIDES = {"v": (2, 1), "h": (2, -1), "o": (1, 1), "u": (1, -1)}
 
@@ -64,21 +67,36 @@ def still_of(pieces: Sequence[dict[str, Any]], faces: str, wide: int, high: int)
     canvas = _Canvas(wide * FINER, high * FINER)
     for points, triangles in meshes:
         canvas.draw(placed(points), points, triangles)
+    pixels = canvas.smaller()
     letters = tuple(
-        (face, float(at[0] / (wide * FINER)), float(at[1] / (high * FINER)))
+        (face, float(at[0] / wide), float(at[1] / high))
         for face in faces
-        for at in _letter(face, low, top, placed)
+        if SIDES[face][1] * TURN[2, SIDES[face][0]] > 0.12
+        for at in [_letter_place(placed(_along(face, low, top))[:, :2] / FINER, pixels)]
     )
-    return Still(canvas.smaller(), letters)
+    return Still(pixels, letters)
 
 
-def _letter(face: str, low: Floats, top: Floats, placed: Any) -> Iterator[Floats]:
-    """Where the letter of a face stands, if it is seen."""
+def _along(face: str, low: Floats, top: Floats) -> Floats:
+    """Places on the middle of a face that its letter may have, the first in the middle."""
     axis, way = SIDES[face]
-    if way * TURN[2, axis] > 0.12:
-        at = (low + top) / 2
-        at[axis] = (top if way > 0 else low)[axis]
-        yield placed(at[None])[0]
+    at = np.tile((low + top) / 2, (len(SHARES), 1))
+    at[:, 0] = low[0] + np.array(SHARES) * (top[0] - low[0])
+    at[:, axis] = (top if way > 0 else low)[axis]
+    found: Floats = at
+    return found
+
+
+def _letter_place(places: Floats, pixels: Any) -> Floats:
+    """The place about which the picture is plainest: no letter hides a hole."""
+
+    def differing(place: Floats) -> float:
+        x, y = (int(v) for v in place)
+        about = pixels[max(y - LETTER, 0) : y + LETTER + 1, max(x - LETTER, 0) : x + LETTER + 1]
+        return float((about != pixels[y, x]).any(axis=2).mean()) if about.size else 1.0
+
+    found: Floats = min(places, key=differing)
+    return found
 
 
 def _unpacked(piece: dict[str, Any]) -> tuple[Floats, Counts]:

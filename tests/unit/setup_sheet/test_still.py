@@ -78,6 +78,19 @@ def test_letters_stand_on_the_faces_that_are_seen() -> None:
     assert all(0 < x < wide and 0 < y < high for x, y in places.values())
 
 
+def test_no_letter_hides_a_hole() -> None:
+    """A hole in the very middle of the web, where the letter would stand."""
+    holes = (Hole("v", 200.0, 100.0, 22.0, HERE),)
+    part, line = Part("M1", CHANNEL, 400.0, HERE, features=holes), load("beamline-annex")
+    job = ReadProgram(post([part], line).text.encode(), line, "job.gcode", "", (part,))
+    pieces = [p for p in solids_of(job, bar_made(job)).pieces if p["kind"] == "part"]
+    still = still_of(pieces, "vouh", 1600, 500)
+    ((_, x, y),) = islands(still.pixels)
+    high, wide, _ = still.pixels.shape
+    at = next((u * wide, v * high) for letter, u, v in still.letters if letter == "v")
+    assert np.hypot(at[0] - x, at[1] - y) > 40
+
+
 def test_the_paper_has_a_picture_of_each_mark_once() -> None:
     job = program()
     pages = pypdfium2.PdfDocument(io.BytesIO(setup_pdf(content_of(SheetSources(job)))))
