@@ -20,14 +20,18 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> Iterator[D
         last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
         closed = t.closed and len(t.members) == 1
         closed = closed and bool((by_machine and t.half_kerf) or asked_overcut(work, t, t.over))
-        beyond = last - t.last if closed and asked and work.process == "cut" else 0
-        if t.stroke.dark == beyond or (beyond and _closes(work, t, last - t.stroke.dark)):
+        due = closed and asked and work.process == "cut"
+        dark, beyond = t.stroke.dark, last - t.last if due else 0
+        if dark == beyond and bool(dark) == due:
+            continue
+        if due and dark and _closes(work, t, last - dark):
             continue
         told += 1
         if told <= SHOWN:
+            expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
             yield rules.DARK.at(
-                Source(work.name, t.stroke.line), found=_shown(t.stroke.dark),
-                expected=_shown(beyond), contour=work.contour_at(work.path.starts[t.first]),
+                Source(work.name, t.stroke.line), found=_shown(dark),
+                expected=expected, contour=work.contour_at(work.path.starts[t.first]),
             )  # fmt: skip
 
 

@@ -155,3 +155,20 @@ def test_half_a_circle_is_tangent() -> None:
     assert half.tangent(1.0) == pytest.approx((0.0, 1.0), abs=1e-9)
     (other,) = from_middle((Arc((0.0, 0.0), 10.0, 0.0, -360.0),))
     assert other.tangent(1.0) == pytest.approx((0.0, -1.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("lead_out", [0.0, 1.0])
+@pytest.mark.parametrize("diameter", [2.2, 3.0, 3.8])
+def test_the_arc_goes_out_where_the_overcut_is_half_of_the_hole(
+    diameter: float, lead_out: float
+) -> None:
+    """Its end is a place where the ring of two halves closes as well."""
+    part = drawing(
+        contour(box(0, 0, 60, 60)), contour(circle(30, 30, diameter), line=2), thickness=3.0
+    )
+    machine = table("plate-qtplasmac", lead_out=lead_out, min_hole=0.0, min_hole_share=0.0)
+    text = post((part,), machine).text
+    assert isinstance(text, str)
+    assert text.count("M62 P3") == 1
+    said = verify_sheet(text.replace("M62 P3\n", ""), (part,), machine)
+    assert "verify-sheet-dark" in {d.code for d in said}
