@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
+from beamcam.model.part import Contour
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.orientation import MOST_TRIED
@@ -17,6 +18,7 @@ from beamcam.readers.content import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to meet
+MOST_CURVES = 5_000  #: of a drawing for which ways out are looked for
 ROTATED_DEG = 15  #: from one turn that is tried to the next
 UNITS = ("mm", "in")  #: that drawings are made in
 
@@ -29,7 +31,7 @@ NO_WAY_OUT = note("plan-no-way-out",
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
     "do more.")  # fmt: skip
 UNTRIED = note("plan-ways-untried",
-    "found {found} features, looked for no way out; expected at most {expected} for that",
+    "found {found}, looked for no way out; expected at most {expected} for that",
     "Each option would be tried by planning all of it, some fifty times. `beamcam codes CODE` says "
     "what to do about the errors.")  # fmt: skip
 WAYS_TO_READ = note("read-ways-out",
@@ -92,9 +94,12 @@ def ways_out(
     file with options of its reader, where a drawing may be read in another unit.
     """
     source = request.parts[0].source if request.parts else Source("beamcam")
-    features = sum(len(part.features) for part in request.parts)
-    if features > MOST_TRIED:
-        return UNTRIED.at(source, found=features, expected=MOST_TRIED)
+    features = [f for part in request.parts for f in part.features]
+    if len(features) > MOST_TRIED:
+        return UNTRIED.at(source, found=f"{len(features)} features", expected=MOST_TRIED)
+    curves = sum(len(f.curves) for f in features if isinstance(f, Contour))
+    if curves > MOST_CURVES:
+        return UNTRIED.at(source, found=f"{curves} curves", expected=MOST_CURVES)
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
     refused = [
