@@ -38,7 +38,7 @@ STEPS = (
     ("pictures",),
     ("setup_sheet", "texts_told"),
     ("pipeline", "machine_choice", "ways_out"),
-    ("remainder", "sheet_remainder", "frame"),
+    ("remainder", "sheet_remainder", "frame", "rest_part"),
     ("batch", "api"),
     ("watch",),
     ("commands",),
