@@ -11,12 +11,13 @@ from collections.abc import Sequence
 from msgspec.structs import replace
 
 from beamcam import readers
-from beamcam.errors import ReadError, Source, VerifyError, errors_in, note
+from beamcam.errors import ReadError, VerifyError, errors_in, note
 from beamcam.model.part import Feature, Part
 from beamcam.model.plan import NOT_MADE
-from beamcam.pipeline import FOR_HAND, MISSING, Posted, read_back
+from beamcam.pipeline import Posted, read_back
 from beamcam.planning.begun import begun_part
 from beamcam.verify.begun import rest_faults
+from beamcam.verify.left_out import BY_HAND, LEFT_OUT
 from beamcam.writers import Target
 
 REST = note("plan-rest",
@@ -43,7 +44,7 @@ def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:
                if o.feature[0] == 0 and o.how in NOT_MADE}  # fmt: skip
     if job.request.verified:  # the plan's word is not needed
         said = read_back(posted.text, job.request, job.bar)
-        missing = {one.source for one in said if one.code in (MISSING.code, FOR_HAND.code)}
+        missing = {one.source for one in said if one.code in (LEFT_OUT.code, BY_HAND.code)}
         missing &= {f.source for f in part.features}
     text = target.write(begun_part(part, posted.plan, job.machine))
     rest = _read(text, target)

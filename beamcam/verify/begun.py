@@ -40,9 +40,7 @@ def rest_faults(part: Part, rest: Part, missing: Collection[Source]) -> Iterator
         for feature in have - want:
             yield REST.at(source, found=f"{description(feature)} {how}", expected="none")
         for feature in want - have:
-            yield REST.at(
-                source, found=f"nothing {how} for it", expected=description(feature)
-            )
+            yield REST.at(source, found=f"nothing {how} for it", expected=description(feature))
 
 
 def _bare(feature: Feature) -> Feature:

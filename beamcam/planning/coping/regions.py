@@ -41,13 +41,19 @@ def region_of(
     wall: Wall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[Region, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
-    from shapely import box, make_valid, union_all
+    from shapely import Polygon, box, make_valid, union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
-    strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
     whole: Shape = box(0.0, 0.0, part.length, wall.width)
+    strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
+    if wall.ends is not None:
+        start, end = wall.ends
+        whole = strip = Polygon(
+            [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wall.width), wall.width),
+             (start.x(wall.width), wall.width)]
+        )  # fmt: skip
     if outer:
         whole = union_all([on_edges(shape_of(c.curves), wall) for c in outer]).intersection(strip)
     said: list[Diagnostic] = []
@@ -116,14 +122,18 @@ def _polygons(shape: Shape) -> Iterator[Shape]:
 
 
 def on_edges(shape: Shape, wall: Wall) -> Shape:
-    """An outline whose places near an edge of the wall lie on it."""
+    """An outline whose places near an edge of the wall, or an end of a piece, lie on it."""
     from shapely import make_valid, transform
 
     def moved(points: Any) -> Any:
         points = points.copy()
-        y = points[:, 1]
+        x, y = points[:, 0], points[:, 1]
         y[abs(y) <= OUTLINE_NOISE] = 0.0
         y[abs(y - wall.width) <= OUTLINE_NOISE] = wall.width
+        for end in wall.ends or ():
+            there = end.at + end.slope * y
+            near = abs(x - there) <= OUTLINE_NOISE + end.play
+            x[near] = there[near]
         return points
 
     return make_valid(transform(shape, moved))

@@ -45,6 +45,11 @@ ROUNDED = note("plan-coping-rounded",
 BAR = note("plan-coping-bar",
     "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
     "Leads and pierces of both ends lie in the scrap before and behind the part.")
+PIECE = note("plan-coping-piece",
+    "the part comes cut to {found} mm with finished ends; its x 0 end lies at X {trim}, face v up, "
+    "face u at Y 0",
+    "Another machine has made its ends, and what its file has as made. The program begins with the "
+    "same words for the operator.")
 PIPE = note("plan-coping-pipe",
     "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
     "diameter, and is cut as that pipe",
@@ -54,4 +59,5 @@ NO_PIPE = error("plan-coping-no-pipe",
     "found a plate {found} {height} mm wide; expected {expected} mm, the circumference of a pipe "
     "{diameter} mm in diameter",
     "Name and width of an unrolled pipe contradict each other, and only one can be right.")
-RULES = (PIPE, NO_PIPE, ALONE, END, BEVEL, ROOT, K_AREA, NARROW, OFF, DEEP, THICK, ROUNDED, BAR)
+RULES = (PIPE, NO_PIPE, ALONE, END, BEVEL, ROOT, K_AREA, NARROW, OFF, DEEP, THICK, ROUNDED, BAR,
+    PIECE)

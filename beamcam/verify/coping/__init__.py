@@ -32,6 +32,7 @@ def verify_coping(
     from beamcam.verify.coping.collisions import strike_faults
     from beamcam.verify.coping.compare import compare
     from beamcam.verify.coping.section import Section
+    from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
     from beamcam.verify.coping.tube import cut_square, tube_faults, unrolled_pipe
     from beamcam.verify.coping.wanted import may_be_left, wanted_on
@@ -62,7 +63,8 @@ def verify_coping(
     said = [*said, *torch.said, *strike_faults(torch.ways, section, coper, name)]
     if errors_in(said):
         return tuple(said)
-    wanted = {face: wanted_on(part, face, section, coper, left) for face in section.faces}
+    stock = stock_of(part, section, coper)
+    wanted = {face: wanted_on(part, face, section, coper, left, stock) for face in section.faces}
     step = machine.format.resolution
-    said += compare(torch.strokes, wanted, part, section, coper, rows, step, name)
+    said += compare(torch.strokes, wanted, stock, section, coper, rows, step, name)
     return (*said, *left_to_hand(part, machine), *left_out(part, left))

@@ -12,6 +12,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.coping.section import Section, pieces_of
+from beamcam.verify.coping.stock import Stock
 from beamcam.verify.left_out import is_by_hand
 
 Shape = Any  #: of shapely
@@ -31,7 +32,7 @@ class Wanted(Struct, frozen=True):
 
 
 def wanted_on(
-    part: Part, face: str, section: Section, coper: Coper, left: Collection[int]
+    part: Part, face: str, section: Section, coper: Coper, left: Collection[int], stock: Stock
 ) -> Wanted:
     """What has to stay of a wall; `left` are features that are not made."""
     from shapely import Polygon, box, make_valid, union_all
@@ -43,11 +44,14 @@ def wanted_on(
                               ("v", "h"))
     ]  # fmt: skip
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
-    drawn: Shape = box(0.0, 0.0, part.length, wide)
+    whole = stock.wall(face)
+    drawn: Shape = whole if stock.is_piece else box(0.0, 0.0, part.length, wide)
     if outlines:
-        rings = [[_at_edge(p, wide) for p in ring_of(one.curves)] for one in outlines]
+        rings = [
+            [stock.at_end(face, _at_edge(p, wide)) for p in ring_of(one.curves)] for one in outlines
+        ]
         drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
-        drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
+        drawn = drawn.intersection(whole if stock.is_piece else box(-1e6, 0.0, 1e6, wide))
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     for feature in features:
         if isinstance(feature, Hole):
