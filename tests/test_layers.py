@@ -33,7 +33,7 @@ STEPS = (
         "config",
     ),
     ("posts", "diff", "recovery", "simulate"),
-    ("machine_proof",),
+    ("machine_proof", "machine_chain"),
     ("asked",),
     ("pictures",),
     ("setup_sheet", "texts_told"),

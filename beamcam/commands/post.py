@@ -291,7 +291,8 @@ def _made(plan: AnyPlan, comes_cut: bool) -> Iterator[str]:
         return
     if isinstance(plan, CopePlan):
         yield _counted(len(plan.operations), "cut")
-        yield f"{round(plan.bar, 3):g} mm of bar"
+        begun = plan.pieces[0].part.made is not None
+        yield f"1 part of {round(plan.bar, 3):g}" if begun else f"{round(plan.bar, 3):g} mm of bar"
         return
     kinds = Counter[str]()
     for outcome in plan.outcomes:
