@@ -17,7 +17,6 @@ from beamcam.planning.begun import begun_part
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import post_of
 
-
 LONGEST = 3  #: machines of a chain
 
 

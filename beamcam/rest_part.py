@@ -17,12 +17,11 @@ from beamcam.machine.machine import Machine
 from beamcam.machine_chain import chain_of
 from beamcam.machine_choice import none_makes_it
 from beamcam.model.part import Feature, Part
-from beamcam.model.plan import NOT_MADE
+from beamcam.model.plan import NOT_MADE, unfinished
 from beamcam.model.request import Request
-from beamcam.pipeline import Posted, begin, finished, read_back
+from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
 from beamcam.verify.begun import rest_faults
-from beamcam.verify.left_out import BY_HAND, LEFT_OUT
 from beamcam.writers import Target
 
 REST = note("plan-rest",
@@ -49,14 +48,10 @@ def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:
     """
     job = posted.job
     (part,) = job.request.parts
-    if not any(outcome.how in NOT_MADE for outcome in posted.plan.outcomes):
+    # The read-back of the program has found these missing, and no others.
+    missing = {o.feature[1] for o in unfinished(posted.plan.outcomes) if o.how in NOT_MADE}
+    if not missing:
         return None
-    missing = {part.features[o.feature[1]].source for o in posted.plan.outcomes
-               if o.feature[0] == 0 and o.how in NOT_MADE}  # fmt: skip
-    if job.request.verified:  # the plan's word is not needed
-        said = read_back(posted.text, job.request, job.bar)
-        missing = {one.source for one in said if one.code in (LEFT_OUT.code, BY_HAND.code)}
-        missing &= {f.source for f in part.features}
     begun = begun_part(part, posted.plan, job.machine)
     text = target.write(begun)
     rest = _read(text, target)

@@ -22,7 +22,7 @@ def run(*words: object) -> Result:
     return CliRunner().invoke(main, [str(word) for word in words])
 
 
-OURS = (SAMPLES / "bad", SAMPLES / "dstv")
+OURS = (SAMPLES / "bad", SAMPLES / "dstv", SAMPLES / "coping")
 #: The folders of each test, and how many files at least are of its kind.
 REFUSED = [
     (OURS, 8, 3),
@@ -51,7 +51,7 @@ def is_of_sheets(path: Path) -> bool:
 
 @pytest.mark.parametrize(("folders", "ways", "none"), REFUSED)
 def test_each_way_out_of_each_refusal_works(
-    folders: tuple[Path, ...], ways: int, none: int
+    folders: tuple[Path, ...], ways: int, none: int, tmp_path: Path
 ) -> None:
     seen = {"ways": 0, "none": 0}
     for path in inputs(*folders):
@@ -71,12 +71,28 @@ def test_each_way_out_of_each_refusal_works(
             for way in note[note.index(FOUND) + len(FOUND) :].removesuffix(END).split(" or "):
                 seen["ways"] += 1
                 words = list(asked)
+                if way.startswith("`beamcam split "):
+                    names = way.split("`")[1].split()[-1]
+                    made = run("split", path, "--machines", names, "-o", tmp_path / path.stem)
+                    assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
+                    continue
                 if way.startswith("--machine") and machine:
                     words = [*asked[:4]]
                 made = run(*words, *shlex.split(way))
                 assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
     assert seen["ways"] >= ways
     assert seen["none"] >= none
+
+
+def test_the_fewest_kinds_are_left_out_and_none_that_a_shipped_machine_makes() -> None:
+    header = SAMPLES / "coping" / "header.nc1"
+    for words in ((), ("--machine", "beamline"), ("--machine", "coper-linuxcnc")):
+        said = run("post", header, "-o", "-", *words).stderr
+        assert "`beamcam split --machines beamline-pusher,coper-linuxcnc`" in said
+        assert "--allow-skips" not in said
+    slot = SAMPLES / "bad" / "slot.nc1"
+    said = run("post", slot, "-o", "-", "--machine", "beamline").stderr
+    assert f"{FOUND}--machine beamline-pusher or --machine coper-linuxcnc{END}" in said
 
 
 def test_no_way_out_is_none_on_any_machine() -> None:

@@ -17,11 +17,11 @@ RULES = (REST,)
 NOWHERE = Source("")
 
 
-def rest_faults(part: Part, rest: Part, missing: Collection[Source]) -> Iterator[Diagnostic]:
+def rest_faults(part: Part, rest: Part, missing: Collection[int]) -> Iterator[Diagnostic]:
     """All differences of a rest, as it was read again, from what a program leaves of a part.
 
-    `missing` are the places of the features that the program does not make. Of both parts the
-    curves have to be rounded as the format of the rest does.
+    `missing` are the features that the program does not make. Of both parts the figures have to be
+    rounded as the format of the rest does.
     """
     source = rest.source
     for name in ("mark", "profile", "length", "quantity", "grade"):
@@ -31,8 +31,8 @@ def rest_faults(part: Part, rest: Part, missing: Collection[Source]) -> Iterator
     if rest.made is None:
         yield REST.at(source, found="a whole part", expected="one whose ends are there")
         return
-    to_make = [f for f in part.features if f.source in missing]
-    there = [*(part.made or ()), *(f for f in part.features if f.source not in missing)]
+    to_make = [f for k, f in enumerate(part.features) if k in missing]
+    there = [*(part.made or ()), *(f for k, f in enumerate(part.features) if k not in missing)]
     for found_ones, wanted, how in (
         (rest.features, to_make, "to be made"), (rest.made, there, "as made")
     ):  # fmt: skip
