@@ -9,9 +9,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
+from beamcam.errors import Source
 from beamcam.machine import load, shipped
+from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import read_file, stock_of
 from beamcam.ways_out import RULES
+from beamcam.writers.dstv import write
 from tests.conftest import CORPUS, ROOT
 
 SAMPLES = ROOT / "samples"
@@ -93,6 +96,16 @@ def test_the_fewest_kinds_are_left_out_and_none_that_a_shipped_machine_makes() -
     slot = SAMPLES / "bad" / "slot.nc1"
     said = run("post", slot, "-o", "-", "--machine", "beamline").stderr
     assert f"{FOUND}--machine beamline-pusher or --machine coper-linuxcnc{END}" in said
+
+
+def test_a_flat_that_is_too_long_for_a_table_is_sawn(tmp_path: Path) -> None:
+    profile = Profile("B", "FL50*5", 50.0, 0.0, 0.0, 5.0)
+    hole = Hole("v", 100.0, 25.0, 14.0, Source("a"))
+    flat = tmp_path / "flat.nc1"
+    flat.write_text(write(Part("F1", profile, 9980.0, Source("a"), features=(hole,))))
+    done = run("post", flat, "-o", "-")
+    assert f"{FOUND}--machine beamline-pusher{END}" in done.stderr, done.stderr
+    assert run("post", flat, "-o", "-", "--machine", "beamline-pusher").exit_code == 0
 
 
 def test_no_way_out_is_none_on_any_machine() -> None:

@@ -49,6 +49,8 @@ from beamcam.pipeline import (
 from beamcam.planning.coping.rules import ROUNDED
 from beamcam.planning.left_out import by_hand_sources, left_out_sources
 
+FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (EN 10058)
+
 
 @click.command("post", cls=Grouped)
 @options.inputs
@@ -195,6 +197,8 @@ def _way_out(
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
     stocks = {tried[0].stock, stock_of(request.parts)}
+    if all(p.profile.code == "B" and p.profile.height <= FLAT for p in request.parts):
+        stocks.add("beam")
     if "beam" in stocks:
         stocks.add("profile")
     alike = [one for one in others if one is not None and one.stock in stocks]
