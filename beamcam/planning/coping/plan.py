@@ -89,6 +89,7 @@ def plan_coping(
     plan = CopePlan(
         part.profile, (Piece(part, coper.trim),), needed, tuple(cuts),
         tuple(outcomes_of(part, found, coper.min_bevel)), tuple(said),
+        min_bevel=coper.min_bevel,
     )  # fmt: skip
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")

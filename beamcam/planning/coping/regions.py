@@ -46,6 +46,7 @@ def region_of(
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
+    said: list[Diagnostic] = []
     whole: Shape = box(0.0, 0.0, part.length, wall.width)
     strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
     if wall.ends is not None:
@@ -55,8 +56,9 @@ def region_of(
              (start.x(wall.width), wall.width)]
         )  # fmt: skip
     if outer:
-        whole = union_all([on_edges(shape_of(c.curves), wall) for c in outer]).intersection(strip)
-    said: list[Diagnostic] = []
+        drawn = union_all([on_edges(shape_of(c.curves), wall) for c in outer])
+        said += _beyond(drawn, strip, wall, outer[0])
+        whole = drawn.intersection(strip)
     shape = whole
     for feature in taken:
         gone = shape_of(curves_of(feature))
@@ -69,6 +71,26 @@ def region_of(
         return Region(wall, shape, 0), said
     corners = [p for c in (*outer, *taken) if isinstance(c, Contour) for p in sharp_corners(c)]
     return rounded(wall, shape, corners, part, coper, said)
+
+
+def _beyond(drawn: Shape, piece: Shape, wall: Wall, outline: Contour) -> Iterator[Diagnostic]:
+    """An error where an outline goes on beyond the ends of a piece that comes cut."""
+    from shapely import box
+
+    if wall.ends is None:
+        return
+    within = drawn.intersection(box(-BEYOND, 0.0, BEYOND, wall.width))
+    over = within.difference(piece.buffer(OUTLINE_NOISE))
+    if not over.is_empty:
+        far = max(piece.distance(place) for place in _corners_of(over))
+        yield rules.SHORT.at(outline.source, face=wall.face, found=f"{far:.3g}")
+
+
+def _corners_of(shape: Shape) -> Iterator[Any]:
+    from shapely import Point as Place
+    from shapely import get_coordinates
+
+    return map(Place, get_coordinates(shape))
 
 
 def rounded(

@@ -51,11 +51,11 @@ def verify_coping(
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     left = may_be_left(part, machine, coper, skips)
+    hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
     if coper.turns == "bar":
         said += tube_faults(events, part, machine, coper, rows, left, name)
         if errors_in(said):
             return tuple(said)
-        hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
         return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))
     section = Section(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
@@ -67,4 +67,4 @@ def verify_coping(
     wanted = {face: wanted_on(part, face, section, coper, left, stock) for face in section.faces}
     step = machine.format.resolution
     said += compare(torch.strokes, wanted, stock, section, coper, rows, step, name)
-    return (*said, *left_to_hand(part, machine), *left_out(part, left))
+    return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))

@@ -47,6 +47,8 @@ def compare(
     slack = coper.tolerance + 2 * step + FINE
     left: dict[str, Left] = {}
     for face in section.faces:
+        if wanted[face].short:
+            yield rules.SHORT.at(Source(name), found=f"{wanted[face].short:.2f}", face=face)
         own = [stroke for stroke in strokes if stroke.face == face]
         gone = _gone(face, own, strokes, section)
         yield from _hurt(face, gone, wanted[face].cut, section, slack, name)

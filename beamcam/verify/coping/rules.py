@@ -47,6 +47,10 @@ HURT = error("verify-coping-hurt",
 LEFT = error("verify-coping-left",
     "found {found} mm of scrap left on face {face} near x {x}, y {y}; expected it cut off",
     "The piece that falls off is larger than the part, or nothing falls off at all.")
+SHORT = error("verify-coping-short",
+    "found the piece {found} mm shorter on face {face} than what has to stay of it; expected it as "
+    "long",
+    "What the machine before has cut off cannot be made again.")
 GONE = error("verify-coping-gone",
     "found nothing of face {face} left; expected a wall of the part",
     "Each wall of the section is accounted for.")
@@ -63,5 +67,5 @@ ORDER = error("verify-coping-order",
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE, HURT, LEFT,
-    GONE, HOLDS, EXTRA, ORDER,
+    SHORT, GONE, HOLDS, EXTRA, ORDER,
 )  # fmt: skip

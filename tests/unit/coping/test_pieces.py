@@ -227,6 +227,16 @@ def test_a_cope_that_is_missing_or_too_deep_is_found() -> None:
     assert codes(replace(part, cuts=EndCuts(web_end=-20.0)))
 
 
+def test_a_piece_that_is_too_short_for_its_outline_is_found() -> None:
+    """The file that the program is held against asks for more steel than came."""
+    flange = outline("o", [(0, 0), (520, 0), (520, 150), (0, 150)])
+    text = program_of(begun(outline("v", COPE), flange))
+    longer = begun(outline("v", [(x + 4.0 * (x > 520.0), y) for x, y in COPE]), flange)
+    said = errors_in(verify_coping(text, (longer,), COPER, (), "JOB"))
+    assert ("verify-coping-short", "4.00") in {(d.code, d["found"]) for d in said if "found" in
+                                               dict(d.values)}  # fmt: skip
+
+
 def test_a_piece_without_work_for_the_torch_is_refused() -> None:
     with pytest.raises(PlanError) as refused:
         post((begun(),), COPER)
