@@ -247,7 +247,9 @@ def _stroke_faults(
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
-    if steel.distance(line_of([(x, y)])) > slack:
+    lost = _in_air(stroke, steel, coper.over)
+    if steel.distance(line_of([(x, y)])) > slack or lost is not None:
+        x, y = lost or (x, y)
         yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     least, most = _thickness(stroke, strokes, section, coper)
     rising = sorted(rows, key=lambda row: row.up_to)
@@ -258,6 +260,23 @@ def _stroke_faults(
             source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{least:.2f}",
             expected=expected,
         )  # fmt: skip
+
+
+def _in_air(stroke: Stroke, steel: Shape, over: float) -> tuple[float, float] | None:
+    """A place of a stroke in air, but just beyond the edges where it begins and ends; or None.
+
+    Where its lead begins on an edge it goes on beside that edge to the contour.
+    """
+    from shapely import Point
+
+    run = line_of(stroke.points[1:])
+    ends = [Point(stroke.points[1]), Point(stroke.points[-1])]
+    for air in pieces_of(run.difference(steel.buffer(stroke.row.kerf / 4))):
+        at_end = any(air.distance(end) <= SURE for end in ends)
+        if air.length > (over + 3 * stroke.row.kerf if at_end else stroke.row.kerf):
+            x, y = air.representative_point().coords[0]
+            return x, y
+    return None
 
 
 def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:

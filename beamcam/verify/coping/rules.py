@@ -28,9 +28,8 @@ PIERCE = error("verify-coping-pierce",
     "found a wait of {found} s to pierce; expected {expected} s",
     "A torch that moves before it is through leaves a cut that is not.")
 AIR = error("verify-coping-air",
-    "found the torch started at x {x}, y {y} of face {face}, where no steel is; expected it over "
-    "scrap",
-    "An arc does not start in air.")
+    "found the torch on at x {x}, y {y} of face {face}, where no steel is; expected it over scrap",
+    "An arc does not start in air, and goes out where a cut leaves the steel.")
 STRIKES = error("verify-coping-strikes",
     "found the torch {found} mm from the bar at A {a}, Y {y}, Z {z}; expected {expected} mm",
     "The torch and its holder must meet neither web nor flange, wherever they go.")
