@@ -24,7 +24,7 @@ from beamcam.planning.contours.layout import laid
 from beamcam.verify.asked import RULES, job_faults, pieces_asked
 from beamcam.verify.sheets.asked_layout import as_asked
 from benchmarks.asked_liars import told
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 
 S = Source("a.nc1", 1)
 UPN = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
@@ -121,7 +121,7 @@ asked_layouts = st.fixed_dictionaries({
 })  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(asked_layouts, st.booleans())
 def test_where_parts_lie_by_complex_numbers(how: dict[str, object], plain: bool) -> None:
     """Planner and read-back, each against p -> (mirror, then turn about the middle, then step)."""

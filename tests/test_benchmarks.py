@@ -111,6 +111,7 @@ def test_each_truth_stands_where_it_is_made_untrue(monkeypatch: pytest.MonkeyPat
         assert edited(text, edit) != text
 
 
+@pytest.mark.exhaustive  # its tests run in a process of their own
 def test_a_truth_that_is_untrue_is_seen(tmp_path: Path) -> None:
     done = run("truths.py", "--only", "depth of a trough", "--jobs", "1", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

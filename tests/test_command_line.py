@@ -1,6 +1,7 @@
 """Groups of options, colours, kinds of files, folders in the place of files."""
 
 import json
+import re
 from pathlib import Path
 
 import click
@@ -9,7 +10,7 @@ from click.testing import CliRunner, Result
 
 from beamcam.cli import main
 from beamcam.commands import common
-from beamcam.commands.common import GROUPS, OTHER, Grouped, heading_of
+from beamcam.commands.common import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
 from beamcam.commands.kinds import KINDS, NO_PROGRAMS
 from beamcam.machine.names import DEFAULTS
 from tests.conftest import SAMPLES
@@ -29,11 +30,28 @@ def call(*words: object) -> Result:
 def test_every_option_stands_in_a_group(words: str) -> None:
     options = [p for p in WORDS[words].params if isinstance(p, click.Option)]
     others = [o.name for o in options if heading_of(str(o.name)) == OTHER]
-    assert len(others) <= 6, f"give them a heading in commands/common.py: {others}"
-    said = call(words, "--help").stdout
+    assert not others, f"give them a heading in commands/common.py: {others}"
+    few = len(options) + 1 <= MOST_SHOWN
+    said = call(words, "--help" if few else "--help-all").stdout
     assert "\nOptions:" not in said
     for option in options:
         assert option.opts[-1] in said
+
+
+@pytest.mark.parametrize(
+    "words", [w for w, command in WORDS.items() if isinstance(command, Grouped)]
+)
+def test_the_help_of_many_options_is_a_screen_of_the_first(words: str) -> None:
+    options = [p for p in WORDS[words].params if isinstance(p, click.Option)]
+    said = call(words, "--help").stdout
+    if len(options) + 1 > MOST_SHOWN:
+        shown = re.findall(r"^  (?:-\w, )?(--[\w-]+)", said.split("\nOptions:\n")[1], re.M)
+        first = [o for name in FIRST for o in options if o.name == name]
+        assert [*(o.opts[-1] for o in first), "--help", "--help-all"] == shown
+        assert len(shown) <= 14
+    else:
+        assert "--help-all" not in said
+        assert call(words, "--help-all").exit_code == 2
 
 
 def test_commands_of_many_options_have_groups() -> None:

@@ -1,6 +1,7 @@
 """What shells are given, and what they complete with it."""
 
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -80,6 +81,18 @@ def test_what_is_completed() -> None:
     assert {"batch", "watch", "config", "completion"} <= set(COMMANDS)
     assert "--flat" in complete("beamcam batch --f", 2)
     assert complete("beamcam batch in --machine beamline-a", 4) == ["beamline-annex"]
+
+
+def test_powershell_asks_as_bash_does() -> None:
+    """The words before the cursor, and the number of the one that is completed; then kind,value."""
+    lines = CliRunner().invoke(main, ["completion", "powershell"]).stdout
+    assert lines.startswith("Register-ArgumentCompleter -Native -CommandName beamcam ")
+    assert all(lines.count(a) == lines.count(b) for a, b in ("{}", "()", "[]"))
+    asked = {"_BEAMCAM_COMPLETE", "COMP_WORDS", "COMP_CWORD"}
+    assert {*re.findall(r"\$env:(\w+) = ", lines)} == asked == {*re.findall(r" Env:(\w+)", lines)}
+    assert "$env:_BEAMCAM_COMPLETE = 'bash_complete'" in lines
+    # A word that is not begun yet is the one behind the last.
+    assert "show" in complete("beamcam machines ", 2)
 
 
 def test_an_unknown_shell() -> None:

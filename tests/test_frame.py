@@ -15,7 +15,7 @@ from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import Posted, post
 from beamcam.verify.sheets.frame import frame_faults
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import box, circle, contour, drawing
 
 GASKET = SAMPLES / "dxf" / "gasket-inch.dxf"
@@ -36,7 +36,7 @@ def places(text: str) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize("name", TABLES)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=examples(10), deadline=None)
 @given(width=st.floats(70, 900), origin=st.sampled_from(["table", "centre", "lower-left"]))
 def test_it_goes_round_all_that_the_tool_does(name: str, width: float, origin: str) -> None:
     """Every place of the job lies in the frame, which is no larger; nothing is switched on."""

@@ -18,7 +18,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
 from beamcam.pipeline import post
 from beamcam.readers import read
-from tests.conftest import GOLDEN
+from tests.conftest import GOLDEN, examples
 
 PROGRAMS = sorted((GOLDEN / "laser-grbl").glob("*.nc"))
 MAX_LINE = 79  #: of a buffer of 80, without spaces and comments
@@ -102,7 +102,7 @@ shapes = st.one_of(
 )
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(
     drawn=st.lists(shapes, min_size=1, max_size=5), rotate=st.floats(-180, 180),
     speed=st.floats(1, 9000), power=st.floats(0, 1000), passes=st.integers(1, 3),

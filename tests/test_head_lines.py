@@ -20,7 +20,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, parts_of, post, read_back, read_file
 from beamcam.plain_text import outside_text
 from beamcam.verify.head import Head, head_of
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.strategies import BEAM, CHANNEL, SOURCE, bars
 
 #: A sample that each machine makes, and how its program begins the line of a part.
@@ -62,7 +62,7 @@ def named(part: Part) -> str:
 
 
 @pytest.mark.parametrize("machine", MADE)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(15), deadline=None)
 @given(mark=texts, drawing=texts, order=texts, grade=st.sampled_from(("", *HOSTILE)))
 @example("M1", "", "", "")
 def test_any_text_is_told_and_none_is_obeyed(
@@ -83,7 +83,7 @@ def test_any_text_is_told_and_none_is_obeyed(
     assert not errors_in(read_back(posted.text, Request((part,), loaded)))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(bars())
 def test_each_part_of_a_bar_stands_in_the_head_and_begins_once(parts: list[Part]) -> None:
     machine = load("beamline")
@@ -177,7 +177,7 @@ forged_lines = st.one_of(
 )  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     st.lists(forged_lines, min_size=6, max_size=6), st.sampled_from((1, 2, 3)),
     st.sampled_from(("cut", "place", "section")), st.sampled_from((MITRE, SQUARE)),

@@ -16,7 +16,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.readers import read
 from beamcam.simulate.program import simulate_program
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.rs274 import interpreted, needs_rs274
 from tests.runs import part
 
@@ -156,7 +156,7 @@ def test_a_part_that_the_line_cannot_hold(lines: dict[str, Machine]) -> None:
 
 
 @settings(
-    max_examples=25,
+    max_examples=examples(25),
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(

@@ -27,7 +27,7 @@ from beamcam.report.hand_list import HEAD as HAND_HEAD
 from beamcam.report.hand_list import as_csv as hand_csv
 from beamcam.report.labels import Label, Size, as_pdf, as_zpl, code_rows
 from beamcam.report.tables import Table, as_csv, as_xlsx
-from tests.conftest import ROOT
+from tests.conftest import ROOT, examples
 
 SAMPLES = ROOT / "samples" / "dstv"
 MACHINE = load("beamline")
@@ -109,7 +109,7 @@ parts = st.builds(
 )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(st.lists(st.tuples(parts, st.integers(1, 6)), min_size=1, max_size=8))
 def test_each_piece_lies_on_one_bar_and_no_two_overlap(wanted: list[tuple[Part, int]]) -> None:
     pieces = [part for part, count in wanted for _ in range(count)]
@@ -220,7 +220,7 @@ def test_labels_are_read_by_a_scanner(tmp_path: Path) -> None:
     assert again.read_bytes() == output.read_bytes()
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=examples(15))
 @given(
     st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")), min_size=1, max_size=40),
     st.sampled_from((Size(), Size(60, 30), Size(50, 80), Size(40, 25))),
@@ -234,7 +234,7 @@ def test_any_mark_is_read_back(mark: str, size: Size) -> None:
     assert found.text == label.code
 
 
-@settings(deadline=None, max_examples=10)
+@settings(deadline=None, max_examples=examples(10))
 @given(
     st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")), min_size=1, max_size=200)
 )

@@ -22,7 +22,7 @@ from beamcam.machine import load
 from beamcam.pipeline import read_file
 from beamcam.readers.content import Reading
 from beamcam.verify.head import Head, head_of
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.runs import BAD, part
 
 DSTV = SAMPLES / "dstv"
@@ -61,7 +61,7 @@ def rows(folder: Path, name: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(12), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.lists(st.tuples(st.integers(300, 5900), st.integers(1, 4)), min_size=1, max_size=9),
     st.lists(st.sampled_from((2500, 4300, 7000)), max_size=3),

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from beamcam.cli import main
 from beamcam.machine import load
+from tests.conftest import examples
 from tests.runs import HANG_S
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -104,7 +105,7 @@ def test_the_port_is_the_table(folder: Path) -> None:
     assert (run.returncode, writes(run.stdout)) == (0, table(folder))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.integers(1, 5_400_000), st.integers(1, 2_000_000))
 @example(1, 50_000)  # before the first step
 @example(150_000, 10)  # nearer to the begin than a run-up
@@ -122,7 +123,7 @@ def test_a_door_that_opens_loses_no_step(folder: Path, opens: int, wait: int) ->
             assert later <= opens or time >= opens + wait
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=examples(10), deadline=None)
 @given(st.integers(1, 5_400_000))
 def test_no_motor_is_driven_faster_for_a_door(folder: Path, opens: int) -> None:
     stepper = load("laser-stepper").stepper
@@ -153,7 +154,7 @@ def test_it_does_not_begin_or_end_elsewhere(
     assert rows[-1][1:] == ("00", "00", "0")
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(st.integers(0, 10_000), st.integers(0, 3))
 def test_a_table_whose_words_skip_is_not_begun(folder: Path, row: int, bit: int) -> None:
     """A word that skips one, or a head that does not come back; another way there is sound."""

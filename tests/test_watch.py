@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from beamcam.batch.find import SUFFIXES, Input
 from beamcam.readers.file_end import has_end
 from beamcam.watch import AGAIN_S, HotFolder, Stamp, file_away, look
-from tests.conftest import ROOT, SAMPLES
+from tests.conftest import ROOT, SAMPLES, examples
 from tests.runs import BAD, HANG_S, batch, counts, fill, part, programs, wait_until
 
 A, B = Input("hot/a.nc1", "a.nc1"), Input("hot/b.nc1", "b.nc1")
@@ -49,7 +49,7 @@ def test_what_failed_is_tried_again_later() -> None:
     assert hot.take({A: stamp(1)}, AGAIN_S + 2.0) == (A,)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(st.lists(st.tuples(st.floats(0.01, 5), st.integers(0, 2)), min_size=1, max_size=30))
 def test_nothing_is_taken_early_twice_or_never(looks: list[tuple[float, int]]) -> None:
     """A size is taken only after it stood for the time to settle, once, and in the end always."""
@@ -103,7 +103,7 @@ def test_every_sample_has_its_end() -> None:
     assert has_end("gone.nc1")  # its reader says what is wrong
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.integers(1, 20), st.floats(3, 50), st.floats(0.3, 2.5))
 def test_a_writer_that_pauses(written: int, pause: float, every: float) -> None:
     """A file whose writer pauses is handed over once, whole, and not before."""

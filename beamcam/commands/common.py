@@ -295,7 +295,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
         "output", "machine", "config_file", "trust", "job", "bar", "bars", "remnants",
         "nest", "order", "turn", "style",
-        "show", "to", "table", "quantity", "against", "mark_from", "first", "after",
+        "show", "to", "table", "quantity", "against", "mark_from", "first", "contour", "after",
+        "date", "frame", "size", "code", "profile", "solid",
     ),
     "Names and folders": ("name", "flat", "done", "refused", "samples"),
     "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
@@ -317,21 +318,58 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 
 
+#: What matters most, in the order of use; `--help` of a command with many options shows these.
+FIRST = (
+    "output", "to", "machine", "against", "bar", "bars", "quantity", "sheet_size", "marks",
+    "thickness", "colours", "skips", "as_json",
+)  # fmt: skip
+MOST_SHOWN = 20  #: options of a command whose help shows all of them
+
+
 class Grouped(click.Command):
-    """A command that prints its options by `GROUPS`; those of no group come last."""
+    """A command that prints its options by `GROUPS`; those of no group come last.
+
+    Of many options `--help` shows those of `FIRST`, and `--help-all` all.
+    """
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """The parameters, with --help-all where there are many."""
+        params = super().get_params(ctx)
+        if sum(isinstance(p, click.Option) for p in params) > MOST_SHOWN:
+            text = "Show all options, in groups, and exit."
+            more = click.Option(["--help-all"], is_flag=True, expose_value=False, is_eager=True,
+                                help=text, callback=_show_all)  # fmt: skip
+            params.append(more)
+        return params
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write each group of options under its heading."""
-        rows: dict[str, list[tuple[str, str]]] = {heading: [] for heading in (*GROUPS, OTHER)}
-        for param in self.get_params(ctx):
-            record = param.get_help_record(ctx) if isinstance(param, click.Option) else None
-            if record is not None:
-                heading = SAID if "--help" in param.opts else heading_of(param.name or "")
-                rows[heading].append(record)
-        for heading, records in rows.items():
+        """Write each group of options under its heading, or the first of them."""
+        params = [p for p in self.get_params(ctx) if isinstance(p, click.Option)]
+        helps = [p for p in params if {"--help", "--help-all"} & {*p.opts}]
+        headings: dict[str, list[click.Option]] = {heading: [] for heading in (*GROUPS, OTHER)}
+        if len(helps) == 2 and not ctx.meta.get(ALL):
+            first = [p for p in params if p.name in FIRST]
+            headings = {
+                "Options": [*sorted(first, key=lambda p: FIRST.index(p.name or "")), *helps]
+            }
+        else:
+            for param in params:
+                headings[SAID if param in helps else heading_of(param.name or "")].append(param)
+        for heading, options in headings.items():
+            records = [r for r in (p.get_help_record(ctx) for p in options) if r is not None]
             if records:
                 with formatter.section(heading):
                     formatter.write_dl(records)
+
+
+ALL = "beamcam: all options"
+
+
+def _show_all(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    if value and not ctx.resilient_parsing:
+        ctx.meta[ALL] = True
+        click.echo(ctx.get_help(), color=ctx.color)
+        ctx.exit()
 
 
 def heading_of(name: str) -> str:

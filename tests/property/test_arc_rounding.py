@@ -17,6 +17,7 @@ from beamcam.machine import load
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement
 from beamcam.motion.arcs import ellipse_feeds, parabola_feed, paths_along
 from beamcam.motion.sheet import Pen
+from tests.conftest import examples
 
 COUNT = 100_000
 SMALLEST, LARGEST = 0.05, 5000.0
@@ -107,7 +108,7 @@ def test_the_check_sees_a_flipped_arc() -> None:
 finite = st.floats(-500, 500)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(finite, finite, st.floats(1, 400), st.floats(0.05, 0.998), st.floats(0, 360),
        st.floats(0, 360), st.floats(5, 360), st.sampled_from([-1, 1]))  # fmt: skip
 def test_ellipses_by_their_own_word(
@@ -143,7 +144,7 @@ def test_ellipses_by_their_own_word(
             assert abs(size - 1) * (u * u + v * v) ** 0.5 <= 12 * numbers.step
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(finite, finite, finite, finite, finite, finite)
 def test_parabolas_by_their_vertex(
     x0: float, y0: float, x1: float, y1: float, x2: float, y2: float

@@ -20,7 +20,7 @@ from beamcam.posts import post_of
 from beamcam.verify.bars import verify
 from benchmarks.liars import PROFILES, SOURCE, told, unheld
 from benchmarks.mutation import MACHINES
-from tests.conftest import ROOT
+from tests.conftest import ROOT, examples
 
 PUSHER = load("beamline-pusher")
 SAME = {
@@ -58,7 +58,7 @@ limits = st.fixed_dictionaries({
 })  # fmt: skip
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(parts_of_bars, limits, st.integers(0, 900), st.sampled_from(("beamline", "beamline-pusher")))
 def test_a_bar_that_the_planner_refuses_the_read_back_refuses(
     parts: list[Part], values: dict[str, float | None], more: int, name: str
@@ -79,7 +79,7 @@ def test_a_bar_that_the_planner_refuses_the_read_back_refuses(
     assert bool(refused) == bool(found)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(parts_of_bars, limits, st.sampled_from((1, 3)))
 def test_a_bar_that_is_just_enough_is_enough(
     parts: list[Part], values: dict[str, float | None], decimals: int

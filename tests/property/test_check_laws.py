@@ -10,7 +10,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from beamcam.cli import main
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.runs import BAD, part
 
 OWN = 'base = "beamline-annex"\nsuffix = ".annex"\n'
@@ -61,7 +61,7 @@ def lay_out(folder: Path, depth: int) -> None:
 TRUST = ("--trust=shop", "--trust=apart")
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(
     depth=st.integers(0, 1),
     lines=st.sets(st.sampled_from(LINES), max_size=4),

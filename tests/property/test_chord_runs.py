@@ -14,6 +14,7 @@ from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, contour, drawing, lines
 
 Place = tuple[float, float]
@@ -61,7 +62,7 @@ shapes = st.builds(
 jagged = st.lists(st.tuples(st.floats(0, 9), st.floats(0, 9)), min_size=3, max_size=40, unique=True)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(points=st.one_of(shapes, jagged), closed=st.booleans(), tolerance=st.floats(0.001, 0.1))
 def test_arcs_lie_within_the_tolerance_of_the_chords(
     points: list[Place], closed: bool, tolerance: float
@@ -79,7 +80,7 @@ def test_arcs_lie_within_the_tolerance_of_the_chords(
         assert abs(areas[0].area - areas[1].area) <= tolerance * areas[0].length + 1e-6
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(points=jagged, tolerance=st.floats(0.001, 0.1))
 def test_long_lines_and_corners_stay(points: list[Place], tolerance: float) -> None:
     """What is no run of short chords is not touched."""
@@ -99,7 +100,7 @@ def test_three_thousand_chords_of_a_cam_are_a_few_arcs() -> None:
 
 
 @pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys", "laser-grbl"])
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(15), deadline=None)
 @given(points=shapes)
 def test_the_read_back_holds_it_against_the_chords(name: str, points: list[Place]) -> None:
     """None is refused; one whose arcs bulge by three tolerances more is."""

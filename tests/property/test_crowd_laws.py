@@ -30,7 +30,7 @@ from beamcam.planning.operations.hole_pairs import (
 )
 from beamcam.planning.orientation import MOST_TRIED
 from beamcam.ways_out import ways_out
-from tests.conftest import ROOT
+from tests.conftest import ROOT, examples
 
 SOURCE = Source("test")
 IPE300 = Profile("I", "IPE300", 300, 150, 10.7, 7.1, 15)
@@ -66,7 +66,7 @@ def crowd(seed: int, step: float) -> Group:
     return tuple(sorted((hole.x, f, hole) for f, hole in enumerate(holes)))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(300))
 @given(st.integers(0, 10**9), st.sampled_from((0.0, 0.05, 0.1)), st.sampled_from((0.05, 0.07, 1.0)))
 def test_repeats_are_those_of_comparing_each_two(seed: int, tolerance: float, step: float) -> None:
     holes = crowd(seed, step)
@@ -89,7 +89,7 @@ def shapes_of(chance: random.Random, count: int, length: float) -> list[Hole | S
     ]  # fmt: skip
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(100))
 @given(st.integers(0, 10**9))
 def test_neighbours_of_slots_are_those_of_comparing_each_two(seed: int) -> None:
     chance = random.Random(seed)

@@ -13,6 +13,7 @@ from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pi
 from beamcam.geometry.near import first_equal, near_pairs
 from beamcam.model.drawing import extent
 from beamcam.planning.contours.rounds import TURNED_RAD, chords_of, may_go_round
+from tests.conftest import examples
 from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
 
 curves = st.lists(
@@ -22,14 +23,14 @@ curves = st.lists(
 )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(curves)
 def test_ends_are_those_of_the_curves(found):
     for row, curve in zip(CurveTable(found).ends.tolist(), found, strict=True):
         assert row == pytest.approx([*curve.start, *curve.end], abs=1e-9)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(curves)
 def test_hulls_lie_around_the_curves(found):
     for hull, curve in zip(CurveTable(found).hulls.tolist(), found, strict=True):
@@ -40,13 +41,13 @@ def test_hulls_lie_around_the_curves(found):
         assert box[3] <= hull[3] + slack
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(curves)
 def test_the_box_of_all_is_around_the_boxes_of_each(found):
     assert extent(found) == join_boxes([curve.bbox for curve in found])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(curves)
 def test_cubics_are_the_pieces_to_the_last_bit(found):
     control, owner, others = cubics_of(found)
@@ -64,7 +65,7 @@ def test_cubics_are_the_pieces_to_the_last_bit(found):
     assert [tuple(map(tuple, c)) for c in control.tolist()] == [points for _, points in expected]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(splines())
 def test_ends_of_splines_are_those_of_their_pieces(spline):
     assert spline.start == spline.pieces()[0].start
@@ -82,7 +83,7 @@ def test_ends_of_arcs_are_exact_on_the_axes():
 places = st.tuples(st.integers(-30, 30), st.integers(-9, 9))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(places, max_size=25), st.sampled_from((0.1, 0.3, 1.0)))
 def test_near_points_are_found_and_no_others(found, reach):
     points = np.array(found, dtype=np.float64).reshape(-1, 2) / 10
@@ -110,7 +111,7 @@ def test_first_equal(values: list[tuple[float, int]]) -> None:
     assert first_equal(rows).tolist() == [values.index(value) for value in values]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     st.lists(st.tuples(st.floats(0.5, 20.0), st.floats(-1.0, 1.5)), min_size=6, max_size=40),
     st.lists(st.one_of(beziers(), splines()), max_size=1),

@@ -11,6 +11,7 @@ from beamcam.geometry.bspline import BSpline
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, NewtonCurve, signed_area
 from beamcam.geometry.plane import is_similarity, mapped
 from beamcam.geometry.sampling import points_at
+from tests.conftest import examples
 from tests.property.curve_strategies import arcs, beziers, curves, regular_matrices
 
 shares = st.floats(0, 1)
@@ -24,7 +25,7 @@ def size_of(curve):
     return max(1.0, reach)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(curves)
 def test_ends_are_exact(curve):
     assert curve.point(0.0) == curve.start
@@ -32,7 +33,7 @@ def test_ends_are_exact(curve):
     assert points_at(curve, np.array([0.0, 1.0])).tolist() == [list(curve.start), list(curve.end)]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(curves, shares)
 def test_reversed_runs_the_same_points_backwards(curve, t):
     back = curve.reversed()
@@ -42,7 +43,7 @@ def test_reversed_runs_the_same_points_backwards(curve, t):
     assert back.length == pytest.approx(curve.length, rel=1e-8)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(curves, st.floats(0.01, 0.99), shares)
 def test_split_parts_agree_with_the_parent(curve, t, s):
     first, second = curve.split(t)
@@ -57,7 +58,7 @@ def test_split_parts_agree_with_the_parent(curve, t, s):
         assert dist(second.point(s), curve.point(t + s * (1 - t))) <= 10 * slack
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(curves, regular_matrices(), shares)
 def test_transformed_points_are_points_of_the_transformed(curve, matrix, t):
     image = curve.transformed(matrix)
@@ -66,7 +67,7 @@ def test_transformed_points_are_points_of_the_transformed(curve, matrix, t):
     assert dist(image.point(t), expected) <= 1e-8 * scale
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(arcs, regular_matrices())
 def test_arc_stays_an_arc_only_under_similarities(arc, matrix):
     image = arc.transformed(matrix)
@@ -75,7 +76,7 @@ def test_arc_stays_an_arc_only_under_similarities(arc, matrix):
     assert (image.sweep_deg * arc.sweep_deg > 0) == (a * e - b * d > 0)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(curves)
 def test_box_holds_every_point_and_is_tight(curve):
     points = points_at(curve, np.linspace(0, 1, 4001))
@@ -88,7 +89,7 @@ def test_box_holds_every_point_and_is_tight(curve):
     assert np.allclose(points.max(axis=0), [x1, y1], atol=reach)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(curves, st.lists(shares, min_size=1, max_size=20))
 def test_many_points_at_once_are_the_single_ones(curve, ts):
     points = points_at(curve, np.array(ts))
@@ -96,7 +97,7 @@ def test_many_points_at_once_are_the_single_ones(curve, ts):
         assert dist(curve.point(t), point) <= 1e-9 * size_of(curve)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(curves)
 def test_length_is_that_of_a_fine_polyline(curve):
     points = points_at(curve, np.linspace(0, 1, 20001))
@@ -106,7 +107,7 @@ def test_length_is_that_of_a_fine_polyline(curve):
     assert curve.length == pytest.approx(polyline, rel=1e-3)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(curves, st.floats(0.02, 0.98))
 def test_tangent_and_curvature_are_those_of_near_points(curve, t):
     h = 1e-4
@@ -125,7 +126,7 @@ def test_tangent_and_curvature_are_those_of_near_points(curve, t):
     assert curve.curvature(t) == pytest.approx(turning, abs=slack + 1e-6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.one_of(arcs, beziers()), regular_matrices())
 def test_area_scales_with_the_determinant(curve, matrix):
     closed = (curve, Bezier((curve.end, (7.0, 9.0), curve.start)))
@@ -137,7 +138,7 @@ def test_area_scales_with_the_determinant(curve, matrix):
     )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(curves.filter(lambda curve: isinstance(curve, Bezier | EllipseArc | NewtonCurve)))
 def test_extremes_are_where_x_or_y_turns(curve):
     for t in curve.extremes():

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.curves import Arc, BSpline, Line
 from beamcam.geometry.sampling import points_at
 from beamcam.motion.densify import DensifyRules, densify, truncated, worst_truncation
+from tests.conftest import examples
 from tests.property.curve_strategies import (
     arcs,
     beziers,
@@ -52,7 +53,7 @@ def as_line(points):
 def test_no_point_of_a_curve_is_farther_than_certified(family):
     measured = []
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=examples(40), deadline=None)
     @given(FAMILIES[family], densify_rules(), st.integers(0, 2**32 - 1))
     def check(curve, rules, seed):
         result = densify((curve,), rules)
@@ -65,7 +66,7 @@ def test_no_point_of_a_curve_is_farther_than_certified(family):
     assert sum(measured) >= 30 * SAMPLES
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(curves, densify_rules())
 def test_no_point_of_the_path_is_farther_from_the_curve(curve, rules):
     result = densify((curve,), rules)
@@ -90,7 +91,7 @@ def test_the_path_comes_to_the_tip_of_a_cusp():
     assert shapely.distance(shapely.Point(0.0, 2.0), as_line(points)) <= 0.001
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.lists(curves, min_size=1, max_size=4), densify_rules())
 def test_a_path_of_several_curves_meets_every_joint(chosen, rules):
     path = []
@@ -106,7 +107,7 @@ def test_a_path_of_several_curves_meets_every_joint(chosen, rules):
     assert result.points[-1].tolist() == joints[-1].tolist()
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(curves, densify_rules())
 def test_no_step_is_shorter_than_the_cycle_allows(curve, rules):
     result = densify((curve,), rules)
@@ -116,7 +117,7 @@ def test_no_step_is_shorter_than_the_cycle_allows(curve, rules):
     assert np.all(lengths >= 3 * result.speeds_mm_s * rules.cycle_s * (1 - 1e-12))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(radii, st.sampled_from([0.001, 0.01, 0.1]), st.sampled_from([360.0, -360.0, 77.7]))
 def test_circles_take_hardly_more_points_than_they_must(radius, tolerance, sweep):
     result = densify((Arc((0.0, 0.0), radius, 0.0, sweep),), DensifyRules(tolerance))
@@ -128,7 +129,7 @@ def test_circles_take_hardly_more_points_than_they_must(radius, tolerance, sweep
     assert np.all(2 * np.arcsin(np.minimum(1, lengths / (2 * radius))) <= pi / 2 + 1e-9)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(curves, counts_a_mm)
 def test_truncating_twice_changes_nothing(curve, counts):
     points = points_at(curve, np.linspace(0, 1, 50))

@@ -14,6 +14,7 @@ from beamcam.controllers.moves import Moves
 from beamcam.geometry.curves import Bezier, Curve
 from beamcam.geometry.sampling import points_at
 from beamcam.pipeline import post
+from tests.conftest import examples
 from tests.unit.sheets.parts import contour, drawing, table
 
 #: mm that a program may be off what is drawn, whatever is drawn.
@@ -51,7 +52,7 @@ def path_of(moves: Moves) -> shapely.LineString:
 
 
 @pytest.mark.parametrize("name", ["laser-grbl", "plate-linuxcnc"])
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(15), deadline=None)
 @given(
     st.floats(3.0, 140.0),
     st.sampled_from((2, 3, 6)),

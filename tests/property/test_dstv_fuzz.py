@@ -11,12 +11,13 @@ from beamcam.model.part import Contour, EndPlane
 from beamcam.readers.dstv import looks_like, read_with_account
 from beamcam.readers.dstv.blocks import decode
 from beamcam.readers.dstv.tokens import CODES, split_lines
+from tests.conftest import examples
 
 SAMPLES = Path(__file__).parents[2] / "samples"
 PATHS = sorted([*(SAMPLES / "dstv").glob("*.nc1"), *(SAMPLES / "bad" / "dstv").glob("*.nc1")])
 FILES = [path.read_bytes() for path in PATHS]
 
-SETTINGS = settings(max_examples=500, deadline=None)
+SETTINGS = settings(max_examples=examples(500), deadline=None)
 files = st.sampled_from(FILES)
 places = st.floats(0, 1, exclude_max=True)
 
@@ -79,13 +80,13 @@ def test_cut_off(data, place, end):
     assert_accounted_for(data[: int(place * len(data))] + end)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.binary(max_size=200))
 def test_any_bytes(data):
     assert_accounted_for(data)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(files, st.text("vouhstwgml+-.,0123456789eE_ nainf*:\t", max_size=60), st.integers(24, 40))
 def test_a_row_of_any_signs(data, row, place):
     lines = data.split(b"\n")

@@ -12,13 +12,14 @@ from beamcam.readers import part_json
 from beamcam.readers.dstv import read, read_with_account
 from beamcam.writers import dstv as dstv_writer
 from beamcam.writers import part_json as json_writer
+from tests.conftest import examples
 from tests.property.part_strategies import parts
 
 SAMPLES = sorted((Path(__file__).parents[2] / "samples" / "dstv").glob("*.nc1"))
 NOWHERE = Source("")
 
 SETTINGS = settings(
-    max_examples=120,
+    max_examples=examples(120),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

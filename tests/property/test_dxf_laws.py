@@ -14,6 +14,7 @@ from beamcam.errors import Diagnostic
 from beamcam.model.drawing import extent
 from beamcam.model.lengths import total_length
 from beamcam.readers import dxf
+from tests.conftest import examples
 from tests.dxf_text import arc, block, circle, curves_of, drawing, insert, line, polyline, spline
 
 SAMPLES = sorted((Path(__file__).parents[2] / "samples").rglob("*.dxf"))
@@ -47,7 +48,7 @@ def close(box: tuple[float, ...] | None):
     return pytest.approx(box, abs=1e-6)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(drawings, st.sampled_from([(1, 25.4), (2, 304.8), (5, 10.0), (6, 1000.0)]))
 def test_another_unit_scales_the_drawing(shapes: str, unit: tuple[int, float]) -> None:
     code, mm = unit
@@ -56,7 +57,7 @@ def test_another_unit_scales_the_drawing(shapes: str, unit: tuple[int, float]) -
     assert total_length(scaled) == pytest.approx(mm * total_length(plain), rel=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(drawings, points, angles, st.sampled_from([1.0, 2.5]), st.booleans())
 def test_an_insert_that_keeps_shapes_keeps_kinds_and_lengths(
     shapes: str, at: tuple[float, float], turn: float, scale: float, mirror: bool
@@ -69,7 +70,7 @@ def test_an_insert_that_keeps_shapes_keeps_kinds_and_lengths(
     assert total_length(placed) == pytest.approx(scale * total_length(plain), rel=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(drawings)
 def test_seen_from_behind_twice_is_seen_from_the_front(shapes: str) -> None:
     behind = ((41, 1), (42, 1), (43, 1), (210, 0), (220, 0), (230, -1))
@@ -82,7 +83,7 @@ def test_seen_from_behind_twice_is_seen_from_the_front(shapes: str) -> None:
     assert extent(plain) == close(extent(again))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(drawings, st.floats(0.2, 5), st.floats(0.2, 5))
 def test_uneven_scales_agree_with_flattening(shapes: str, sx: float, sy: float) -> None:
     place = insert("B", 3, 4, (41, sx), (42, sy), (43, 1))
@@ -94,7 +95,7 @@ def test_uneven_scales_agree_with_flattening(shapes: str, sx: float, sy: float) 
             assert after.point(t) == pytest.approx((3 + sx * x, 4 + sy * y), abs=1e-6)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(vertices, points.map(lambda p: (p[0] + 500, p[1])))
 def test_a_bulge_is_the_tangent_of_a_quarter_of_its_sweep(
     first: tuple[float, float, float], second: tuple[float, float]
@@ -110,7 +111,7 @@ def test_a_bulge_is_the_tangent_of_a_quarter_of_its_sweep(
         assert curve.radius == pytest.approx(bulge_radius(first[:2], second, first[2]))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(drawings)
 def test_lengths_are_those_that_ezdxf_flattens_to(shapes: str) -> None:
     import ezdxf
@@ -140,7 +141,7 @@ def test_a_sweep_in_degrees_is_what_the_chord_says() -> None:
     assert degrees(curve.length / curve.radius) == pytest.approx(curve.sweep_deg)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(st.sampled_from(SAMPLES), st.randoms(use_true_random=False))
 def test_no_damage_makes_the_reader_raise(path: Path, dice: random.Random) -> None:
     """Lines of a file are lost, doubled, swapped or overwritten: a reading or a refusal."""
@@ -164,7 +165,7 @@ def test_no_damage_makes_the_reader_raise(path: Path, dice: random.Random) -> No
     assert reading.parts or reading.refused
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(st.sampled_from([p for p in SAMPLES if "bad" not in p.parts]))
 def test_reading_twice_says_the_same(path: Path) -> None:
     data = path.read_bytes()

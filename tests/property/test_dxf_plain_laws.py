@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from beamcam.readers import dxf
 from beamcam.readers.content import Reading
 from beamcam.readers.dxf import bulk, load
-from tests.conftest import CORPUS
+from tests.conftest import CORPUS, examples
 from tests.dxf_text import block, drawing, insert, layer_table, tags
 
 SAMPLES = sorted((Path(__file__).parents[2] / "samples").rglob("*.dxf"))
@@ -218,13 +218,13 @@ def documents(draw: st.DrawFn) -> bytes:
     return data
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(documents())
 def test_drawings_by_hand_read_the_same(data: bytes) -> None:
     assert_same(data)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(documents(), st.randoms(use_true_random=False))
 def test_damaged_drawings_read_the_same(data: bytes, dice: random.Random) -> None:
     rows = data.split(b"\n")

@@ -22,6 +22,7 @@ from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.slot import core_distance
+from tests.conftest import examples
 from tests.unit.planning.shop import SOURCE
 
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
@@ -130,7 +131,7 @@ def planned(part: Part) -> Plan | set[str]:
         return {said.code for said in error.diagnostics}
 
 
-@settings(deadline=None, max_examples=400)
+@settings(deadline=None, max_examples=examples(400))
 @given(drilled())
 def test_what_is_planned_lies_in_the_steel_that_is_left(part: Part) -> None:
     found = planned(part)
@@ -148,7 +149,7 @@ def test_what_is_planned_lies_in_the_steel_that_is_left(part: Part) -> None:
         pytest.fail(f"refused by {found}")
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(drilled())
 def test_nothing_is_said_of_a_hole_amid_the_steel(part: Part) -> None:
     found = planned(part)
@@ -175,7 +176,7 @@ def test_a_hole_on_another_wall_is_refused(profile: Profile, face: str, y: float
     assert found & {"plan-wall", "plan-reach", "plan-off-part"}
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(
     st.floats(0, 60), st.floats(-30, 30), st.sampled_from((9.0, 14.0, 18.0, 22.0)),
     st.sampled_from((9.0, 14.0, 18.0, 22.0)),
@@ -217,7 +218,7 @@ def slots() -> st.SearchStrategy[Slot]:
     )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(slots(), st.one_of(slots(), st.builds(lambda x, y: Hole("v", 700 + x, 150 + y, 18.0, SOURCE),
                                              st.floats(-60, 60), st.floats(-60, 60))))  # fmt: skip
 def test_the_distance_of_slots_is_that_of_their_outlines(one: Slot, other: Slot | Hole) -> None:
@@ -233,7 +234,7 @@ def test_the_distance_of_slots_is_that_of_their_outlines(one: Slot, other: Slot 
     assert core_distance(one, other) == pytest.approx(core(one).distance(core(other)), abs=1e-6)
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(st.floats(60, 700), st.sampled_from((0.0, 30.0, 45.0)), st.sampled_from((0.0, -30.0, -45.0)))
 def test_ends_that_cross_are_refused(length: float, start: float, end: float) -> None:
     part = Part("P1", BEAM, length, SOURCE, cuts=EndCuts(start, end))

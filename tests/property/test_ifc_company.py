@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.readers.ifc import Options, read
+from tests.conftest import examples
 from tests.property.ifc_cut_families import FAMILIES, some_bar
 from tests.property.ifc_cuts import SIZES, Bar, Box, Cuts, Cutter, Round
 
@@ -60,7 +61,7 @@ def alone(one: Recipe) -> tuple[str, ...]:
 RECIPES = st.tuples(st.sampled_from([*INSIDE, *INSIDE, "copes", "drilled"]), st.integers(0, 3))
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(st.lists(RECIPES, min_size=2, max_size=6), st.sampled_from((1, 2, 3)))
 def test_each_member_is_the_same_alone_and_in_company(recipes: list[Recipe], workers: int) -> None:
     assert rows(recipes, workers) == [alone(one) for one in recipes]

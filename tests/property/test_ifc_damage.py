@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Severity
 from beamcam.readers.ifc import read
+from tests.conftest import examples
 from tests.property.ifc_builder import model_text, random_member
 
 ENCODINGS = ("csg", "openings", "outline")
@@ -21,7 +22,7 @@ def text_of(encoding: str) -> str:
 TEXTS = {encoding: text_of(encoding) for encoding in ENCODINGS}
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(30), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.sampled_from(ENCODINGS), st.integers(0, 10**6), st.sampled_from(("drop", "null", "swap")))
 def test_damage_is_told(encoding: str, place: int, how: str) -> None:
     lines = TEXTS[encoding].split("\n")

@@ -11,6 +11,7 @@ from beamcam.geometry.curves import Arc, Line
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.lookahead import LookAheadRules, plan_speeds
 from beamcam.motion.profile import Limits, fastest_profile, reachable_speed
+from tests.conftest import examples
 from tests.path_samples import entries, positions
 from tests.property.curve_strategies import curves
 from tests.property.test_moves import ramp_distance
@@ -47,7 +48,7 @@ def polylines(draw):
     return np.concatenate((np.zeros((1, 2)), np.cumsum(steps, axis=0)))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(polylines(), rules_of_tables, st.sampled_from([5.0, 50.0, 400.0]))
 def test_no_axis_passes_its_limits_and_every_segment_is_made(points, rules, speed):
     path = plan_speeds(points, speed, rules)
@@ -87,7 +88,7 @@ def test_no_axis_passes_its_limits_and_every_segment_is_made(points, rules, spee
     assert np.all(np.diff(path.phase_segment) >= 0)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(polylines(), rules_of_tables)
 def test_junctions_are_passed_no_faster_than_their_circles_allow(points, rules):
     path = plan_speeds(points, 1e4, rules)
@@ -109,7 +110,7 @@ def test_junctions_are_passed_no_faster_than_their_circles_allow(points, rules):
         assert np.all(change[bent] <= most[k] * (1 + 1e-6))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.integers(1, 400), axes, st.floats(1, 2000))
 def test_a_straight_line_in_pieces_is_one_line(pieces, axis, length):
     share = np.linspace(0, 1, pieces + 1)[:, None]
@@ -119,7 +120,7 @@ def test_a_straight_line_in_pieces_is_one_line(pieces, axis, length):
     assert path.duration_s == pytest.approx(whole.duration_s, rel=1e-6)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(st.floats(0, 500), st.floats(1e-4, 1e3), axes)
 def test_the_reached_speed_needs_the_whole_way(speed, way, axis):
     reached = reachable_speed(speed, way, axis.acceleration, axis.jerk)
@@ -129,7 +130,7 @@ def test_the_reached_speed_needs_the_whole_way(speed, way, axis):
     assert ramp_distance(speed, reached + 1e-6 * (1 + reached), *limits) >= way * (1 - 1e-4) - 1e-6
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(polylines(), rules_of_tables)
 def test_samples_lie_on_the_path_and_end_at_rest(points, rules):
     path = plan_speeds(points, 50.0, rules)

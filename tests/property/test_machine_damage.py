@@ -13,7 +13,7 @@ from beamcam.machine.keys import _key, _toml
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.pipeline import post
 from beamcam.readers import read
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 
 HALL = str(SAMPLES / "machines" / "hall-drill.toml")
 BASES = ("beamline", "beamline-annex", "beamline-pusher", "plate-linuxcnc", "plate-codesys", HALL)
@@ -60,7 +60,7 @@ def outcome(path: Path) -> tuple[bool, tuple[Diagnostic, ...]]:
 
 
 @settings(
-    max_examples=40,
+    max_examples=examples(40),
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(

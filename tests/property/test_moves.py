@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.ramps import move_seconds, ramp_seconds, stretch_seconds
 from beamcam.motion.profile import Limits
+from tests.conftest import examples
 from tests.property.test_profile import duration_by_ruckig
 
 amounts = st.floats(0.01, 1e4)
 jerks = st.one_of(amounts, st.just(inf))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(amounts, amounts, amounts, jerks)
 def test_no_move_is_faster_than_its_velocity(distance, velocity, acceleration, jerk):
     seconds = move_seconds(distance, velocity, acceleration, jerk)
@@ -24,14 +25,14 @@ def test_no_move_is_faster_than_its_velocity(distance, velocity, acceleration, j
     assert move_seconds(0.0, velocity, acceleration, jerk) == 0.0
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(st.lists(amounts, min_size=2, max_size=2), amounts, amounts, jerks)
 def test_a_longer_move_never_takes_less_time(distances, velocity, acceleration, jerk):
     near, far = (move_seconds(d, velocity, acceleration, jerk) for d in sorted(distances))
     assert near <= far * (1 + 1e-12)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(amounts, amounts, amounts, amounts, st.floats(1, 10))
 def test_more_of_any_limit_never_takes_longer(distance, velocity, acceleration, jerk, more):
     seconds = move_seconds(distance, velocity, acceleration, jerk) * (1 + 1e-9)

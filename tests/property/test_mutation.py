@@ -27,6 +27,7 @@ from benchmarks.mutation import (
 )
 from benchmarks.order_faults import SEEN_BY_PARTS
 from benchmarks.sheet_faults import told as faults_of_tables
+from tests.conftest import examples
 
 MUTANTS = 2000
 
@@ -135,7 +136,7 @@ def test_the_outcome_tells_a_change_from_none(programs: list[Case]) -> None:
     assert not changed(before, outcome(case.text.replace(" F1", " F2")), case.parts[0], step)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(st.randoms(use_true_random=False), st.integers(0, 100))
 def test_mutations_follow_one_another(programs: list[Case], rng: random.Random, pick: int) -> None:
     """Each takes what those before it left, down to a program of nothing."""

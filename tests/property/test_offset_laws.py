@@ -16,6 +16,7 @@ from beamcam.geometry.curves import Arc, Bezier, BSpline, Line, arc_through, sig
 from beamcam.geometry.offset import Offset, Vanished, flat_offset, offset_chains
 from beamcam.geometry.raw_offset import raw_offsets
 from beamcam.geometry.sampling import points_at
+from tests.conftest import examples
 from tests.rings import polygon_of
 
 TOLERANCE = 0.008
@@ -47,7 +48,7 @@ def ring_of(random, kind):
     return tuple(c.reversed() for c in reversed(ring)) if turned else ring
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     st.integers(0, 10**6),
     st.sampled_from(("lines", "arcs", "spline")),
@@ -79,7 +80,7 @@ def test_no_place_is_nearer_than_it_shall_be_and_nothing_is_left_uncovered(seed,
         assert all(dist(a.end, b.start) <= 1e-4 for a, b in zip(chain, ends, strict=True))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(st.lists(st.integers(0, 10**6), min_size=1, max_size=6))
 def test_many_rings_are_moved_as_each_by_itself(seeds):
     rings = [ring_of(Random(s), ("lines", "arcs", "spline")[s % 3]) for s in seeds]
@@ -135,7 +136,7 @@ def test_a_corner_between_arcs_that_closes_is_cut_where_they_meet():
     assert raw[0].end == pytest.approx((5 + reach, 0.0), abs=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(st.floats(5.0, 30.0), st.floats(2.0, 20.0), st.floats(0.1, 2.0), st.floats(0.2, 2.0))
 def test_a_line_that_vanishes_between_arcs_is_not_prolonged(radius, past_deg, share, amount):
     """Two arcs go past their outermost points; between them is a line, too short to be moved."""
@@ -161,7 +162,7 @@ def test_whole_numbers_are_numbers_too():
     assert fit_chains(((spline,),), 0.01) == fit_chains(((exact,),), 0.01)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from((0.003, 0.02, 0.1)))
 def test_fitted_splines_keep_their_tolerance_and_their_ends(seed, tolerance):
     random = Random(seed)

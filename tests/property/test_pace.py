@@ -22,6 +22,7 @@ from beamcam.motion.feed_limits import (
     turning_mm_s,
 )
 from beamcam.verify.sheets.controller_state import expected_feeds
+from tests.conftest import examples
 
 coordinates = st.floats(-50, 50).map(lambda v: round(v, 3))
 points = st.tuples(coordinates, coordinates)
@@ -69,7 +70,7 @@ def bends(move):
     return isinstance(move, Feed) or hypot(move.i, move.j) > 0.01
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(points, st.lists(moves, min_size=1, max_size=8), st.floats(1, 120), limits_of_tables)
 def test_every_move_has_the_feed_that_the_read_back_expects(start, chain, asked, limits):
     assume(all(map(bends, chain)))
@@ -90,7 +91,7 @@ def test_every_move_has_the_feed_that_the_read_back_expects(start, chain, asked,
         here = step.x, step.y
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(points, points, points)
 def test_the_least_radius_of_a_parabola_is_the_least_of_many(start, vertex, end):
     control = tuple(2 * v - (a + b) / 2 for v, a, b in zip(vertex, start, end, strict=True))
@@ -104,7 +105,7 @@ def test_the_least_radius_of_a_parabola_is_the_least_of_many(start, vertex, end)
         assert bend <= 1 / radius * (1 + 1e-6)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(points, st.floats(0.5, 100), st.floats(0.05, 1), st.floats(0, 360), st.floats(0, 360))
 def test_the_least_radius_of_an_ellipse_is_that_of_its_sharp_end(centre, major, ratio, turn, at):
     axis = (major * cos(radians(turn)), major * sin(radians(turn)))

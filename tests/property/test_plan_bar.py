@@ -18,6 +18,7 @@ from beamcam.planning.beam import plan_bar
 from beamcam.planning.nesting import best_order, lay_on_bar
 from beamcam.planning.operations.ends import ends_of
 from beamcam.planning.operations.saw_cut import pivot_edge
+from tests.conftest import examples
 
 SOURCE = Source("a.nc1", 1)
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
@@ -66,7 +67,7 @@ def blade(cut: SawOp, machine: Machine, plan: Plan, y: float, z: float) -> tuple
     return middle - kerf / 2, middle + kerf / 2
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(bars())
 def test_the_blade_takes_waste_only_and_makes_every_end(bar: tuple[str, list[Part]]) -> None:
     plan, machine = planned(*bar)
@@ -89,7 +90,7 @@ def test_the_blade_takes_waste_only_and_makes_every_end(bar: tuple[str, list[Par
         assert len(starts) == 1
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(bars(), st.one_of(st.none(), st.floats(12000, 15000)))
 def test_the_account_adds_up(bar: tuple[str, list[Part]], length: float | None) -> None:
     plan, machine = planned(*bar, length)
@@ -106,7 +107,7 @@ def test_the_account_adds_up(bar: tuple[str, list[Part]], length: float | None) 
     assert abs(behind + account.remnant + account.end_trim - account.length) <= 0.001
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(bars())
 def test_cuts_that_stand_close_can_be_made_in_order_of_x(bar: tuple[str, list[Part]]) -> None:
     """What ends a part comes before what parts it off, and that before what starts the next."""
@@ -120,7 +121,7 @@ def test_cuts_that_stand_close_can_be_made_in_order_of_x(bar: tuple[str, list[Pa
     assert order == sorted(order)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(bars(most=5))
 def test_the_best_order_takes_the_least_bar(bar: tuple[str, list[Part]]) -> None:
     name, parts = bar

@@ -15,6 +15,7 @@ from beamcam.machine.tools import Tool
 from beamcam.model.plan import DrillOp, Operation, SawOp
 from beamcam.planning.magazine import tool_loads
 from beamcam.planning.order import sort_along_x, travel
+from tests.conftest import examples
 
 SOURCE = Source("a.nc1", 1)
 LINE = load("beamline")
@@ -107,25 +108,25 @@ def best_cost(ops: Sequence[Operation], layout: Layout, times: Times) -> tuple[f
     return min(cost(order, times) for order in permutations(ops) if is_allowed(order, layout))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(ops=strokes(5), times=TIMES)
 def test_five_strokes(ops: list[Operation], times: Times) -> None:
     assert_best_order(ops, "saw-drill", times)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(ops=strokes(6), layout=st.sampled_from(("saw-drill", "drill-saw")), times=TIMES)
 def test_six_strokes(ops: list[Operation], layout: Layout, times: Times) -> None:
     assert_best_order(ops, layout, times)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(ops=strokes(7), times=TIMES)
 def test_seven_strokes(ops: list[Operation], times: Times) -> None:
     assert_best_order(ops, "saw-drill", times)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(ops=strokes(5), second=st.sampled_from((2500.0, 3100.0)))
 def test_strokes_and_cuts_where_the_drill_comes_first(ops: list[Operation], second: float) -> None:
     ops = [
@@ -160,7 +161,7 @@ def assert_best_order(ops: list[Operation], layout: Layout, times: Times) -> Non
     assert abs(forward - found[0]) < 1e-9
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(ops=strokes(7), seed=st.randoms(use_true_random=False))
 def test_the_order_of_the_input_does_not_matter(ops: list[Operation], seed: object) -> None:
     shuffled = list(ops)
@@ -186,7 +187,7 @@ def min_loads(needs: Sequence[Tool], stations: int) -> int:
     return min(states.values())
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(sizes=st.lists(st.integers(8, 15), min_size=1, max_size=14), stations=st.integers(1, 5))
 def test_the_fewest_tools_are_loaded(sizes: list[int], stations: int) -> None:
     machine = load("beamline")

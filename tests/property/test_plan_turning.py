@@ -33,6 +33,7 @@ from beamcam.planning.beam import plan_bar
 from beamcam.planning.operations.ends import ends_of
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
+from tests.conftest import examples
 
 SOURCE = Source("a.nc1", 1)
 SAW = saw_of(load("beamline-pusher"))
@@ -136,7 +137,7 @@ def test_the_turns_are_the_eight_rotations() -> None:
         assert undo(turn) in TURNS
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(parts())
 def test_every_place_is_where_the_rotation_brings_it(part: Part) -> None:
     for turn in TURNS:
@@ -147,7 +148,7 @@ def test_every_place_is_where_the_rotation_brings_it(part: Part) -> None:
             assert in_space(lying, to, new_x, new_y) == pytest.approx(expected, abs=1e-9)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(parts())
 def test_turned_and_turned_back_is_the_part(part: Part) -> None:
     for turn in TURNS:
@@ -164,7 +165,7 @@ def test_turned_and_turned_back_is_the_part(part: Part) -> None:
                 assert (f.angle - g.angle) % 360 == pytest.approx(0, abs=1e-9)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(parts("M"))
 def test_end_planes_turn_with_the_part(part: Part) -> None:
     for end in ends_of(part, SAW)[0]:

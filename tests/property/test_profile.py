@@ -16,6 +16,7 @@ from beamcam.motion.profile import (
     profile_through,
     profile_to_velocity,
 )
+from tests.conftest import examples
 
 RANDOM_PROFILES = 10_000
 
@@ -54,7 +55,7 @@ def check_joints(profile):
         assert v == pytest.approx(q.velocity if q else profile.end_velocity, abs=1e-9 * speed)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(tasks())
 def test_fastest_profiles_join_keep_their_limits_and_arrive(task):
     limits, distance = task
@@ -82,7 +83,7 @@ def duration_by_ruckig(limits, distance, v0, v1):
     return answer.duration
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(tasks())
 def test_backwards_is_the_mirror_image(task):
     limits, distance = task
@@ -92,7 +93,7 @@ def test_backwards_is_the_mirror_image(task):
     assert np.array_equal(back.position(t), -ahead.position(t))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(amounts, amounts, percents)
 def test_ramps_by_velocity_and_by_acceleration_are_one(velocity, time_s, percent):
     by_velocity = profile_to_velocity(velocity, time_s, percent)
@@ -104,7 +105,7 @@ def test_ramps_by_velocity_and_by_acceleration_are_one(velocity, time_s, percent
     assert by_velocity.velocity(time_s / 2) == pytest.approx(velocity / 2, rel=1e-9)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(amounts, amounts, percents, st.floats(0, 0.9))
 def test_profiles_over_a_distance_start_and_end_at_rest(distance, time_s, percent, cruise):
     profile = profile_over_distance(distance, time_s, percent, cruise * time_s)
@@ -115,7 +116,7 @@ def test_profiles_over_a_distance_start_and_end_at_rest(distance, time_s, percen
     assert top == pytest.approx(distance / (time_s * (1 + cruise) / 2), rel=1e-9)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(st.lists(time_points, min_size=2, max_size=8), percents)
 def test_profiles_pass_through_their_points(steps, percent):
     times = np.cumsum([t for t, _ in steps])

@@ -14,6 +14,7 @@ from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.recovery import Stock, recover
 from beamcam.verify.bars import run
+from tests.conftest import examples
 from tests.property.test_sheet_plan_laws import (
     crosses,
     has_narrow_places,
@@ -54,7 +55,7 @@ def is_one(hole: Hole, other: Hole, near: float) -> bool:
     )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.sampled_from(MACHINES), bars())
 def test_the_parts_of_a_bar_come_back(name: str, parts: list[Part]) -> None:
     machine = load(name)
@@ -72,7 +73,7 @@ def test_the_parts_of_a_bar_come_back(name: str, parts: list[Part]) -> None:
             assert sum(is_one(other, hole, near) for other in made.holes) == 1
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     st.sampled_from([m for m in MACHINES if m != "beamline-annex"]).flatmap(
         lambda m: st.tuples(st.just(m), bars_of_all_kinds(m))
@@ -111,7 +112,7 @@ def steel_left(slot: Slot) -> shapely.Polygon:
     return shapely.affinity.translate(turned, slot.x, slot.y).buffer(slot.diameter / 2, 64)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(slots)
 @example(Slot("v", 400.0, 130.0, 27.5, 0.0, 0.0, 30.0, S, None))
 @example(Slot("v", 400.0, 130.0, 18.0, 0.1, 0.0, 30.0, S, None))
@@ -136,7 +137,9 @@ def region(part: Part) -> shapely.Geometry:
     return shapely.affinity.translate(found, -x, -y)
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(
+    max_examples=examples(25), deadline=None, suppress_health_check=[HealthCheck.filter_too_much]
+)
 @given(
     st.integers(0, 10**6),
     st.sampled_from(

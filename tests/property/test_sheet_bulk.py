@@ -21,6 +21,7 @@ from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
 from beamcam.verify.sheets.gaps import widest_gap
 from beamcam.verify.sheets.toolpaths import Toolpaths
+from tests.conftest import examples
 
 numbers = st.decimals(-9999, 9999, places=4).map(lambda d: f"{d.normalize():f}")
 
@@ -121,7 +122,7 @@ def test_plain_blocks_say_what_others_say(name: str) -> None:
     assert faults > 100
 
 
-@settings(max_examples=500)
+@settings(max_examples=examples(500))
 @given(*[st.floats(-50, 50)] * 4, st.floats(0.01, 100), st.floats(-0.02, 0.02), st.booleans())
 def test_no_controller_refuses_a_sure_arc(
     x: float, y: float, u: float, v: float, radius: float, off: float, clockwise: bool
@@ -240,7 +241,7 @@ free_curves = st.one_of(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(free_curves, min_size=1, max_size=3))
 def test_what_splines_are_drawn_with(curves: list[BSpline | Bezier]) -> None:
     """No place of a curve is farther from its arcs and chords than it may be, nor one of these."""

@@ -18,6 +18,7 @@ from beamcam.model.part import Part
 from beamcam.motion.sheet import sheet_program
 from beamcam.planning.contours import doubling
 from beamcam.planning.sheet import plan_sheet
+from tests.conftest import examples
 from tests.rings import polygon_of
 from tests.swept_band import Drawn, Measured, strokes_of
 from tests.unit.sheets.parts import circle, contour, drawing, lines, table
@@ -128,7 +129,7 @@ def has_narrow_places(rings: list[shapely.Polygon], kerf: float) -> bool:
 
 
 @pytest.mark.parametrize("kerf_by", ["offset", "machine"])
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(seed=st.integers(0, 10**6))
 @example(seed=158)
 def test_what_is_cut_is_right_and_what_is_refused_is_wrong(

@@ -15,6 +15,7 @@ from beamcam.model.part import EndCuts, Part, Profile
 from beamcam.planning.nesting import lay_on_bar
 from beamcam.planning.operations.ends import Ends, ends_of
 from beamcam.planning.stock import Nesting, Rooms, StockBar, first_fit
+from tests.conftest import examples
 
 SECTIONS = (
     Profile("I", "IPE200", 200, 100, 8.5, 5.6, 12),
@@ -115,7 +116,7 @@ def machine_of(chance: random.Random) -> Machine:
     )
 
 
-@settings(deadline=None, max_examples=250)
+@settings(deadline=None, max_examples=examples(250))
 @given(st.integers(0, 10**9))
 def test_the_same_bars_as_by_trying_each(seed: int) -> None:
     chance = random.Random(seed)
@@ -124,7 +125,7 @@ def test_the_same_bars_as_by_trying_each(seed: int) -> None:
     assert first_fit(parts, machine, lengths) == tried_one_by_one(parts, machine, lengths)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(
     st.integers(0, 10**9), st.lists(st.sampled_from((1499.0, 3333.0, 7777.0, 13001.0)), max_size=4)
 )

@@ -8,6 +8,7 @@ from beamcam.machine import load
 from beamcam.model.part import Part
 from beamcam.model.plan import SawOp
 from beamcam.pipeline import post
+from tests.conftest import examples
 from tests.strategies import bars
 
 MACHINES = ("beamline", "beamline-annex")
@@ -18,7 +19,7 @@ def stop_positions(text: str) -> list[float]:
     return [float(x) for x in re.findall(r"^N\d+ G0[01] X(-?[\d.]+)", text, re.MULTILINE)]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(bars())
 def test_the_stop_never_moves_back(parts: list[Part]) -> None:
     for name in MACHINES:
@@ -27,7 +28,7 @@ def test_the_stop_never_moves_back(parts: list[Part]) -> None:
         assert positions == sorted(positions)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(bars())
 def test_every_feature_has_one_outcome_and_every_part_two_ends(parts: list[Part]) -> None:
     plan = post(parts, load("beamline")).plan
@@ -44,7 +45,7 @@ def test_every_feature_has_one_outcome_and_every_part_two_ends(parts: list[Part]
         assert skew <= set(angles)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(bars())
 def test_the_stretches_of_a_bar_add_up(parts: list[Part]) -> None:
     bar = post(parts, load("beamline"), bar=18000.0).plan.bar
@@ -52,7 +53,7 @@ def test_the_stretches_of_a_bar_add_up(parts: list[Part]) -> None:
     assert bar.length == 18000.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(bars())
 def test_numbers_are_plain(parts: list[Part]) -> None:
     """No exponent, no `-0`, no trailing zeros behind a point."""

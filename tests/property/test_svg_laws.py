@@ -17,6 +17,7 @@ from beamcam.model.lengths import total_length
 from beamcam.readers import svg
 from beamcam.readers.svg.path import parse_path
 from beamcam.readers.svg.transform import parse_transform
+from tests.conftest import examples
 from tests.svg_text import curves_of, drawing
 
 SAMPLES = sorted((Path(__file__).parents[2] / "samples").rglob("*.svg"))
@@ -73,7 +74,7 @@ turns = st.one_of(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(paths)
 def test_paths_are_those_of_svgelements(d: str) -> None:
     from svgelements import Close, Move, Path
@@ -92,7 +93,7 @@ def test_paths_are_those_of_svgelements(d: str) -> None:
         assert a.point(0.5) == pytest.approx((middle.x, middle.y), abs=10 * size)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.lists(turns, max_size=4), st.tuples(numbers, numbers))
 def test_transforms_are_those_of_svgelements(row: list[str], point: tuple[float, float]) -> None:
     from svgelements import Matrix
@@ -103,7 +104,7 @@ def test_transforms_are_those_of_svgelements(row: list[str], point: tuple[float,
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(shapes, turns)
 def test_a_transform_maps_every_point(shape: str, text: str) -> None:
     matrix = parse_transform(text)
@@ -120,7 +121,7 @@ def test_a_transform_maps_every_point(shape: str, text: str) -> None:
             assert after.point(t) == pytest.approx((u, 100 - v), abs=1e-6 * size)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(shapes, st.sampled_from([("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("px96", 25.4 / 96)]))
 def test_a_unit_scales_the_drawing(shape: str, unit: tuple[str, float]) -> None:
     name, mm = unit
@@ -129,7 +130,7 @@ def test_a_unit_scales_the_drawing(shape: str, unit: tuple[str, float]) -> None:
     assert scaled == pytest.approx(mm * plain, rel=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(shapes)
 def test_lengths_are_those_of_svgelements(shape: str) -> None:
     from svgelements import SVG, Move, Shape
@@ -146,7 +147,7 @@ def test_lengths_are_those_of_svgelements(shape: str) -> None:
     assert total_length(curves_of(shape)) == pytest.approx(expected, rel=1e-3, abs=1e-6)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(st.sampled_from([p for p in SAMPLES if p not in HUGE]), st.randoms(use_true_random=False))
 def test_no_damage_makes_the_reader_raise(path: Path, dice: random.Random) -> None:
     """Bytes of a file are lost, doubled or overwritten: a reading or a refusal."""
@@ -169,7 +170,7 @@ def test_no_damage_makes_the_reader_raise(path: Path, dice: random.Random) -> No
         assert all(isfinite(v) for c in contour.curves for v in (*c.start, *c.end))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(st.sampled_from([p for p in SAMPLES if "bad" not in p.parts]))
 def test_reading_twice_says_the_same(path: Path) -> None:
     data = path.read_bytes()

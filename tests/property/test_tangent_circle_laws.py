@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.tangent_circles import NoTangentCircle, nearest_circle, tangent_circles
+from tests.conftest import examples
 
-ours = settings(max_examples=300, deadline=None)
+ours = settings(max_examples=examples(300), deadline=None)
 coordinates = st.integers(-2000, 2000).map(lambda n: n / 10)
 points = st.tuples(coordinates, coordinates)
 sizes = st.integers(5, 1500).map(lambda n: n / 10)

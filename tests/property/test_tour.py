@@ -18,6 +18,7 @@ from beamcam.planning.contours.order import (
     turn_stretches,
 )
 from beamcam.planning.contours.outline import Shape
+from tests.conftest import examples
 
 HERE = (0.0, 0.0)
 
@@ -68,7 +69,7 @@ def greedy(starts, ends, parents, here):
     return tour
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(tours())
 def test_the_nearest_is_the_nearest_of_all(found):
     starts, ends, parents = found
@@ -118,7 +119,7 @@ def length(tour, starts, ends, here):
     return total
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from((5, 30, 75)), st.booleans())
 def test_stretches_are_turned_as_the_slow_way_turns_them(seed, count, nested):
     random = Random(seed)
@@ -135,7 +136,7 @@ def test_stretches_are_turned_as_the_slow_way_turns_them(seed, count, nested):
     assert all(p < 0 or places[k] < places[p] for k, p in enumerate(parents))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(tours(20), st.data())
 def test_marks_come_before_cuts(found, data):
     starts, ends, _ = found

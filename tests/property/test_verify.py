@@ -12,6 +12,7 @@ from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.verify.bars import run, verify
+from tests.conftest import examples
 
 PROFILES = (
     Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0),
@@ -64,7 +65,7 @@ def bars(draw: Any, machine: str) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-@settings(deadline=None, max_examples=120)
+@settings(deadline=None, max_examples=examples(120))
 @given(st.sampled_from(MACHINES).flatmap(lambda m: st.tuples(st.just(m), bars(m))))
 def test_what_is_planned_is_read_back(case: tuple[str, tuple[Part, ...]]) -> None:
     name, parts = case
@@ -76,7 +77,7 @@ def test_what_is_planned_is_read_back(case: tuple[str, tuple[Part, ...]]) -> Non
     assert [str(d) for d in verify(text, parts, machine, bar=15000.0)] == []
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=examples(80))
 @given(
     bars("beamline"), st.integers(0, 10**6), st.sampled_from((0.01, 0.1, 1.0, 25.0)),
     st.sampled_from(("x", "y", "diameter", "length", "face", "cut", "gone", "more")),
@@ -145,7 +146,7 @@ FIXED = Part(
 )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(300))
 @given(st.sampled_from(MACHINES), TEXTS)
 def test_any_text_at_all_is_answered_with_messages(name: str, text: str) -> None:
     for parts in ((), (FIXED,)):
@@ -154,7 +155,7 @@ def test_any_text_at_all_is_answered_with_messages(name: str, text: str) -> None
         assert all(str(d) for d in said)
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(st.sampled_from(MACHINES), TEXTS, st.integers(0, 60))
 def test_nonsense_inside_of_a_program_is_found_or_changes_nothing(
     name: str, text: str, at: int

@@ -11,6 +11,7 @@ from beamcam.pipeline import post
 from beamcam.planning.turning import TURNS, alike, lies, turned
 from beamcam.verify.bars import verify
 from beamcam.verify.bars.turned import ROTATIONS, rotated, standing
+from tests.conftest import examples
 from tests.strategies import CHANNEL, SOURCE, parts
 
 MACHINE = load("beamline")
@@ -30,7 +31,7 @@ def test_eight_rotations_and_no_mirror() -> None:
     assert {determinant(r) for r in ROTATIONS} == {1.0}
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(parts())
 def test_the_ways_a_part_may_lie_are_those_of_the_planner(part: Part) -> None:
     """Both are written apart: rotations of places here, maps of each face there."""
@@ -40,7 +41,7 @@ def test_the_ways_a_part_may_lie_are_those_of_the_planner(part: Part) -> None:
         assert any(same(one, lying) for one in mine)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(parts(), st.sampled_from(ROTATIONS))
 def test_turned_four_times_a_part_is_itself(part: Part, rotation: object) -> None:
     lying = part
@@ -54,7 +55,7 @@ def channel(length: float, x: float, cuts: EndCuts | None = None) -> Part:
     return Part("A", CHANNEL, length, SOURCE, cuts=cuts or EndCuts(), features=holes)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     st.lists(
         st.builds(

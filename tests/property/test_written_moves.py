@@ -15,6 +15,7 @@ from beamcam.model.program import ArcFeed, Feed, Movement
 from beamcam.motion.arcs import paths_along
 from beamcam.motion.sheet import Pen
 from beamcam.motion.spans import Numbers
+from tests.conftest import examples
 
 #: Coordinates that lie on the written steps, between two of them, or anywhere.
 coordinates = st.one_of(
@@ -45,7 +46,7 @@ def numbers_of(machine: str) -> Numbers:
     return Pen(load(machine)).numbers
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(st.lists(coordinates, min_size=2, max_size=20), st.integers(0, 4))
 def test_numbers_are_rounded_by_their_exact_decimals(values: list[float], decimals: int) -> None:
     numbers = Numbers(decimals, 3, 0.01, 0.005, 0.01, 1e5)
@@ -56,7 +57,7 @@ def test_numbers_are_rounded_by_their_exact_decimals(values: list[float], decima
 
 
 @pytest.mark.parametrize("machine", MACHINES)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(found=chains)
 def test_each_curve_is_followed_to_its_end(machine: str, found: list[list[Curve]]) -> None:
     """In the order of the chain, and nothing between that lies nowhere near it."""
@@ -83,7 +84,7 @@ def test_each_curve_is_followed_to_its_end(machine: str, found: list[list[Curve]
 
 
 @pytest.mark.parametrize("machine", MACHINES)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(found=chains)
 def test_chains_do_not_look_at_one_another(machine: str, found: list[list[Curve]]) -> None:
     numbers = numbers_of(machine)

@@ -1,20 +1,23 @@
-"""Structured Text run: a syntax tree turned into Python functions, one for each node.
+"""Structured Text run: a syntax tree written as Python, one function for each block.
 
-Blocks are compiled once; the variables of an instance are a dictionary that its functions are
-called with. Commands go to a `World`, which knows axes and time. AND and OR stop at the first
-value that decides, which makes no difference as expressions have no effects.
+Blocks are compiled once; the variables of an instance are a dictionary that its function is called
+with. Commands go to a `World`, which knows axes and time. AND and OR stop at the first value that
+decides, which makes no difference as expressions have no effects.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from functools import lru_cache
 from math import sqrt
+from types import CodeType
 from typing import Any, Protocol
 
 from beamcam.controllers.simotion import rules, syntax
 from beamcam.errors import Diagnostic, Source
 
 Values = dict[str, Any]
-Get = Callable[[Values], Any]
-Do = Callable[[Values], None]
+Variables = dict[
+    str, syntax.Variable | None
+]  #: by their names in capitals; None: outside the units
 
 _FIRST: dict[str, Any] = {"BOOL": False, "REAL": 0.0, "LREAL": 0.0, "TIME": 0.0}
 
@@ -39,10 +42,6 @@ class Fault(Exception):
     def __init__(self, diagnostic: Diagnostic) -> None:
         super().__init__(str(diagnostic))
         self.diagnostic = diagnostic
-
-
-class _Return(Exception):
-    """RETURN: the rest of the block is passed over."""
 
 
 class Native(Protocol):
@@ -85,11 +84,7 @@ class Instance:
 
     def run(self, inputs: Values) -> None:
         self.values.update(inputs)
-        try:
-            for do in self._machine.bodies[self._key]:
-                do(self.values)
-        except _Return:
-            pass
+        self._machine.bodies[self._key](self.values)
 
 
 class Interpreter:
@@ -102,20 +97,20 @@ class Interpreter:
         self.world, self.name = world, name
         self.globals: Values = dict.fromkeys((key.upper() for key in outside), False)
         self.addresses: dict[str, str] = {}  #: of inputs and outputs: their variable
-        self._variables: dict[str, syntax.Variable] = {}
         self._blocks = {b.name.upper(): b for u in units for b in u.blocks}
-        self.bodies: dict[str, tuple[Do, ...]] = {}
-        self._locals: dict[str, syntax.Variable] = {}
-        for unit in units:
-            for variable in unit.variables:
-                key = variable.name.upper()
-                self._variables[key] = variable
-                self.globals[key] = self.first(variable)
-                if variable.address:
-                    self.addresses[variable.address.upper()] = key
+        variables = {v.name.upper(): v for unit in units for v in unit.variables}
+        self._known: Variables = {**dict.fromkeys(self.globals), **variables}
+        self._names: Values = {
+            "g": self.globals, "world": world, "at": self._at, "divide": self._divide, "sqrt": sqrt,
+        }  # fmt: skip
+        for key, variable in variables.items():
+            self.globals[key] = self.first(variable)
+            if variable.address:
+                self.addresses[variable.address.upper()] = key
+        self.bodies: dict[str, Callable[[Values], None]] = {}
         for key, block in self._blocks.items():
-            self._locals = {v.name.upper(): v for v in block.variables if v.section != "external"}
-            self.bodies[key] = self._body(block.body)
+            exec(_compiled("\n".join(self._writer(block.variables).block(block))), self._names)
+            self.bodies[key] = self._names["block"]
         self._programs = {
             key: Instance(b, self) for key, b in self._blocks.items() if b.kind == "PROGRAM"
         }
@@ -149,205 +144,134 @@ class Interpreter:
         return self._constant(initial)
 
     def _constant(self, value: syntax.Expression) -> Any:
-        return self._get(value)({})
+        return eval(self._writer(()).expression(value), self._names)
 
-    # -- statements -------------------------------------------------------------------------
+    def _writer(self, variables: Sequence[syntax.Variable]) -> "_Writer":
+        own: Variables = {v.name.upper(): v for v in variables if v.section != "external"}
+        instances = {"TON", *self.world.natives, *self._blocks}
+        return _Writer(own, self._known, self.world.objects, instances)
 
-    def _statement(self, one: syntax.Statement) -> Do:
+    def _at(self, index: int, low: int, high: int, name: str, line: int) -> int:
+        """The place of an element in its array; raises Fault beyond its bounds."""
+        if not low <= index <= high:
+            source = Source(self.name, line)
+            raise Fault(rules.BOUNDS.at(source, found=index, name=name, low=low, high=high))
+        return index - low
+
+    def _divide(self, operator: str, a: Any, b: Any, line: int) -> Any:
+        """A quotient or the rest of one; of whole numbers a whole one, towards 0."""
+        if b == 0:
+            source = Source(self.name, line)
+            raise Fault(rules.RUN.at(source, found="a division by 0", expected="none"))
+        if operator == "MOD":
+            return a - b * int(a / b)
+        return int(a / b) if isinstance(a, int) else a / b
+
+
+@lru_cache(64)
+def _compiled(text: str) -> CodeType:
+    return compile(text, "<Structured Text>", "exec")
+
+
+class _Writer:
+    """Writes a block as a Python function: `v` are its own variables, `g` the global ones."""
+
+    def __init__(
+        self, own: Variables, known: Variables, objects: Container[str], instances: Container[str]
+    ) -> None:
+        """`known` are the global variables; `instances` types of function blocks, in capitals."""
+        self._own, self._known = own, known
+        self._objects, self._instances = objects, instances
+
+    def block(self, block: syntax.Block) -> list[str]:
+        """The lines of the function `block`."""
+        return ["def block(v):", *self._body(block.body)]
+
+    def _body(self, statements: Iterable[syntax.Statement]) -> list[str]:
+        lines = [" " + line for one in statements for line in self._statement(one)]
+        return lines or [" pass"]
+
+    def _statement(self, one: syntax.Statement) -> Iterator[str]:
         match one:
-            case syntax.Assign():
-                return self._assign(one)
+            case syntax.Assign(target=target, value=value):
+                yield f"{self.expression(target)} = {self.expression(value)}"
             case syntax.Invoke(call=call):
-                return self._invoke(call)
-            case syntax.If():
-                return self._if(one)
-            case syntax.Case():
-                return self._case(one)
-            case syntax.For():
-                return self._for(one)
+                yield f"{self._name(call.callee.upper())}.run({self._inputs(call)})"
+            case syntax.If(branches=branches, otherwise=otherwise):
+                for k, (condition, body) in enumerate(branches):
+                    yield f"{'elif' if k else 'if'} {self.expression(condition)}:"
+                    yield from self._body(body)
+                if otherwise:
+                    yield "else:"
+                    yield from self._body(otherwise)
+            case syntax.Case(selector=selector, branches=branches, otherwise=otherwise):
+                yield f"match {self.expression(selector)}:"
+                for labels, body in branches:
+                    yield f" case {' | '.join(map(str, labels))}:"
+                    yield from (" " + line for line in self._body(body))
+                yield " case _:"
+                yield from (" " + line for line in self._body(otherwise))
+            case syntax.For(variable=name, first=first, last=last, body=body):
+                low, high = self.expression(first), self.expression(last)
+                yield f"for {self._name(name.upper())} in range({low}, {high} + 1):"
+                yield from self._body(body)
             case syntax.Leave():
-                return _leave
+                yield "return"
 
-    def _body(self, statements: Sequence[syntax.Statement]) -> tuple[Do, ...]:
-        return tuple(self._statement(s) for s in statements)
-
-    def _assign(self, one: syntax.Assign) -> Do:
-        get = self._get(one.value)
-        if isinstance(one.target, syntax.Element):
-            array, at = self._element(one.target)
-
-            def put(values: Values) -> None:
-                array(values)[at(values)] = get(values)
-
-            return put
-        assert isinstance(one.target, syntax.Name)
-        key = one.target.name.upper()
-        local, known = key in self._locals, self.globals
-
-        def keep(values: Values) -> None:
-            (values if local else known)[key] = get(values)
-
-        return keep
-
-    def _invoke(self, call: syntax.Call) -> Do:
-        key = call.callee.upper()
-        inputs = [(name.upper(), self._get(value)) for name, value, _ in call.named]
-        instance = self._get(syntax.Name(call.line, key))
-
-        def invoke(values: Values) -> None:
-            instance(values).run({name: get(values) for name, get in inputs})
-
-        return invoke
-
-    def _if(self, one: syntax.If) -> Do:
-        branches = [(self._get(c), self._body(b)) for c, b in one.branches]
-        branches.append((lambda values: True, self._body(one.otherwise)))
-
-        def choose(values: Values) -> None:
-            for condition, body in branches:
-                if condition(values):
-                    for do in body:
-                        do(values)
-                    return
-
-        return choose
-
-    def _case(self, one: syntax.Case) -> Do:
-        selector = self._get(one.selector)
-        table = {label: self._body(b) for labels, b in one.branches for label in labels}
-        otherwise = self._body(one.otherwise)
-
-        def choose(values: Values) -> None:
-            for do in table.get(selector(values), otherwise):
-                do(values)
-
-        return choose
-
-    def _for(self, one: syntax.For) -> Do:
-        first, last = self._get(one.first), self._get(one.last)
-        body, key = self._body(one.body), one.variable.upper()
-        local = key in self._locals
-
-        def loop(values: Values) -> None:
-            where = values if local else self.globals
-            for k in range(first(values), last(values) + 1):
-                where[key] = k
-                for do in body:
-                    do(values)
-
-        return loop
-
-    # -- expressions ------------------------------------------------------------------------
-
-    def _get(self, value: syntax.Expression) -> Get:
+    def expression(self, value: syntax.Expression) -> str:
+        """A Python expression, with parentheses where it has an operator."""
         match value:
             case syntax.Constant(value=plain):
-                return lambda values: plain
-            case syntax.Name():
-                return self._name(value)
-            case syntax.Member():
-                return self._member(value)
+                return repr(plain)
+            case syntax.Name(name=name):
+                return self._name(name.upper())
+            case syntax.Member(base=base, name=name):
+                if isinstance(base, syntax.Name) and self._is_instance(base.name.upper()):
+                    return f"{self.expression(base)}.values[{name.upper()!r}]"
+                return f"world.system({self.expression(base)}, {name.upper()!r})"
             case syntax.Element():
-                array, at = self._element(value)
-                return lambda values: array(values)[at(values)]
-            case syntax.Call():
-                return self._call(value)
-            case syntax.Unary():
-                inner = self._get(value.value)
-                if value.operator == "NOT":
-                    return lambda values: not inner(values)
-                return lambda values: -inner(values)
-            case syntax.Binary():
-                return self._binary(value)
+                return self._element(value)
+            case syntax.Call(callee=callee, placed=placed):
+                if callee.upper() in _FUNCTIONS:
+                    return f"{callee.lower()}({self.expression(placed[0])})"
+                return f"world.command({callee.upper()!r}, {self._inputs(value)}, {value.line})"
+            case syntax.Unary(operator=operator, value=inner):
+                return f"({operator.lower()} {self.expression(inner)})"
+            case syntax.Binary(operator=operator):
+                left, right = self.expression(value.left), self.expression(value.right)
+                if operator in ("/", "MOD"):
+                    return f"divide({operator!r}, {left}, {right}, {value.line})"
+                return f"({left} {_OPERATORS.get(operator, operator)} {right})"
 
-    def _name(self, value: syntax.Name) -> Get:
-        key = value.name.upper()
-        if key in self._locals:
-            return lambda values: values[key]
-        if key in self._variables or key in self.globals:
-            known = self.globals
-            return lambda values: known[key]
-        plain = self.world.objects.get(key, key)
-        return lambda values: plain
+    def _name(self, key: str) -> str:
+        """A variable; else an axis or a path object, else the word of an enumeration."""
+        if key in self._own:
+            return f"v[{key!r}]"
+        if key in self._known:
+            return f"g[{key!r}]"
+        return f"world.objects[{key!r}]" if key in self._objects else repr(key)
 
-    def _member(self, value: syntax.Member) -> Get:
-        base, key, world = self._get(value.base), value.name.upper(), self.world
+    def _is_instance(self, key: str) -> bool:
+        variable = self._own.get(key) or self._known.get(key)
+        return (
+            variable is not None
+            and isinstance(variable.type, str)
+            and variable.type.upper() in self._instances
+        )
 
-        def read(values: Values) -> Any:
-            found = base(values)
-            return found.values[key] if hasattr(found, "values") else world.system(found, key)
-
-        return read
-
-    def _element(self, value: syntax.Element) -> tuple[Get, Get]:
-        """An array, and the place of an element in it; that raises Fault beyond its bounds."""
+    def _element(self, value: syntax.Element) -> str:
         assert isinstance(value.base, syntax.Name)
         key = value.base.name.upper()
-        variable = self._locals.get(key) or self._variables[key]
+        variable = self._own.get(key) or self._known[key]
+        assert variable is not None
         assert isinstance(variable.type, syntax.Array)
-        index, low, high = self._get(value.index), variable.type.low, variable.type.high
+        bounds = f"{variable.type.low}, {variable.type.high}, {variable.name!r}, {value.line}"
+        return f"{self._name(key)}[at({self.expression(value.index)}, {bounds})]"
 
-        def at(values: Values) -> int:
-            k: int = index(values)
-            if not low <= k <= high:
-                source = Source(self.name, value.line)
-                said = rules.BOUNDS.at(source, found=k, name=variable.name, low=low, high=high)
-                raise Fault(said)
-            return k - low
-
-        return self._name(value.base), at
-
-    def _call(self, value: syntax.Call) -> Get:
-        name = value.callee
-        function = _FUNCTIONS.get(name.upper())
-        if function is not None:
-            inner = self._get(value.placed[0])
-            return lambda values: function(inner(values))
-        inputs = [(key.upper(), self._get(given)) for key, given, _ in value.named]
-        world, line = self.world, value.line
-
-        def command(values: Values) -> int:
-            return world.command(name.upper(), {k: get(values) for k, get in inputs}, line)
-
-        return command
-
-    def _binary(self, value: syntax.Binary) -> Get:
-        left, right = self._get(value.left), self._get(value.right)
-        operator = value.operator
-        if operator in ("/", "MOD"):
-            return self._divide(value, left, right)
-        return _BINARY[operator](left, right)
-
-    def _divide(self, value: syntax.Binary, left: Get, right: Get) -> Get:
-        def divide(values: Values) -> Any:
-            a, b = left(values), right(values)
-            if b == 0:
-                source = Source(self.name, value.line)
-                raise Fault(rules.RUN.at(source, found="a division by 0", expected="none"))
-            if value.operator == "MOD":
-                return a - b * int(a / b)
-            return int(a / b) if isinstance(a, int) else a / b
-
-        return divide
+    def _inputs(self, call: syntax.Call) -> str:
+        named = (f"{name.upper()!r}: {self.expression(value)}" for name, value, _ in call.named)
+        return "{" + ", ".join(named) + "}"
 
 
-def _leave(values: Values) -> None:
-    raise _Return
-
-
-_FUNCTIONS: dict[str, Callable[[float], float]] = {"ABS": abs, "SQRT": sqrt}
-
-_BINARY: dict[str, Callable[[Get, Get], Get]] = {
-    "AND": lambda a, b: lambda v: a(v) and b(v),
-    "OR": lambda a, b: lambda v: a(v) or b(v),
-    "XOR": lambda a, b: lambda v: a(v) != b(v),
-    "=": lambda a, b: lambda v: a(v) == b(v),
-    "<>": lambda a, b: lambda v: a(v) != b(v),
-    "<": lambda a, b: lambda v: a(v) < b(v),
-    ">": lambda a, b: lambda v: a(v) > b(v),
-    "<=": lambda a, b: lambda v: a(v) <= b(v),
-    ">=": lambda a, b: lambda v: a(v) >= b(v),
-    "+": lambda a, b: lambda v: a(v) + b(v),
-    "-": lambda a, b: lambda v: a(v) - b(v),
-    "*": lambda a, b: lambda v: a(v) * b(v),
-}
+_FUNCTIONS = ("ABS", "SQRT")
+_OPERATORS = {"AND": "and", "OR": "or", "XOR": "!=", "=": "==", "<>": "!="}

@@ -249,7 +249,7 @@ class CuttingTable:
         self.points: dict[str, list[Place]] = {}  #: of each tool, while it was on
         self.heights: dict[str, list[float]] = {}  #: of Z at these points, where there is one
         self.natives = motion_blocks(self)
-        places = (*triggers.inputs, *self._outputs)
+        places = (*triggers.inputs, *self._outputs, triggers.fault_lamp)
         outside = [place for place in places if place and not is_address(place)]
         self.interpreter = Interpreter(units, self, name, outside)
         self._read = [

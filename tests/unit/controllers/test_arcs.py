@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from beamcam.controllers.codesys.curves import arc_fault, radius_centre
 from beamcam.controllers.interpreter import sweep_of
+from tests.conftest import examples
 
 lengths = st.floats(-500, 500)
 
@@ -20,7 +21,7 @@ def ends(centre: tuple[float, float], radius: float, start: float, sweep: float)
     )
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(300))
 @given(lengths, lengths, st.floats(1, 300), st.floats(0, 360), st.floats(10, 350), st.booleans())
 def test_an_arc_that_is_large_enough_survives_rounding(
     x: float, y: float, radius: float, start: float, sweep: float, clockwise: bool
@@ -32,7 +33,7 @@ def test_an_arc_that_is_large_enough_survives_rounding(
     assert sweep_of(first, last, (x, y), clockwise) == pytest.approx(turn, abs=1e-6)
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(st.floats(1, 300), st.floats(0, 360), st.floats(5, 175), st.booleans())
 def test_the_centre_of_an_arc_by_its_radius(
     radius: float, start: float, sweep: float, clockwise: bool

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from beamcam.controllers import cell_events
 from beamcam.controllers.codesys.blocks import Block, Lexer
 from beamcam.machine import load
+from tests.conftest import examples
 
 PLAIN = Block("G", 1, {"X": 5.0, "Y": -2.5})
 CELL = load("beamline")
@@ -95,7 +96,7 @@ words = st.dictionaries(
 blank = st.sampled_from([" ", "  ", "\t"])
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(words, blank, st.integers(0, 99), st.booleans(), st.randoms())
 def test_order_blanks_and_zeros_count_for_nothing(
     given_words: dict[str, object], gap: str, number: int, zeros: bool, rng: object

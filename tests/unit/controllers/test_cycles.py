@@ -15,7 +15,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.rs274 import interpreted, needs_rs274
 from tests.runs import part
 
@@ -128,7 +128,7 @@ def changes(moves: list[tuple[bool, tuple[float, ...]]]) -> list[tuple[bool, tup
 
 @needs_rs274
 @settings(
-    max_examples=40,
+    max_examples=examples(40),
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(text=programs())

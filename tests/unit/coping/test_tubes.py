@@ -21,6 +21,7 @@ from beamcam.solid.kernel import kernel
 from beamcam.solid.part_solid import part_solid
 from beamcam.verify.coping import verify_coping
 from benchmarks import coping_faults
+from tests.conftest import examples
 from tests.random_tubes import SECTIONS, random_tube, window
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.coping import samples
@@ -153,7 +154,7 @@ def test_a_slot_that_opens_the_whole_tube_leaves_no_end() -> None:
 
 
 @given(st.integers(0, 5000))
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_random_tubes_are_planned_and_none_is_refused(seed: int) -> None:
     part = random_tube(seed)
     assert not found(coping_faults.program_of(planned(part), job_of(part, TUBE)), part)

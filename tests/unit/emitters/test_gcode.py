@@ -19,6 +19,7 @@ from beamcam.model.program import (
     SpindleStroke,
     StartBar,
 )
+from tests.conftest import examples
 
 SOURCE = Source("a.nc1", 1)
 LENGTHS = st.sampled_from((0.0, -0.0, 5.0, 12.5, 300.125, -0.0004, 99999.9996))
@@ -40,7 +41,7 @@ def padded(machine: Machine) -> Machine:
     return replace(machine, words=replace(words, drill=wide(words.drill), saw=wide(words.saw)))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(CYCLES | CUTS, max_size=8))
 def test_what_is_kept_makes_the_same_text(commands: list[Command]) -> None:
     machine = load("beamline")

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.chains import Gap, join_curves
 from beamcam.geometry.curves import Arc, Bezier, Line, signed_area
+from tests.conftest import examples
 
 SQUARE = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
 
@@ -20,7 +21,7 @@ def moved(curve, x):
     return curve.transformed(((1, 0, x), (0, 1, 0)))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.integers(0, 2**32), st.integers(1, 6), st.floats(0, 0.009))
 def test_shuffled_and_turned_curves_find_their_rings_again(seed, rings, noise):
     dice = random.Random(seed)

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from beamcam.geometry.cleaning import Removed, Why, remove_repetitions, uncovered
 from beamcam.geometry.curves import Arc, Bezier, Line
 from beamcam.geometry.plane import distance
+from tests.conftest import examples
 from tests.property.curve_strategies import curves
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80), deadline=None)
 @given(st.lists(curves, min_size=1, max_size=5, unique_by=lambda c: c.bbox), st.integers(0, 2**32))
 def test_copies_are_removed_and_cleaning_twice_changes_nothing(originals, seed):
     once = remove_repetitions(originals, 1e-3)
@@ -26,7 +27,7 @@ def test_copies_are_removed_and_cleaning_twice_changes_nothing(originals, seed):
     assert again.removed == ()
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 40), st.integers(1, 15)), min_size=1, max_size=8))
 def test_overlapping_stretches_of_a_line_cover_the_same_ground(stretches):
     lines = [Line((0.6 * a, 0.8 * a), (0.6 * (a + n), 0.8 * (a + n))) for a, n in stretches]
@@ -104,7 +105,7 @@ def test_edges_of_two_contours_are_not_merged():
 stretches = st.lists(st.tuples(st.integers(0, 40), st.integers(1, 15)), min_size=1, max_size=6)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80), deadline=None)
 @given(stretches, st.booleans(), st.booleans())
 def test_what_is_not_covered_is_what_no_cover_has(covers, turned, is_arc):
     def stretch(a, n):

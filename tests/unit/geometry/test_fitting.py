@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.arc_fitting import fit_chains
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, NewtonCurve
 from beamcam.geometry.sampling import points_at
+from tests.conftest import examples
 from tests.property.curve_strategies import beziers, ellipses, newton_curves, splines
 
 K = 0.5522847498307936
@@ -43,7 +44,7 @@ def fine_line(curves, count=400):
     return shapely.LineString(np.concatenate(parts))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     st.one_of(beziers(), ellipses(), splines(), newton_curves()),
     st.sampled_from([0.02, 0.2, 2.0]),

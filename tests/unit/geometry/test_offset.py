@@ -12,6 +12,7 @@ from beamcam.geometry.curves import Arc, EllipseArc, Line, signed_area
 from beamcam.geometry.offset import Offset, Vanished, offset_chains, refit_ring
 from beamcam.geometry.raw_offset import intersections
 from beamcam.geometry.sampling import points_at
+from tests.conftest import examples
 from tests.rings import polygon_of
 
 
@@ -59,7 +60,7 @@ def distances(chains, original):
     return shapely.distance(shapely.points(points), border)
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=examples(120), deadline=None)
 @given(
     st.one_of(star_rings(), st.sampled_from([SQUARE, CIRCLE, SLOTTED, ROUNDED])),
     st.sampled_from([-4.0, -1.0, -0.1, 0.1, 1.0, 4.0]),

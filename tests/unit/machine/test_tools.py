@@ -12,6 +12,7 @@ from beamcam.errors import MachineError
 from beamcam.machine import load
 from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.tools import Tool, ToolSet, inch_size
+from tests.conftest import examples
 
 #: Lines laid over a shipped machine, and what the message has to say.
 FAULTS = [
@@ -105,7 +106,7 @@ def test_a_flat_tool_has_no_tip() -> None:
     assert isclose(Tool("countersink", 20, 90).tip, 10)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(
     kind=st.sampled_from(["drill", "tap", "countersink", "mill"]),
     diameter=st.floats(2, 60),

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, join_boxes
 from beamcam.model.drawing import Measures, extent
 from beamcam.model.lengths import duplicate_length, total_length
+from tests.conftest import examples
 from tests.property.curve_strategies import curves
 
 CUBIC = Bezier(((0.0, 0.0), (0.0, 10.0), (10.0, 10.0), (10.0, 3.0)))
@@ -16,14 +17,14 @@ SPLINE = BSpline(2, ((0, 0), (5, 9), (9, 0), (14, 2)), (0, 0, 0, 1, 2, 2, 2))
 ELLIPSE = EllipseArc((0, 0), (10, 0), 0.5, 0, 360)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(curves, max_size=5))
 def test_the_sum_is_that_of_the_parts(many) -> None:
     expected = sum(curve.length for curve in many)
     assert total_length(many) == pytest.approx(expected, rel=1e-8, abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(curves, max_size=5))
 def test_the_extent_is_that_of_the_parts(many) -> None:
     expected = join_boxes([curve.bbox for curve in many])
@@ -38,7 +39,7 @@ def test_cusps_and_points_have_lengths_too() -> None:
     assert total_length([]) == 0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(curves)
 def test_a_curve_drawn_again_lies_twice(curve) -> None:
     again = [curve, curve.reversed()]

@@ -28,6 +28,7 @@ from beamcam.pictures.part import part_scene
 from beamcam.pictures.scene import Scene, Text, said
 from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import read_file
+from tests.conftest import examples
 from tests.unit.pictures.drawings import NAMESPACE, Drawing, corners
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
@@ -102,7 +103,7 @@ HOLES = st.lists(
 
 
 @given(HOLES)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 def test_each_hole_is_counted_and_none_is_counted_twice(holes: list[Hole]) -> None:
     """What a reader adds up: callouts and letters of a face are all its holes, by size."""
     scene = part_scene(beam(*holes))
@@ -125,7 +126,7 @@ def test_each_hole_is_counted_and_none_is_counted_twice(holes: list[Hole]) -> No
 
 
 @given(HOLES)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 def test_callouts_do_not_lie_over_one_another(holes: list[Hole]) -> None:
     scene = part_scene(beam(*holes))
     boxes = []

@@ -13,6 +13,7 @@ from beamcam.pictures.encoder import COUNTS, Study, encoder_scene
 from beamcam.pictures.svg import to_svg
 from beamcam.simulate.encoder import Encoder
 from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder
+from tests.conftest import examples
 from tests.unit.pictures.drawings import Drawing, corners
 
 SHIELD = Path(__file__).resolve().parents[3] / "samples" / "json" / "shield.json"
@@ -30,7 +31,7 @@ def drawn(study: Study) -> Drawing:
     return Drawing(to_svg(encoder_scene(study)))
 
 
-@settings(max_examples=20)
+@settings(max_examples=examples(20))
 @given(st.lists(PLACES, min_size=2, max_size=5))
 def test_the_way_that_is_read_goes_from_count_to_count(places: list[tuple[float, float]]) -> None:
     encoder = Encoder(512, 65.0)

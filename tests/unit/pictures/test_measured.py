@@ -16,6 +16,7 @@ from beamcam.model.part import Hole, Part, Profile
 from beamcam.pictures.part import part_scene
 from beamcam.pictures.scene import Scene
 from beamcam.pictures.svg import to_svg
+from tests.conftest import examples
 from tests.unit.pictures.drawings import Drawing, corners
 
 HERE = Source("x.nc1", 1)
@@ -126,14 +127,14 @@ HOLES = st.lists(
 
 @pytest.mark.parametrize("code", SECTIONS)
 @given(holes=HOLES)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 def test_every_hole_is_found_and_sized(code: str, holes: list[Hole]) -> None:
     found = Sheet(part_scene(part_of(code, holes))).measured()
     assert found == sorted((h.face, h.x, h.y, h.diameter) for h in holes)
 
 
 @given(holes=HOLES)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=examples(10), deadline=None)
 def test_a_mirror_image_measures_otherwise(holes: list[Hole]) -> None:
     """The same holes counted from the other edge of each flange are another part on paper too."""
     width = SECTIONS["U"].width

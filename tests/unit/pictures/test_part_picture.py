@@ -15,6 +15,7 @@ from beamcam.pictures.scene import Polyline
 from beamcam.pictures.svg import to_svg
 from beamcam.pictures.views import spread
 from beamcam.pipeline import read_file
+from tests.conftest import examples
 from tests.unit.pictures.drawings import NAMESPACE, Drawing, corners
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
@@ -124,7 +125,7 @@ def test_no_shape_lies_off_the_paper() -> None:
 
 
 @given(st.lists(st.floats(0.0, 900.0), max_size=40).map(sorted), st.floats(0.1, 15.0))
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_labels_keep_apart_and_in_order(ideal: list[float], gap: float) -> None:
     found = spread(ideal, gap)
     assert len(found) == len(ideal)

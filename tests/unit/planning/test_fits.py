@@ -13,6 +13,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.planning import rules
 from beamcam.planning.operations.saw_cut import SAW_ANGLE
+from tests.conftest import examples
 from tests.unit.planning.shop import SOURCE, hole, part
 
 IMPERIAL = (11.11, 14.29, 14.68, 17.46, 20.64)
@@ -103,7 +104,7 @@ def test_a_bevel_that_is_noise_is_left_square_and_told(name: str, angle: float) 
 NOISE = st.floats(-0.199, 0.199).filter(lambda a: abs(a) > 1e-6)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.tuples(NOISE, NOISE, NOISE, NOISE))
 def test_a_noise_angle_is_sawn_square_and_told(angles: tuple[float, ...]) -> None:
     machine, cuts = load("beamline"), EndCuts(*angles)

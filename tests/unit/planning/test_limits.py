@@ -15,6 +15,7 @@ from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
 from beamcam.planning.orientation import plan_oriented
 from beamcam.verify.bars import skippable, verify
+from tests.conftest import examples
 from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, pusher
 
 MACHINES = tuple(map(load, ("beamline-pusher", "beamline-pusher", "beamline", "beamline-annex")))
@@ -88,7 +89,7 @@ def machines(draw: st.DrawFn) -> Machine:
     return replace(machine, axes=tuple(axes))
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(parts(), machines())
 def test_it_is_refused_what_the_read_back_would_refuse(made: Part, machine: Machine) -> None:
     free = unlimited(machine)
@@ -105,7 +106,7 @@ def test_it_is_refused_what_the_read_back_would_refuse(made: Part, machine: Mach
     event(", ".join(sorted(found)) or "made")
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(parts(), machines())
 def test_what_is_left_out_for_an_axis_may_be(made: Part, machine: Machine) -> None:
     try:

@@ -19,6 +19,7 @@ from beamcam.planning.operations.hole_pairs import (
     refuse_too_near,
     unmerged_because,
 )
+from tests.conftest import examples
 from tests.unit.planning.shop import hole, part, plan
 
 
@@ -109,7 +110,7 @@ SITES = st.tuples(
 )  # fmt: skip
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(st.lists(SITES, max_size=9))
 def test_every_hole_is_in_one_group(sites: list[tuple[str, float, float, float]]) -> None:
     machine = load("beamline")
@@ -148,7 +149,7 @@ def test_why_two_holes_are_not_one_stroke(change: dict[str, Any], because: str |
     assert unmerged_because(TOP, replace(TOP, face="u", **change), drill) == because
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(
     st.sampled_from(("beamline", "beamline-annex", "beamline-pusher")),
     st.lists(

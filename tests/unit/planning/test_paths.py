@@ -11,6 +11,7 @@ from beamcam.geometry.curves import Arc, Bezier, Line
 from beamcam.model.part import Contour, Slot
 from beamcam.model.plan import DrillOp, PathOp
 from beamcam.planning.operations.paths import line_points, pocket_path
+from tests.conftest import examples
 from tests.unit.planning.shop import SOURCE, hole, part, plan
 
 TOLERANCE = 0.02
@@ -24,7 +25,7 @@ def from_pocket(x: float, y: float, size: tuple[float, float], diameter: float) 
     return max(abs(x) - size[0] / 2, abs(y) - size[1] / 2) - diameter / 2
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(200), deadline=None)
 @given(
     st.tuples(st.sampled_from((0.0, 20.0, 41.5)), st.sampled_from((0.0, 0.0, 15.0))),
     st.sampled_from((0.0, 90.0, 30.0, -45.0)),
@@ -122,7 +123,7 @@ def test_a_line_is_scribed_from_its_nearer_end() -> None:
     assert scribe.path == ((615.0, 90.0), (615.0, 50.0), (715.0, 50.0))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.floats(2, 400), st.floats(-180, 180), st.floats(20, 360), st.booleans())
 def test_chords_keep_the_tolerance(
     radius: float, start: float, sweep: float, clockwise: bool

@@ -14,6 +14,7 @@ from beamcam.pipeline import post
 from beamcam.planning.axis_limits import fixed_faces
 from beamcam.planning.beam import plan_bar
 from beamcam.verify.bars import skippable, verify
+from tests.conftest import examples
 from tests.unit.planning.shop import BEAM, hole, part, pusher
 
 ANNEX = load("beamline-annex")
@@ -41,7 +42,7 @@ def test_which_strokes_follow_the_depth() -> None:
     assert fixed_faces(fixed(load("beamline"), "v")) == {"v"}
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(
     st.sampled_from(PROFILES), st.sampled_from("vou"), st.sampled_from((9.0, 14.0, 22.0, 40.0)),
     st.sampled_from(("through", "through", "blind")), st.integers(30, 70).map(lambda n: n / 100),

@@ -10,6 +10,7 @@ from beamcam.machine.tools import Tool, ToolSet
 from beamcam.model.plan import DrillOp, PathOp, Plan, SpindleOp
 from beamcam.planning.bar_operations import settle
 from beamcam.planning.operations.tools import Tools, library_of
+from tests.conftest import examples
 from tests.unit.planning.shop import hole, part, plan, pusher
 
 
@@ -56,7 +57,7 @@ def test_of_two_as_near_the_one_that_is_needed_anyway() -> None:
     assert settle([both])[both].diameter == 17.9
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(
     st.lists(
         st.lists(st.integers(0, 6), min_size=1, max_size=3, unique=True), min_size=1, max_size=7

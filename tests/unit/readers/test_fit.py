@@ -13,6 +13,7 @@ from beamcam.errors import errors_in
 from beamcam.geometry.curves import Arc, Bezier, Line, NewtonCurve
 from beamcam.readers import dxf, svg
 from tests import svg_text
+from tests.conftest import examples
 from tests.dxf_text import circle, drawing, line, polyline, spline
 
 NODES = [(10.0, 11.0), (40.0, 22.0), (60.0, 20.0), (90.0, 5.0)]
@@ -112,7 +113,7 @@ def test_layers_of_svg_files():
     assert svg.read(svg_text.drawing(body), "a.svg", fit=("",)).refused
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(st.tuples(st.floats(-90, 90), st.floats(-90, 90)), min_size=3, max_size=6))
 def test_every_vertex_is_on_the_polynomial(points):
     nodes = [(round(x, 3), round(y, 3)) for x, y in points]

@@ -9,6 +9,7 @@ from beamcam.model.part import Contour, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import whole_job
 from beamcam.posts import post_of
+from tests.conftest import examples
 from tests.unit.sheets.parts import contour, drawing, lines, table
 
 MACHINES = {
@@ -56,7 +57,7 @@ def assert_seen(few: Part, many: Part, name: str) -> None:
     assert read_back(few, many, name)
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(
     steps=st.integers(1, 6), pitch=st.sampled_from((0.4, 0.5, 1.0, 1.5, 2.0, 4.0)),
     high=st.floats(1.0, 30.0), name=st.sampled_from((GRBL, "plate-linuxcnc")),
@@ -68,7 +69,7 @@ def test_a_ring_across_lines_is_seen(steps: int, pitch: float, high: float, name
     assert_seen(drawing(*lines_across), drawing(*lines_across, ring(*corners)), name)
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(
     count=st.integers(3, 30), pitch=st.sampled_from((0.5, 1.0, 2.0, 4.0)),
     rise=st.floats(0.0, 20.0), name=st.sampled_from((GRBL, "plate-linuxcnc")),
@@ -80,7 +81,7 @@ def test_a_line_across_lines_is_seen(count: int, pitch: float, rise: float, name
     assert_seen(drawing(*lines_across), drawing(*lines_across, across), name)
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(
     count=st.integers(2, 12), dash=st.sampled_from((1.0, 2.0, 3.0)), gap=st.floats(0.8, 3.0),
     ticks=st.booleans(), name=st.sampled_from((GRBL, "plate-linuxcnc")),
@@ -97,7 +98,7 @@ def test_a_broken_line_that_is_joined_is_seen(
     )
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(
     first=st.integers(1, 11), last=st.integers(1, 11), pitch=st.sampled_from((1.0, 1.5, 2.0)),
     name=st.sampled_from((GRBL, "plate-linuxcnc")),

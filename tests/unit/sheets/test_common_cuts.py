@@ -18,6 +18,7 @@ from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 from tests.unit.sheets.test_feeds import length, strokes
 
@@ -181,7 +182,7 @@ def test_runs_first_are_on_an_edge() -> None:
     assert "verify-sheet-edge" in {d.code for d in verify_sheet(wrong, (GRID,), machine)}
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(15), deadline=None)
 @given(columns=st.integers(1, 4), rows=st.integers(1, 3), width=st.sampled_from([30.0, 45.5]))
 def test_copies_lie_a_kerf_apart(columns: int, rows: int, width: float) -> None:
     part = drawing(contour(box(0, 0, width, 40)), thickness=3.0)

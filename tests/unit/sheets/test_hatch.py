@@ -23,7 +23,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.verify.sheets.hatch import hatch_faults
 from beamcam.verify.sheets.need import need_of
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.test_grbl_rules import faults
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
@@ -51,7 +51,7 @@ def asked(
     return with_torch(machine, {"black": "engrave"}, settings=own, thickness=3.0)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(distance=st.floats(0.7, 4), angle=st.floats(-180, 180))
 def test_lines_lie_inside_and_fill(distance: float, angle: float) -> None:
     machine = asked(distance=distance, angle=angle)
@@ -180,7 +180,7 @@ def _hatch_codes(part: Part, machine: Machine) -> set[str]:
     return {one.code for one in hatch_faults(need, machine.torch, "t")}
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     distance=st.floats(0.3, 6), angle=st.floats(-180, 180), outline=st.booleans(),
     size=st.floats(3, 60), hole=st.floats(1, 30),

@@ -15,7 +15,7 @@ from beamcam.controllers.events import FeedShare, Lift, Output, Touch, Zero
 from beamcam.machine import Machine, load
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import NESTED, table
 
 PIERCE, CUT, CLEAR, TRIPS = 3.8, 1.5, 20.0, -3.0
@@ -116,7 +116,7 @@ def test_a_stranger_follows_the_table_of_the_page(sample: str) -> None:
         assert cut.held
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(
     pierce=st.floats(2.5, 12.0).map(lambda v: round(v, 2)),
     cut=st.floats(0.5, 2.4).map(lambda v: round(v, 2)),

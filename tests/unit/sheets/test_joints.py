@@ -9,6 +9,7 @@ from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, contour, drawing, lines, table
 from tests.unit.sheets.spikes import Spike, cut
 
@@ -30,7 +31,7 @@ spikes = st.builds(
 )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=examples(20))
 @given(spikes)
 def test_a_spike_at_a_joint_is_cut_or_refused_by_the_planner(spike: Spike) -> None:
     """Cut as the beam measures it, apart from the read-back; never refused by that."""

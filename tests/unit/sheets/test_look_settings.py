@@ -16,6 +16,7 @@ from beamcam.model.part import Part
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
+from tests.conftest import examples
 
 GRBL = load_machine("laser-grbl")
 TABLES = (
@@ -70,7 +71,7 @@ looks = st.builds(
 )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(red=looks, lime=looks, blue=looks, order=st.sampled_from([(0, 0, 0), (2, 1, 0), (5, 5, 5)]))
 def test_what_is_asked_is_what_stands_in_the_program(
     red: LookSettings, lime: LookSettings, blue: LookSettings, order: tuple[int, int, int]

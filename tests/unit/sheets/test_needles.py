@@ -17,6 +17,7 @@ from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.contours import doubling, narrow
 from beamcam.planning.contours import kerf as kerfs
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.notches import Notch, left_at_best, left_in_program
 from tests.unit.sheets.parts import box, contour, drawing, lines, table
 
@@ -124,7 +125,7 @@ def slit(steel: BaseGeometry) -> float:
     return float(np.hypot(*(sizes[:, 2:] - sizes[:, :2]).T).max(initial=0.0))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(notches)
 @example(Notch(0.3046875, 15.0, 0.25))
 def test_what_is_left_in_a_notch_is_told_as_deep_as_it_is(notch: Notch) -> None:
@@ -147,7 +148,7 @@ def test_what_is_left_in_a_notch_is_told_as_deep_as_it_is(notch: Notch) -> None:
     assert told == pytest.approx(left, abs=OFF) if told else left < 0.55 * KERF + OFF
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=examples(15))
 @given(notches)
 def test_the_read_back_refuses_what_is_left_untold(notch: Notch) -> None:
     """The planner keeps silent about all that it leaves."""
@@ -175,7 +176,7 @@ def silent(*_: object) -> Iterator[Diagnostic]:
     return iter(())
 
 
-@settings(deadline=None, max_examples=8)
+@settings(deadline=None, max_examples=examples(8))
 @given(st.floats(0.0, 1.0), st.floats(2.5, 8.0), st.floats(0.1, 1.0))
 def test_a_notch_that_the_beam_enters_may_not_be_left(
     narrow: float, mouth: float, tip: float

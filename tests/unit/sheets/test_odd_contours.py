@@ -15,6 +15,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.planning.contours import rounds
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 
 from .parts import box, circle, contour, drawing, lines, table
 
@@ -197,7 +198,7 @@ def test_what_lies_beside_a_contour_drawn_twice_may_be_cut_after_it() -> None:
     assert post((drawing(*features),), table("plate-codesys")).text
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     side=st.integers(0, 3), share=st.floats(0, 1), back=st.floats(1e-10, 9.9e-4),
     kind=st.sampled_from(["step", "out", "in", "sharp"]), drawn=st.booleans(),

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from msgspec import Struct
 
 from beamcam.verify.sheets import order
+from tests.conftest import examples
 
 
 class Cut(Struct):
@@ -36,7 +37,7 @@ def in_box(of: list[Cut], inner: list[int], ring: int) -> list[tuple[int, int]]:
 
 
 @pytest.mark.parametrize("at_once", [1, 7, order.AT_ONCE])
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(found=st.lists(cuts, max_size=30))
 def test_pairs_are_those_that_are_found_one_by_one(at_once: int, found: list[Cut]) -> None:
     expected = [

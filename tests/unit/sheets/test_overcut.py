@@ -18,6 +18,7 @@ from beamcam.machine.torch import LookSettings
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 from tests.unit.sheets.test_tabs import PART, STROKE, WORD
 
@@ -45,7 +46,7 @@ def test_the_program_goes_on_by_as_much() -> None:
     assert shapely.distance(first, shapely.Point(places[-1])) < 1e-9
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     overcut=st.floats(0.1, 15), tabs=st.integers(0, 3), inner=st.booleans(),
     kerf_by=st.sampled_from(["none", "offset", "machine"]),

@@ -14,6 +14,7 @@ from beamcam.machine.faults import torch_faults
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
 from beamcam.verify.sheets.asked_layout import as_asked
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing
 from tests.unit.sheets.test_hatch import GRBL, PART, asked
 
@@ -81,7 +82,7 @@ def test_each_line_has_its_overscan_in_its_direction() -> None:
     assert seen > 20
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(
     width=st.floats(5, 60), height=st.floats(5, 60), hole=st.floats(1, 30),
     distance=st.floats(0.3, 5), angle=st.floats(-180, 180), one_way=st.booleans(),

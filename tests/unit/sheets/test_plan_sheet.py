@@ -19,6 +19,7 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.order import order
 from beamcam.planning.contours.outline import Shape
 from beamcam.planning.sheet import plan_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
 
 
@@ -401,7 +402,7 @@ def test_every_rule_has_a_case() -> None:
 places = st.tuples(st.integers(0, 40), st.integers(0, 40))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(st.tuples(places, places, st.booleans()), min_size=1, max_size=25, unique=True))
 def test_the_order_keeps_marks_first_and_is_no_longer_than_as_given(
     ways: list[tuple[tuple[int, int], tuple[int, int], bool]],
@@ -435,7 +436,7 @@ def travel(tour: list[tuple[int, bool]], shapes: list[Shape]) -> float:
     return total
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(st.lists(st.tuples(places, st.integers(0, 9)), min_size=2, max_size=25), st.randoms())
 def test_the_order_does_inner_ones_first(
     found: list[tuple[tuple[int, int], int]], random: object

@@ -23,6 +23,7 @@ from beamcam.verify.head import head_of
 from beamcam.verify.left_out import BY_HAND as FOR_HAND
 from beamcam.verify.sheets import verify_sheet
 from beamcam.verify.sheets.need import need_of
+from tests.conftest import examples
 from tests.unit.sheets.parts import S, box, plate, table
 
 TORCHES = ("plate-linuxcnc", "plate-codesys", "plate-oxyfuel")
@@ -122,7 +123,7 @@ def test_noise_is_told_once_and_cut_square() -> None:
 ANGLE = st.floats(1.0, 60.0).flatmap(lambda a: st.sampled_from([a, -a]))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 3), ANGLE, st.floats(0, 6)), max_size=4))
 def test_no_steel_of_a_bevelled_plate_lies_outside_of_what_is_cut(
     wanted: list[tuple[int, float, float]],

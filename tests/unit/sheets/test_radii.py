@@ -10,6 +10,7 @@ from beamcam.machine import Machine
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
 from benchmarks.sheet_liars import MACHINES, told
+from tests.conftest import examples
 
 from .parts import circle, contour, drawing, table
 
@@ -26,7 +27,7 @@ def machine_of(name: str) -> Machine:
     return table(name, material=material, kerf_by="none", lead="none")
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=examples(15))
 @given(
     st.sampled_from(NAMES), st.floats(2.0, 60.0), st.floats(2.0, 60.0),
     st.sampled_from(("min_radius", "max_radius")),
@@ -46,7 +47,7 @@ def test_an_arc_out_of_the_range_is_refused_and_the_planner_has_none(
     assert alone == found
 
 
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=examples(12))
 @given(st.sampled_from(NAMES), st.floats(2.0, 60.0), st.sampled_from(("min_radius", "max_radius")))
 def test_an_arc_of_just_that_radius_is_in_range(name: str, radius: float, key: str) -> None:
     part = drawing(contour(circle(0.0, 0.0, 2 * radius)))

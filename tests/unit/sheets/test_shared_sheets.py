@@ -18,7 +18,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.planning.jobs import shares_of
 from beamcam.planning.sheet_rows import places_of
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import NESTED, S, contour, drawing, table
 
 GUSSET, PLATE = str(SAMPLES / "dstv" / "gusset.nc1"), str(SAMPLES / "dstv" / "plate.nc1")
@@ -38,7 +38,7 @@ def call(*words: object) -> Result:
 SIZES = st.tuples(st.integers(20, 400), st.integers(20, 300))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(st.lists(SIZES, min_size=1, max_size=12))
 def test_parts_lie_apart_and_on_the_sheet_each_once(sizes: list[tuple[int, int]]) -> None:
     machine = table(length=1000.0, width=500.0)

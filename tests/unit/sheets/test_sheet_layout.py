@@ -14,6 +14,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Hole, Slot, TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
+from tests.conftest import examples
 from tests.unit.sheets.parts import S, contour, lines, plate
 
 GRBL = load_machine("laser-grbl")
@@ -38,7 +39,7 @@ angles = st.sampled_from([0.0, 90.0, -90.0, 180.0]) | st.floats(-180, 180).map(
 )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     mirror=st.sampled_from(["none", "x", "y"]), rotate=angles,
     copies=st.tuples(st.integers(1, 3), st.integers(1, 2)), spacing=st.sampled_from([2.0, 7.5]),

@@ -70,7 +70,7 @@ def mutants(text: str) -> Iterator[tuple[str, str]]:
         yield f"not at all: {block[0]}", "\n".join([*lines[: first + 1], *lines[last + 1 :]])
 
 
-@pytest.mark.parametrize("every", [3, pytest.param(1, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize(("name", "values"), MACHINES)
 def test_every_mutant_is_found(name: str, values: dict[str, object], every: int) -> None:
     machine = table(name, **values)
@@ -96,10 +96,10 @@ def leads_of(text: str) -> set[str]:
 
 def test_whatever_the_planner_says_of_a_sheet_that_lies_it_is_refused() -> None:
     """A few of the lies on each machine; benchmarks/mutation.py tells all of them."""
-    lies = told([m for m in LIARS if m[0] != "laser-stepper"], every=53)
+    lies = told([m for m in LIARS if m[0] != "laser-stepper"], every=149)
     assert lies.missed == []
-    assert sum(lies.made.values()) > 60
+    assert sum(lies.made.values()) > 20
     assert {lie.split(" ")[0] for lie in lies.made} >= {"cut", "engrave", "mark"}
-    steps = told([m for m in LIARS if m[0] == "laser-stepper"], every=397)
+    steps = told([m for m in LIARS if m[0] == "laser-stepper"], every=997)
     assert steps.missed == []
     assert steps.made

@@ -18,6 +18,7 @@ from beamcam.pipeline import post, whole_job
 from beamcam.planning.contours.direction import stretch
 from beamcam.posts import post_of
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
 GRBL = load("laser-grbl")
@@ -73,7 +74,7 @@ shapes = st.one_of(
 )  # fmt: skip
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(
     outline=shapes, tabs=st.integers(1, 5), width=st.floats(0.3, 3), clear=st.floats(0, 3),
     kerf_by=st.sampled_from(["none", "offset"]),
@@ -146,7 +147,7 @@ def comb(teeth: int, wide: float, long: float) -> tuple[Curve, ...]:
     return lines(*((10 + x, 10 + y) for x, y in points))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(
     outline=st.one_of(
         shapes, st.builds(comb, st.integers(2, 9), st.floats(1, 4), st.floats(0.5, 20))

@@ -25,6 +25,7 @@ from beamcam.planning.by_hand import REASONS
 from beamcam.planning.by_hand import TEXT_MOVED as PLAN_MOVED
 from beamcam.planning.lettering import Lettered, place_text
 from beamcam.planning.lettering_room import Room
+from tests.conftest import examples
 from tests.letters import Lines, read
 from tests.unit.sheets.parts import S, box, circle, contour, drawing, plate
 
@@ -86,7 +87,7 @@ def test_a_text_that_stands_free_stands_where_the_part_has_it(angle: float) -> N
     st.floats(-20, 220), st.floats(-20, 120), st.sampled_from([0.0, 90.0, 180.0, 17.0]),
     st.floats(4.0, 30.0), st.lists(st.tuples(st.floats(20, 180), st.floats(20, 80)), max_size=3),
 )  # fmt: skip
-@settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=examples(8), phases=[Phase.explicit, Phase.generate])
 def test_a_text_is_read_and_clear_wherever_it_is_wanted(
     words: str, x: float, y: float, angle: float, height: float, holes: list[tuple[float, float]]
 ) -> None:
@@ -194,7 +195,7 @@ def rounded(x: float, y: float, width: float, height: float, radius: float) -> C
     ),
     st.floats(2.0, 45.0), st.sampled_from([0.0, 1.0, 3.0]), st.floats(3.0, 12.0),
 )  # fmt: skip
-@settings(max_examples=6, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=examples(6), phases=[Phase.explicit, Phase.generate])
 def test_texts_between_rounded_edges_and_each_other_are_read_back(
     texts: list[tuple[float, float, float, float, str]], corner: float, apart: float, hole: float
 ) -> None:

@@ -11,6 +11,7 @@ from beamcam.geometry.plane import Point
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import contour, drawing, lines, table
 
 MACHINE = table("plate-linuxcnc")
@@ -73,7 +74,7 @@ def test_squares_that_share_a_corner_are_cut(cells: set[Cell], turned_deg: float
     assert "verify-sheet-missing" in {said.code for said in verify_sheet(text, (more,), MACHINE)}
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(
     st.sets(st.tuples(st.integers(0, 4), st.integers(0, 4)), min_size=1, max_size=18),
     st.sampled_from([5.0, 12.0]), st.sampled_from([0.0, 45.0, 61.0]),

@@ -11,6 +11,7 @@ from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
 SHEET = (3000.0, 1500.0)
@@ -26,7 +27,7 @@ LONG = drawing(
 )  # fmt: skip
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(width=st.integers(200, 3200), height=st.integers(200, 3200))
 def test_it_is_turned_if_it_fits_so_only(width: int, height: int) -> None:
     part = drawing(contour(box(5, 7, width, height)), thickness=3.0)

@@ -19,6 +19,7 @@ from beamcam.pipeline import post, read_file
 from beamcam.simulate.bars import cell_axes
 from beamcam.simulate.limits import strikes
 from beamcam.simulate.trace import State, TraceBuilder
+from tests.conftest import examples
 
 DSTV = Path(__file__).resolve().parents[3] / "samples" / "dstv"
 CELLS = tuple(name for name in shipped() if load(name).stock == "beam")
@@ -35,7 +36,7 @@ def test_each_cell_has_its_saw_its_spindles_and_its_clamps(name: str) -> None:
     assert ("stop" in names) is (machine.axes[0].name == "stop")
 
 
-@settings(max_examples=20)
+@settings(max_examples=examples(20))
 @given(st.sampled_from(CELLS), st.floats(0.0, 1.0), st.floats(0.0, 200.0))
 @example("beamline", 1.0, 0.0)
 @example("beamline-pusher", 0.0, 200.0)

@@ -4,10 +4,11 @@ What is wrong begins in a cycle of the script and is looked at in every cycle.
 """
 
 from collections.abc import Callable, Mapping
-from copy import deepcopy
 from functools import cache
+from io import BytesIO
 from itertools import product
 from math import exp
+from pickle import Pickler, Unpickler
 from typing import Any
 
 import pytest
@@ -179,19 +180,33 @@ class Plant(CuttingTable):
 
     def _state(self) -> dict[str, Any]:
         """What changes from cycle to cycle, besides the script."""
-        fixed = ("machine", "triggers", "torch", "interpreter", "axes", "path", "objects", "script")
+        fixed = ("machine", "triggers", "torch", "interpreter", "axes", "path", "objects", "script",
+                 "jitter", "natives")  # fmt: skip
         return {key: value for key, value in self.__dict__.items() if key not in fixed}
 
-    def keep(self) -> Any:
+    def keep(self) -> bytes:
         """A copy of everything at this moment; the points that were drawn are dropped."""
         self.points, self.heights = {}, {}
         programs = {key: one.values for key, one in self.interpreter._programs.items()}
         parts = [one.__dict__ for one in (*self.axes, *filter(None, [self.path]))]
-        return deepcopy((self._state(), self.interpreter.globals, programs, parts), self._memo())
+        stream, kept = BytesIO(), self._kept()
 
-    def go_back(self, kept: Any) -> None:
+        class Copier(Pickler):
+            def persistent_id(self, one: object) -> int | None:
+                return id(one) if id(one) in kept else None
+
+        Copier(stream, -1).dump((self._state(), self.interpreter.globals, programs, parts))
+        return stream.getvalue()
+
+    def go_back(self, moment: bytes) -> None:
         """To the moment of a copy."""
-        own, globals_, programs, parts = deepcopy(kept, self._memo())
+        kept = self._kept()
+
+        class Reader(Unpickler):
+            def persistent_load(self, pid: int) -> object:
+                return kept[pid]
+
+        own, globals_, programs, parts = Reader(BytesIO(moment)).load()
         self.__dict__.update(own)
         self.interpreter.globals.update(globals_)
         for key, values in programs.items():
@@ -200,7 +215,7 @@ class Plant(CuttingTable):
             one.__dict__.clear()
             one.__dict__.update(values)
 
-    def _memo(self) -> dict[int, Any]:
+    def _kept(self) -> dict[int, object]:
         """What a copy refers to and does not hold."""
         kept = (self, self.interpreter, *self.axes, *filter(None, [self.path]))
         return {id(one): one for one in kept}

@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from beamcam.emitters import simotion
 from beamcam.machine.runtime import INPUTS
 from beamcam.model.program import ArcTravel, Travel
+from tests.conftest import examples
 
 from .deeds import (
     alarm,
@@ -71,7 +72,7 @@ def test_a_run_without_faults_ends_at_home(style: str, kind: str, late: bool) ->
     assert max(y for _, y in one.points["mark"]) == 9.0
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(
     way=st.sampled_from(WAYS),
     what=st.sampled_from(sorted(DEEDS)),
@@ -143,7 +144,7 @@ def press(button: str, down: bool) -> Deed:
     return lambda plant: setattr(plant, button, down)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(way=st.sampled_from(WAYS), script=scripts())
 def test_whatever_happens_the_laws_of_every_cycle_hold(
     way: tuple[str, str], script: dict[int, Deed]

@@ -11,6 +11,7 @@ from beamcam.emitters import simotion
 from beamcam.machine.faults import table_faults
 from beamcam.machine.runtime import runtime_of
 from beamcam.verify.st import verify_triggers
+from tests.conftest import examples
 
 from . import test_simotion as forms
 from .plant import DONE, STYLES, Plant, units_of
@@ -21,7 +22,7 @@ from .test_plcopen import program
 
 
 @given(data=st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_a_changed_byte_of_the_fixed_part_is_refused_by_name(data: st.DataObject) -> None:
     style = data.draw(st.sampled_from(STYLES))
     text, machine = program("shield", style), plain_machine()

@@ -23,6 +23,7 @@ from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT
 from beamcam.motion.steps import Way
 from beamcam.planning.contours.material import speed_between
 from beamcam.verify.steps import verify_table
+from tests.conftest import examples
 from tests.path_samples import positions
 
 from .shop import NAMES, part, plan
@@ -74,7 +75,7 @@ def signs_of(found: Counts, axis: int) -> Counts:
 
 
 @given(corners, st.floats(1.0, 60.0))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_steps_follow_any_path_within_half_a_step(
     points: list[tuple[float, float]], speed: float
 ) -> None:
@@ -99,7 +100,7 @@ def test_steps_follow_any_path_within_half_a_step(
 
 
 @given(st.integers(10, 16))
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=examples(5), deadline=None)
 def test_windows_make_no_difference(bits: int) -> None:
     way = Way(np.array([[0.0, 0.0], [9.0, 4.0], [3.0, 8.0], [3.0, 1.0]]), 30.0, True, 0.0)
     planned = steps.plan_way(way, STEPPER)

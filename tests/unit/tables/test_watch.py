@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.emitters import simotion
+from tests.conftest import examples
 
 from .deeds import (
     displace,
@@ -31,7 +32,7 @@ from .plant import (
 )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(way=st.sampled_from(WAYS), jitter=st.lists(st.integers(-1, 1), min_size=1, max_size=40))
 def test_an_encoder_that_jitters_by_a_count_stops_nothing(
     way: tuple[str, str], jitter: list[int]

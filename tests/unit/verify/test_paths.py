@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc
 from beamcam.verify.bars.paths import FLAT, distance_to, line_error
+from tests.conftest import examples
 
 points = st.tuples(st.floats(-50, 50), st.floats(-50, 50))
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(150))
 @given(points, st.lists(points, min_size=1, max_size=6))
 def test_the_distance_is_the_least_along_the_path(
     point: tuple[float, float], path: list[tuple[float, float]]
@@ -34,7 +35,7 @@ def test_a_path_of_one_point_and_one_that_stands_still() -> None:
     assert distance_to((5.0, 3.0), [(0.0, 0.0), (10.0, 0.0)]) == 3.0
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(
     st.floats(0.5, 100), st.floats(-360, 360).filter(lambda sweep: abs(sweep) > 5),
     st.sampled_from((0.005, 0.02, 0.1)),

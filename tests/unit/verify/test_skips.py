@@ -12,6 +12,7 @@ from beamcam.model.part import Contour, EndCuts, Face, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
 from beamcam.verify.bars import skippable
+from tests.conftest import examples
 from tests.unit.planning.shop import BEAM, hole, part
 
 SOURCE = Source("p.nc1", 20)
@@ -44,7 +45,7 @@ def parts(draw: st.DrawFn) -> Part:
     return part(*features, profile=profile)
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=examples(200))
 @given(parts(), st.sampled_from(MACHINES), st.sets(st.sampled_from(NAMES), min_size=1))
 def test_what_is_left_out_for_its_place_may_be(
     made: Part, machine: Machine, names: set[str]

@@ -14,6 +14,7 @@ from beamcam.model.part import Hole, Part
 from beamcam.pipeline import post
 from beamcam.verify.bars import verify
 from beamcam.verify.bars.stations import choices_of
+from tests.conftest import examples
 from tests.unit.planning.shop import BEAM, CHANNEL, hole, part
 
 MACHINES = ("beamline", "beamline-pusher")
@@ -55,7 +56,7 @@ def parts(draw: st.DrawFn) -> Part:
     return part(*features, profile=profile)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(100))
 @given(
     parts(), st.sampled_from(MACHINES), st.sampled_from((-0.5, -0.08, 0.0, 0.14, 0.6)),
     st.sampled_from(("ou", "v", "vou")),
@@ -68,7 +69,7 @@ def test_a_stroke_that_follows_y_is_read_at_its_y(
     assert verify(text, (made,), machine, bar=6000.0) == ()
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(100))
 @given(
     st.sampled_from("vou"), st.floats(0, 100), st.floats(0.5, 60), st.floats(-1, 1),
     st.sampled_from(MACHINES),

@@ -17,6 +17,7 @@ from beamcam.texts_told import other_places, stand_ins
 from beamcam.verify.drawn_texts import covering
 from beamcam.verify.left_out import TEXT_MOVED
 from beamcam.verify.text_assignment import cheapest
+from tests.conftest import examples
 from tests.unit.planning.shop import part
 from tests.unit.sheets.parts import plate
 
@@ -32,7 +33,7 @@ COSTS = st.integers(1, 4).flatmap(
 
 
 @given(COSTS)
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_the_assignment_is_the_cheapest_of_all(costs: list[list[int]]) -> None:
     chosen = cheapest(np.array(costs, dtype=np.float64))
     assert len({*chosen}) == len(costs)
@@ -43,7 +44,7 @@ def test_the_assignment_is_the_cheapest_of_all(costs: list[list[int]]) -> None:
 
 
 @given(st.sets(st.frozensets(st.integers(0, 9), min_size=1, max_size=4), min_size=1, max_size=7))
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 def test_the_fewest_pieces_are_left_without_a_text(places: set[frozenset[int]]) -> None:
     chosen = covering([*places])
     assert {*chosen} <= places

@@ -14,6 +14,7 @@ from beamcam.model.part import EndCuts, Feature, Part, Profile, Slot, TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.verify.bars import run
+from tests.conftest import examples
 from tests.letters import Lines, read
 from tests.unit.planning.shop import CHANNEL, SOURCE, TUBE, hole, part
 
@@ -88,7 +89,7 @@ def test_a_text_that_does_not_stand_free_is_moved(
     st.lists(st.tuples(st.floats(100, 900), st.floats(60, 240)), max_size=1),
     st.floats(-30, 30), st.floats(-30, 30),
 )  # fmt: skip
-@settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=examples(8), phases=[Phase.explicit, Phase.generate])
 def test_what_is_planned_is_read_back(
     x: float, y: float, height: float, angle: float, face: str,
     holes: list[tuple[float, float]], start: float, end: float,

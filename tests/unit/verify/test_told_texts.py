@@ -22,7 +22,7 @@ from beamcam.model.part import TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.verify.bars import run
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.unit.planning.shop import SOURCE, hole, part
 
 FILES = {unit: SAMPLES / "machines" / f"beamline-{unit}.toml" for unit in ("stamp", "printer")}
@@ -66,7 +66,7 @@ def codes(found: tuple[Diagnostic, ...]) -> set[str]:
     st.floats(-50.0, 3050.0), st.floats(-10.0, 310.0), st.sampled_from(["v", "o"]),
     st.sampled_from([0.0, 180.0]), st.floats(3.0, 30.0),
 )  # fmt: skip
-@settings(max_examples=20)
+@settings(max_examples=examples(20))
 def test_each_text_is_told_once_and_lies_on_its_face(
     words: str, x: float, y: float, face: str, angle: float, height: float
 ) -> None:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from beamcam import readers
 from beamcam.readers import dxf
 from beamcam.readers.dxf.load import looks_like
+from tests.conftest import examples
 from tests.dxf_text import codes, curves_of, drawing, length_of, line, polyline, spline, tags
 from tests.dxf_text import section as a_section
 
@@ -120,7 +121,7 @@ def test_options_reach_the_readers_that_take_them() -> None:
 places = st.tuples(*[st.integers(-900, 900).map(lambda n: n / 8)] * 2)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     rows=st.lists(
         st.tuples(places, st.sampled_from([0.0, 0.5, -1.0])),

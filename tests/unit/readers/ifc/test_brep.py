@@ -19,6 +19,7 @@ from beamcam.readers.ifc.brep import (
 )
 from beamcam.readers.ifc.kernel import build_both
 from beamcam.readers.ifc.space import cross, dot, size, sub
+from tests.conftest import examples
 from tests.unit.readers.ifc.models import Small, opened
 from tests.unit.readers.ifc.test_features import contours, only
 
@@ -86,7 +87,7 @@ So
 +1 {root} """
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.floats(6.0, 60.0), st.floats(60.0, 1040.0), st.floats(-60.0, 60.0), st.booleans())
 def test_a_hole_comes_back_as_it_was_drilled(
     diameter: float, x: float, y: float, inches: bool

@@ -33,7 +33,13 @@ def _solids() -> list[Entity]:
     return [e for e in found if e.is_a("IfcSweptAreaSolid") or e.is_a("IfcBooleanResult")]
 
 
-@pytest.mark.parametrize("instead", [b"$", b"#999998", b"#-31", b"#1"])
+@pytest.mark.parametrize(
+    "instead",
+    [
+        b"#999998",
+        *(pytest.param(one, marks=pytest.mark.exhaustive) for one in (b"$", b"#-31", b"#1")),
+    ],
+)
 def test_each_reference_of_a_solid(instead: bytes) -> None:
     """Gone, to nothing, no reference at all, and to what is no geometry."""
     for solid in _solids():

@@ -16,6 +16,7 @@ from beamcam.readers.ifc.curves2d import Chain, points_chain
 from beamcam.readers.ifc.marks import named
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of, with_arcs
 from beamcam.readers.ifc.profiles import rounded_box
+from tests.conftest import examples
 from tests.property.ifc_builder import Member, bore_polygon, section_polygon
 from tests.property.ifc_cuts import Bar, angle_corners
 from tests.unit.readers.ifc.models import Small
@@ -36,7 +37,7 @@ def turned(chain: Chain, angle: float, mirror: bool, shift: tuple[float, float])
     return tuple(k.transformed(((c * flip, -s, shift[0]), (s * flip, c, shift[1]))) for k in chain)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80), deadline=None)
 @given(
     st.sampled_from(sorted(SIZES)),
     st.floats(0, 360),
@@ -70,7 +71,7 @@ def test_a_section_is_told_in_any_position(
     assert max(box) == pytest.approx(found.height, abs=1e-6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.integers(12, 40), st.floats(5, 200), st.floats(0, 6))
 def test_a_polygon_on_a_circle_is_the_circle(n: int, d: float, start: float) -> None:
     points = [
@@ -91,7 +92,7 @@ def test_a_polygon_of_few_corners_is_no_hole(n: int) -> None:
     assert shape_of(points_chain(points)) is None
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.floats(20, 200), st.floats(6, 19), st.floats(0, 179.9))
 def test_slots_are_told_as_drawn_and_as_polygons(x: float, d: float, angle: float) -> None:
     drawn = turned(rounded_box(x + d, d, d / 2), angle, False, (12.0, -7.0))
@@ -145,7 +146,7 @@ def test_a_name_stands_unless_the_measures_deny_it() -> None:
     assert weight.name_of(Profile("I", "", 280.25, 280.0, 18.0, 10.5)) == "HEB280"
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     st.floats(60.0, 250.0), st.floats(50.0, 200.0), st.floats(5.0, 14.0), st.floats(5.0, 14.0),
     st.floats(5.0, 12.0), st.integers(12, 180),

@@ -19,6 +19,7 @@ from beamcam.readers.ifc.shell import (
 )
 from beamcam.readers.ifc.slices import hollows, region_within
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, cross, dot, unit
+from tests.conftest import examples
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 Ring = list[Vec]
@@ -71,7 +72,7 @@ def frames(draw: Any) -> Frame:
     return Frame((draw(turns), draw(turns), draw(turns)), x, y, cross(x, y))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(lengths, lengths, lengths, frames(), st.floats(0.01, 0.99))
 def test_a_block_is_one_wherever_it_stands(
     x: float, y: float, z: float, frame: Frame, share: float
@@ -89,7 +90,7 @@ def test_a_block_is_one_wherever_it_stands(
     assert max(abs(dot(along, way)) for way in near) > 1 - 1e-6
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(st.floats(5.0, 25.0), st.integers(5, 40), frames())
 def test_hollows_are_taken_off_whichever_way_they_run(
     radius: float, corners: int, frame: Frame
@@ -152,7 +153,7 @@ def lines_of(*polygons: Any) -> Any:
     return np.array(found)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(st.tuples(*[st.integers(0, 12)] * 4), min_size=1, max_size=6))
 def test_regions_that_overlap_are_inside_an_odd_number_of_times(
     corners: list[tuple[int, int, int, int]],
