@@ -340,6 +340,15 @@ def test_post_writes_the_rest(tmp_path: Path) -> None:
     assert {rule.code for rule in RULES} == {"plan-rest", "plan-no-rest", "plan-split"}
 
 
+def test_a_rest_is_shown_as_one() -> None:
+    path = SAMPLES / "coping" / "header-rest.nc1"
+    assert (
+        "  made      its ends and 10 feature(s), by another machine" in call("inspect", path).stdout
+    )
+    planned = call("plan", path, "--machine", "coper-linuxcnc")
+    assert "1600.000 mm, cut to length by another machine, its x 0 at X 30.000" in planned.stdout
+
+
 @pytest.mark.parametrize("words", [
     ("--rest", "rest.dxf"), ("--rest", "rest.nc1", "--turn"),
 ])  # fmt: skip
