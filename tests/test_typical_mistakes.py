@@ -46,6 +46,10 @@ MISTAKES = (
     ("list list.xls", "found a document of Office; expected a part as DSTV or IFC"),
     ("post mesh.stl -o a.gcode", "found a mesh (STL); expected a part as DSTV or IFC"),
     ("inspect photo.png", "found a picture; expected the drawing as DXF or SVG"),
+    *((f"{words} drawing.pdf{out}", "found a PDF; expected the drawing as DXF or SVG")
+      for words, out in (("plot", " -o p.svg"), ("report", " -o r.html"), ("verify", ""),
+                         ("simulate", " -o s.csv"), ("recover", " -o r.nc1"),
+                         ("diff A.nc1", ""))),
     ("post empty.nc1 -o a.gcode", "found an empty file; expected a part or a drawing"),
     ("post jobs -o a.gcode", "`beamcam batch jobs -o OUT` posts the files of a folder"),
     ("post nothing.nc1 -o a.gcode", "nothing.nc1: error read-file: found no file that can be read"),

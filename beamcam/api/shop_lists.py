@@ -22,9 +22,9 @@ from beamcam.machine.names import default_machines
 from beamcam.machine_choice import InTurn, first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.plan import Plan
-from beamcam.model.request import Quantity, Request
+from beamcam.model.request import Quantity, Remnant, Request, remnant_of
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
-from beamcam.planning.jobs import Share, number_of, shares_of
+from beamcam.planning.jobs import LotKey, Share, number_of, remnants_of, shares_of
 from beamcam.planning.rules import named_skips
 from beamcam.report.hand_list import MARKS, hand_rows
 from beamcam.report.part_list import (
@@ -57,6 +57,7 @@ def lists(
     machine: AnyMachine | None = None,
     *,
     lengths: Collection[float] = (),
+    remnants: Collection[str | float] = (),
     quantity: Quantity = "file",
     skips: Collection[str] = (),
 ) -> Lists:
@@ -64,14 +65,20 @@ def lists(
 
     They are those of the plans by which `post` makes the parts: on `machine`, or on the first that
     is shipped for their stock and makes them. A part that none makes is in the list with its
-    reason, and on no bar. `lengths` are those in store, in mm; `quantity` is "file", as each part
-    says, or a number.
-    Raises AskError, MachineError, and LimitError for more than `limits.pieces`.
+    reason, and on no bar. `lengths` are those in store, in mm; `remnants` are there once each, as
+    4300 or "UPN200/S235JR=4300"; `quantity` is "file", as each part says, or a number.
+    Raises AskError, MachineError, LimitError for more than `limits.pieces`, and PlanError for a
+    remnant that may be of several sections.
     """
     check_asked(skips=skips)
     for length in lengths:
         check_asked(bar=length)
     _check_quantity(quantity)
+    try:
+        there = tuple(remnant_of(str(remnant)) for remnant in remnants)
+    except ValueError:
+        expected = "lengths above 0, such as 4300 or 'UPN200/S235JR=4300'"
+        raise AskError(ask_type("remnants", remnants, expected)) from None
     named = None if machine is None else machine_of(machine)
 
     def machines_for(part: Part) -> Sequence[Machine]:
@@ -84,7 +91,8 @@ def lists(
         return Lists(part_list(()), bar_list(()), cutting_list(()), ())
     first = machines_for(counts[0].part)[0]
     asked = Request((), first, named_skips(skips), stock=tuple(sorted(lengths)))
-    counts, bars = bars_of(planned_counts(counts, machines_for, asked), machines_for, asked)
+    counts = planned_counts(counts, machines_for, asked, there)
+    counts, bars = bars_of(counts, machines_for, asked, there)
     return Lists(part_list(counts), bar_list(bars), cutting_list(bars), not_made(counts))
 
 
@@ -142,13 +150,19 @@ def label_lines(part: Part, piece: int, of: int) -> Iterator[str]:
 
 
 def planned_counts(
-    counts: Sequence[PartCount], machines_for: MachinesFor, asked: Request
+    counts: Sequence[PartCount],
+    machines_for: MachinesFor,
+    asked: Request,
+    remnants: Sequence[Remnant] = (),
 ) -> tuple[PartCount, ...]:
     """The parts with the first machine that makes each, and what it leaves to the hand.
 
     `asked` says what may be left out, the bars in store and whether parts may be turned. A part
     that no machine makes has the reasons.
     """
+    if asked.stock:
+        lengths = {*asked.stock, *(remnant.length for remnant in remnants)}
+        asked = replace(asked, stock=tuple(sorted(lengths)))
     return tuple(_planned(one, machines_for(one.part), asked) for one in counts)
 
 
@@ -164,26 +178,40 @@ def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> Par
 
 
 def bars_of(
-    counts: Sequence[PartCount], machines_for: MachinesFor, asked: Request
+    counts: Sequence[PartCount],
+    machines_for: MachinesFor,
+    asked: Request,
+    remnants: Sequence[Remnant] = (),
 ) -> tuple[tuple[PartCount, ...], tuple[CutBar, ...]]:
-    """The bars of the plans by which `post` makes the parts, those of one machine together.
+    """The bars of the plans by which `post` makes the parts: of one machine, section and grade.
 
     The counts come back, those of a bar that the machine cannot make with the reasons. Plates, and
-    parts of a line without a saw, are on no bar.
+    parts of a line without a saw, are on no bar. Raises PlanError for a remnant that may be of
+    several sections.
     """
     known = list(counts)
-    of_machine: dict[str, list[int]] = {}
+    lots: dict[LotKey, list[int]] = {}
+    machine_of_lot: dict[LotKey, Machine] = {}
     for place, one in enumerate(known):
-        if one.machine and one.part.profile.code != "B":
-            of_machine.setdefault(one.machine, []).append(place)
-    bars: list[CutBar] = []
-    for name, places in of_machine.items():
-        machines = machines_for(known[places[0]].part)
-        machine = next(one for one in machines if one.name == name)
-        if machine.saw is None or machine.layout is None:
+        part = one.part
+        if not one.machine or part.profile.code == "B":
             continue
+        machine = next(m for m in machines_for(part) if m.name == one.machine)
+        if machine.saw is not None and machine.layout is not None:
+            key: LotKey = (machine.name, part.profile, part.grade)
+            lots.setdefault(key, []).append(place)
+            machine_of_lot[key] = machine
+    there = remnants_of(remnants, lots)
+    bars: list[CutBar] = []
+    for key, places in lots.items():
         parts = tuple(replace(known[k].part, quantity=known[k].quantity) for k in places)
-        request = replace(asked, parts=parts, machine=machine, quantity="file")
+        request = replace(
+            asked,
+            parts=parts,
+            machine=machine_of_lot[key],
+            quantity="file",
+            remnants=there.get(key, ()),
+        )
         planned: dict[Share, CutBar] = {}  # of bars with the same pieces, which are many
         for share in shares_of(request):
             try:

@@ -11,7 +11,7 @@ stock are those of the last run is not made again.
 
 import os
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from hashlib import sha256
 
 from msgspec import Struct
@@ -30,13 +30,12 @@ from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyEr
 from beamcam.files import FilesRead
 from beamcam.interrupts import NEVER, Asked
 from beamcam.model.part import Part
-from beamcam.model.request import Job, Remnant, Request
-from beamcam.planning.jobs import Share, shares_of
+from beamcam.model.request import Job, Request
+from beamcam.planning.jobs import LotKey, Share, remnants_of, shares_of
 from beamcam.report.part_list import CutBar, CutPiece, PartCount
 from beamcam.report.run import Message, PartRow, Row, as_message
 from beamcam.verify.asked import job_faults
 
-LotKey = tuple[str, object, str]  #: machine, section or thickness, grade
 THICKNESS_DECIMALS = 2
 
 
@@ -94,8 +93,8 @@ class StockRun:
         """The rows of files that are refused or failed, then those of the programs.
 
         Raises BatchError before anything is written, for parts that differ under one mark of an
-        order and for remnants of which it is not known what they are; and for a folder that cannot
-        be used.
+        order and for a folder that cannot be used; PlanError for remnants of which it is not known
+        what they are.
         """
         with recorded(self._folder, self._workers, self._recipe, self._dry) as record:
             yield from self._rows(record)
@@ -108,7 +107,7 @@ class StockRun:
     def planned(self) -> Iterator[Row]:
         """The rows of files that are refused or failed; then `tasks` are all programs.
 
-        Raises BatchError as `rows` does.
+        Raises BatchError and PlanError as `rows` does.
         """
         refused = [row for row in self._looked() if row["status"] != "posted"]
         if self._asked:
@@ -154,7 +153,8 @@ class StockRun:
         for place, one in enumerate(self.counts):
             if one.machine:
                 of_key.setdefault(self._key(one), []).append(place)
-        remnants = self._remnants(of_key)
+        bars = (key for key in of_key if self._shop.machine_named(key[0]).saw is not None)
+        remnants = remnants_of(self._shop.remnants, bars)
         lots: list[Lot] = []
         unplanned: dict[str, list[Message]] = {}
         waiting = deque(of_key.items())
@@ -200,20 +200,6 @@ class StockRun:
         thickness = own if own is not None else machine.torch.thickness or 0.0
         material = part.grade or machine.torch.material
         return one.machine, round(thickness, THICKNESS_DECIMALS), material
-
-    def _remnants(self, keys: Iterable[LotKey]) -> dict[LotKey, tuple[float, ...]]:
-        """The remnants of each lot. Raises BatchError for one that may be of several."""
-        bars = [key for key in keys if self._shop.machine_named(key[0]).saw is not None]
-        found: dict[LotKey, list[float]] = {}
-        for remnant in self._shop.remnants:
-            fitting = [key for key in bars if _is_of(remnant, key)]
-            if len(fitting) > 1:
-                expected = " or ".join(f"{_shown(key)}={remnant.length:g}" for key in fitting)
-                said = rules.REMNANT_OF.at(Source("--remnant"), found=remnant, expected=expected)
-                raise BatchError(said)
-            for key in fitting:
-                found.setdefault(key, []).append(remnant.length)
-        return {key: tuple(sorted(lengths)) for key, lengths in found.items()}
 
     def _programs(self, record: Record) -> Iterator[Row]:
         tasks, before = self.tasks, {**record.made}
@@ -274,19 +260,3 @@ def _stands(path: str, made: str) -> bool:
             return sha256(file.read()).hexdigest() == made
     except OSError:
         return False
-
-
-def _is_of(remnant: Remnant, key: LotKey) -> bool:
-    profile, grade = key[1], key[2]
-    name = getattr(profile, "name", "") or getattr(profile, "code", "")
-    of_section = not remnant.section or _plain(remnant.section) == _plain(name)
-    return of_section and (not remnant.grade or _plain(remnant.grade) == _plain(grade))
-
-
-def _shown(key: LotKey) -> str:
-    name = getattr(key[1], "name", "") or getattr(key[1], "code", "")
-    return f"{name}/{key[2]}" if key[2] else name
-
-
-def _plain(text: str) -> str:
-    return text.replace(" ", "").casefold()

@@ -25,9 +25,6 @@ OTHER_CONTENT = error("list-mark-twice",
     "mark of an order, or --mark-from drawing, file or position",
     "Two parts that differ under one mark of an order and phase get mixed up in the shop. Give one "
     "of them another mark, leave its file out, or take the marks from where they differ.")
-REMNANT_OF = error("batch-remnant",
-    "found the remnant {found}; expected {expected}",
-    "The parts are of several sections or grades, and a remnant is of one of them.")
 STALE_SHARE = warning("batch-stale-share",
     "{found!r} still stands from an earlier run over stock; expected it to be of this one",
     "The pieces lie on other bars or sheets now; the older program would make them twice.")
@@ -73,7 +70,7 @@ SCHEDULER = error("batch-scheduler",
     "Install the extra `dask` here, and the same beamcam on every worker.")
 
 RULES = (
-    NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OTHER_CONTENT, REMNANT_OF,
+    NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OTHER_CONTENT,
     STALE_SHARE, OVER_INPUT, LINK, NOT_OURS, NO_END,
     WRITE, KEPT, RECORD, STALE, DIED, INTERNAL, SCHEDULER,
 )  # fmt: skip

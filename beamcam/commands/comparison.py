@@ -11,7 +11,7 @@ from beamcam.commands.kinds import KINDS, STANDARD, expected
 from beamcam.diff.differ import diff_parts
 from beamcam.diff.pairing import Difference
 from beamcam.diff.programs import ProgramText
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine
 from beamcam.machine.names import is_of_programs
 from beamcam.model.part import Part
@@ -27,6 +27,8 @@ def differences_of(
 
     Raises ReadError and VerifyError; UsageError of a program and a part.
     """
+    for name, content in data:
+        refuse_other_format(name, content)
     kinds = [is_part(name, content) for name, content in data]
     if kinds[0] != kinds[1]:
         names = [name for name, _ in data]
@@ -90,8 +92,16 @@ def is_part(name: str, data: bytes) -> bool:
     )
 
 
+def refuse_other_format(path: str, data: bytes) -> None:
+    """Raises ReadError for a PDF, a picture and the like in the place of a program."""
+    other = None if is_of_programs(path) else readers.other_format(data, path)
+    if other is not None:
+        raise ReadError(other)
+
+
 def refuse_part(path: str, data: bytes) -> None:
-    """Raises UsageError for a part where a program is expected."""
+    """Raises UsageError for a part where a program is expected, ReadError for another format."""
+    refuse_other_format(path, data)
     if path != STANDARD and is_part(path, data):
         raise click.UsageError(
             f"found the part {path!r}; expected a program (`beamcam post` makes one of it)."

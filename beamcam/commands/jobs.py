@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.commands.common import STANDARD, Voice
-from beamcam.commands.comparison import is_part
+from beamcam.commands.comparison import is_part, refuse_other_format
 from beamcam.commands.parts import input_bytes, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
@@ -31,6 +31,7 @@ def one_program(inputs: Sequence[str]) -> bytes | None:
     """
     for path in inputs:
         data = input_bytes(path)
+        refuse_other_format(path, data)
         if path == STANDARD or not is_part(shown_name(path), data):
             if len(inputs) > 1:
                 raise click.UsageError(
@@ -75,8 +76,9 @@ def is_program(inputs: Sequence[str], first: bytes, against: bool) -> bool:
     """Whether the first input is a program and the others its parts; or else all are parts.
 
     `first` is its content. Standard input is a program. Raises UsageError where --against does not
-    stand between a program and parts.
+    stand between a program and parts, ReadError for a file of another format.
     """
+    refuse_other_format(inputs[0], first)
     is_one = inputs[0] == STANDARD or not is_part(shown_name(inputs[0]), first)
     if against and not is_one:
         raise click.UsageError(

@@ -18,7 +18,7 @@ from beamcam.commands.sheets import drawing_options, torch_options
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, errors_in
 from beamcam.model.plan import Order
-from beamcam.model.request import Request
+from beamcam.model.request import Request, remnant_of
 from beamcam.plain_text import terminal_text
 from beamcam.planning.rules import named_skips
 from beamcam.report.part_list import (
@@ -46,6 +46,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
     "--bar", "bars", type=options.Number(above=0), multiple=True, metavar="MM",
     help="Length of stock bars; may be repeated. By default from the configuration.",
 )  # fmt: skip
+@options.remnants
 @quantity
 @click.option(
     "--table", type=click.Choice(["parts", "bars", "cuts"]), default="parts", show_default=True,
@@ -62,21 +63,23 @@ FORMATS = ("txt", "csv", "xlsx", "json")
 @options.as_json
 @options.voiced
 def command(
-    inputs: tuple[str, ...], output: str, to: str | None, bars: tuple[float, ...], table: str,
-    order: Order, turn: bool, as_json: bool, voice: Voice, **asked: Any,
+    inputs: tuple[str, ...], output: str, to: str | None, bars: tuple[float, ...],
+    remnants: tuple[str, ...], table: str, order: Order, turn: bool, as_json: bool, voice: Voice,
+    **asked: Any,
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
     The part list has mark, profile, length, quantity, grade, weights, holes and marks, the machine
     that makes the part, and the manual work that its program leaves: marks and bevels. Bars and
     cutting list are those of the plans by which `post` makes the parts, in the order given, first
-    fit, one section and grade to a bar. A part that no machine makes stands in red with its reason
-    and is on no bar. Exit status 1 for such a part, or if an input is refused; the others are
-    listed.
+    fit, one section and grade to a bar, remnants first. A part that no machine makes stands in red
+    with its reason and is on no bar. Exit status 1 for such a part, or if an input is refused; the
+    others are listed.
 
     \b
     beamcam list jobs/
     beamcam list jobs/ --bar 6000 --bar 12000 -o list.xlsx
+    beamcam list jobs/ --bar 12000 --remnant UPN200=4300
     beamcam list *.nc1 --quantity 1 -o cuts.csv --table cuts
     beamcam list jobs/ --json | jq '.bars'
     """
@@ -86,7 +89,9 @@ def command(
         counts, said = counted_parts(inputs, config, asked, voice)
         request = _asked(config, tuple(sorted(bars)) or config.stock_lengths, order, turn)
         machines = machines_in_shop(config, "")
-        counts, nested = bars_of(planned_counts(counts, machines, request), machines, request)
+        there = tuple(map(remnant_of, remnants))
+        counts = planned_counts(counts, machines, request, there)
+        counts, nested = bars_of(counts, machines, request, there)
         data = _written(form, counts, nested, table, output == STANDARD)
     except BeamcamError as error:
         voice.stop(error.diagnostics)

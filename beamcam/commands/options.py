@@ -23,7 +23,7 @@ from beamcam.commands.kinds import Callback
 from beamcam.commands.rules import OUTPUT_FORMAT
 from beamcam.errors import BeamcamError, Source
 from beamcam.model.description import MARKS_FROM
-from beamcam.model.request import Remnant
+from beamcam.model.request import remnant_of
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
@@ -158,16 +158,6 @@ bar_of_program = click.option(
     "--bar", type=Number(above=0), metavar="MM",
     help="Length of the bar; by default as the head of PROGRAM says.",
 )  # fmt: skip
-
-
-def remnant_of(text: str) -> Remnant:
-    """`4300`, `UPN200=4300` or `UPN200/S235JR=4300`. Raises ValueError."""
-    of, equals, length = text.rpartition("=")
-    section, _, grade = of.partition("/")
-    found = Remnant(float(length), section.strip(), grade.strip())
-    if not (isfinite(found.length) and found.length > 0 and bool(equals) == bool(found.section)):
-        raise ValueError(text)
-    return found
 
 
 def _remnants(

@@ -76,7 +76,8 @@ def command(
             scenes = [program_scene(job.program, unit)]
         else:
             parts, said = read_parts(inputs, config, asked, voice)
-            if len(parts) != 1 and suffix != ".pdf":
+            if not parts or (len(parts) > 1 and suffix != ".pdf"):
+                voice.say(said)
                 found = f"found {len(parts)} parts for {output!r}"
                 raise click.UsageError(f"{found}; expected one, or a .pdf of many pages")
             table = _processes(config, parts, output)

@@ -10,7 +10,7 @@ from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, read_all, write
 from beamcam.commands.comparison import refuse_part
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
-from beamcam.commands.parts import program_text
+from beamcam.commands.parts import input_bytes
 from beamcam.commands.rules import SECTION
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.commands.sheets import torch_options
@@ -67,8 +67,9 @@ def command(
     try:
         config = settled(asked, (program,))
         target = target_of(output, to)
-        text = program_text(program)
-        refuse_part(program, text.encode())
+        data = input_bytes(program)
+        refuse_part(program, data)
+        text = data.decode("utf-8", "replace")
         machine = machine_for_program(config, program, text)
         if machine.controller not in READ_BY:
             raise click.UsageError(

@@ -30,6 +30,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
 from beamcam.machine.dialects import DIALECTS
+from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
 from beamcam.report.run import Counts, Message, Row, dumped, ledger_line, loaded, message_line
@@ -127,7 +128,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         turn=asked.get("turn", False),
         mark_from=asked.get("mark_from", "mark"),
         style=style,
-        remnants=tuple(map(options.remnant_of, asked.get("remnants", ()))),
+        remnants=tuple(map(remnant_of, asked.get("remnants", ()))),
     )
 
 

@@ -118,12 +118,12 @@ def command(
     """Run a program on a model of its machine and write its axes over time.
 
     INPUTs are a program, and behind it (and --against) the parts that it has to make; or parts,
-    which are posted as `post` would. Of any machine: bars, plates, lasers, trigger programs and
-    step tables. Axes beyond their limits, cuts beyond the saw's reach and colliding bodies of the
-    machine are warnings with their time and block. --encoder adds what an encoder reads of each
-    axis in mm, a row for each count unless --every is given, and says what is lost by its
-    resolution; as a picture it is the staircase about the corner that is read furthest off. PNG and
-    PDF need beamcam[pictures].
+    which are posted as `post` would. Of any machine: bars, profiles, plates, lasers, trigger
+    programs and step tables. Axes beyond their limits, cuts beyond the saw's reach and
+    colliding bodies of the machine are warnings with their time and block. --encoder adds what
+    an encoder reads of each axis in mm, a row for each count unless --every is given, and says
+    what is lost by its resolution; as a picture it is the staircase about the corner that is
+    read furthest off. PNG and PDF need beamcam[pictures].
 
     \b
     beamcam simulate job.gcode --machine beamline -o trace.csv

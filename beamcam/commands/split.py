@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from msgspec.structs import replace
@@ -18,6 +18,9 @@ from beamcam.model.plan import NOT_MADE
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT
 from beamcam.report.hand_list import LIST_SUFFIX, as_csv, hand_rows
 from beamcam.writers import TARGETS
+
+if TYPE_CHECKING:
+    from beamcam.rest_part import Stage
 
 FORMATS = {"nc1": TARGETS[0], "json": TARGETS[1]}  #: of a rest, by its suffix
 
@@ -82,20 +85,11 @@ def command(
             said += more
             mark = names.take(f"{cleaned(part.mark) or 'part'}.nc1", part.mark)[: -len(".nc1")]
             for k, stage in enumerate(stages, 1):
-                machine, plan = stage.posted.job.machine, stage.posted.plan
-                program = os.path.join(folder, f"{mark}-{k}-{machine.name}{machine.suffix}")
-                files.append((program, stage.posted.text))
-                said += tuple(
-                    one for one in stage.posted.remarks
-                    if not (stage.rest and one.code in (LEFT_OUT.code, BY_HAND.code))
-                )  # fmt: skip
+                name = os.path.join(folder, f"{mark}-{k}")
+                program, of_stage = _files(stage, name, rest_as)
+                files += of_stage
+                said += _said_of(stage)
                 told.append(success(program, stage.posted))
-                if stage.rest:
-                    files.append((os.path.join(folder, f"{mark}-{k}-rest.{rest_as}"), stage.rest))
-                    left = tuple(o for o in plan.outcomes if o.how not in NOT_MADE)
-                    plan = replace(plan, outcomes=left)
-                if rows := hand_rows(plan):
-                    files.append((program + LIST_SUFFIX, as_csv(rows)))
     except BeamcamError as error:
         voice.stop((*said, *error.diagnostics))
     read = files_read(config, inputs)
@@ -110,3 +104,25 @@ def command(
     if not (voice.quiet or voice.as_json):
         for line in told:
             voice.tell(line)
+
+
+def _files(stage: "Stage", name: str, rest_as: str) -> tuple[str, list[tuple[str, str]]]:
+    """The name of a program, and all files of its stage: it, the rest, the list of manual work.
+
+    What the next machine gets is no manual work.
+    """
+    machine, plan = stage.posted.job.machine, stage.posted.plan
+    program = f"{name}-{machine.name}{machine.suffix}"
+    files = [(program, stage.posted.text)]
+    if stage.rest:
+        files.append((f"{name}-rest.{rest_as}", stage.rest))
+        plan = replace(plan, outcomes=tuple(o for o in plan.outcomes if o.how not in NOT_MADE))
+    if rows := hand_rows(plan):
+        files.append((program + LIST_SUFFIX, as_csv(rows)))
+    return program, files
+
+
+def _said_of(stage: "Stage") -> tuple[Diagnostic, ...]:
+    """The remarks on a program, but on what the next machine gets."""
+    left = (LEFT_OUT.code, BY_HAND.code) if stage.rest else ()
+    return tuple(one for one in stage.posted.remarks if one.code not in left)

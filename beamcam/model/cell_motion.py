@@ -58,16 +58,17 @@ class CellMotion:
         self._strokes = {s.number: s.stroke.axis for s in machine.spindles}
 
     def move(self, to: Mapping[str, float], way: float, feed_mm_min: float | None) -> Leg:
-        """A move of the axes that the letters of `to` move now; None is rapid, 0 no feed given.
+        """A move of the axes that the letters of `to` move now; None is rapid.
 
-        `way` is the length that the feed counts along. Without a feed a stroke into the steel runs
-        at that of the tool's data for any steel, and other moves as fast as they can.
+        `way` is the length that the feed counts along. Without a feed above 0 a stroke into
+        the steel runs at that of the tool's data for any steel, and other moves as fast as they
+        can.
         """
         end = list(self.positions)
         for letter, value in to.items():
             for index in self._axes(letter):
                 end[index] = value
-        if feed_mm_min == 0.0:
+        if feed_mm_min is not None and not 0.0 < feed_mm_min < inf:
             feed_mm_min = self._own_feed(end)
         slow = feed_mm_min is not None and way > 0.0
         return self._travel(end, feed_mm_min / SECONDS_PER_MINUTE / way if slow else inf)  # type: ignore[operator]
@@ -122,7 +123,7 @@ class CellMotion:
         depth = self._section / cos(radians(tilt)) + 2 * (drill.clearance if drill else 0.0)
         up, down = self.positions, list(self.positions)
         down[stroke] = depth
-        feed = feed_mm_min or saw.feed_mm_min
+        feed = feed_mm_min if feed_mm_min and 0.0 < feed_mm_min < inf else saw.feed_mm_min
         yield self._travel(down, feed / SECONDS_PER_MINUTE / depth), True
         yield self._travel(list(up)), False
 

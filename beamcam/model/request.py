@@ -6,6 +6,7 @@ turn, origin) and what is done with a colour or layer are settings of the machin
 request.
 """
 
+from math import isfinite
 from typing import Literal
 
 from msgspec import Struct
@@ -28,6 +29,16 @@ class Remnant(Struct, frozen=True):
     def __str__(self) -> str:
         of = f"{self.section}/{self.grade}" if self.grade else self.section
         return f"{of}={self.length:g}" if of else f"{self.length:g}"
+
+
+def remnant_of(text: str) -> Remnant:
+    """`4300`, `UPN200=4300` or `UPN200/S235JR=4300`. Raises ValueError."""
+    of, equals, length = text.rpartition("=")
+    section, _, grade = of.partition("/")
+    found = Remnant(float(length), section.strip(), grade.strip())
+    if not (isfinite(found.length) and found.length > 0 and bool(equals) == bool(found.section)):
+        raise ValueError(text)
+    return found
 
 
 class Request(Struct, frozen=True):

@@ -328,7 +328,8 @@ def _strokes(
             at = frame.at(bar.x_on(plane, view.name, view.top), view.top)
             angle = plane.web_deg if view.name in ("v", "h") else plane.flange_deg
             if round(angle, 2):
-                angles.append((angle, at))
+                foot = frame.at(bar.x_on(plane, view.name, view.bottom), view.bottom)
+                angles.append((angle, ((at[0] + foot[0]) / 2, (at[1] + foot[1]) / 2)))
             if view.name == "v":
                 places.append((number, op.line, at, 2.0))
         elif op.face == view.name:
@@ -343,6 +344,8 @@ def _strokes(
         size, found = next((one for one in placed if one[1] is not None), (NUMBER_SIZES[-1], at))
         yield Text("number order", found or at, str(number), size, line=line)
     left, top = frame.at(0.0, view.top)  # figures stand beyond, and the title
+    for y in (view.top, view.bottom):
+        labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
     for angle, at in angles:
         text = f"{round(abs(angle), 2):g}\N{DEGREE SIGN}"
         place = labels.place(
@@ -352,11 +355,14 @@ def _strokes(
 
 
 def _labels(bar: BarMade, view: View, frame: Frame) -> Labels:
-    """The room for numbers on a face: off the cuts, and of a narrow face beside it."""
+    """The room for numbers on a face: off the cuts, off the names of the faces beside it, and of a
+    narrow face beside it."""
     labels, width = Labels(), view.box[3]
-    if width * frame.scale < 2 * NUMBER_SIZES[0]:
-        for y in (0.0, width):
+    for y in (0.0, width):
+        if width * frame.scale < 2 * NUMBER_SIZES[0]:
             labels.block_line(frame.at(0.0, y), frame.at(view.box[2], y))
+        right, level = frame.at(view.box[2], y)
+        labels.block((right + 3.0, level - 6.0, right + 30.0, level + 4.0))
     for plane in bar.saw_planes:
         labels.block_line(*(frame.at(bar.x_on(plane, view.name, y), y) for y in (0.0, width)))
     return labels

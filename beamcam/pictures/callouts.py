@@ -10,7 +10,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import dist, hypot
 from typing import Literal
 
+import numpy as np
 from msgspec import Struct
+from numpy.typing import NDArray
 
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.model.part import (
@@ -228,8 +230,8 @@ def callouts(
     """
     drawn: list[Shape] = []
     standing: list[_Standing] = []
-    holes = [(frame.at(*p.at), p.radius * frame.scale)
-             for size in sizes if size.is_hole for p in size.places]  # fmt: skip
+    holes = np.array([(*frame.at(*p.at), p.radius * frame.scale)
+                      for size in sizes if size.is_hole for p in size.places])  # fmt: skip
     roomy = face[3] - face[1] >= ROOM
     for size in sizes[:MAX_SIZES]:
         # Above a face the topmost place has the shortest leader, of a row the first.
@@ -248,7 +250,11 @@ def callouts(
             standing.append(_Standing(words, x, (x, y - radius)))
         letter = letters.get(size.words)
         if letter:
-            drawn += [_lettered(letter, one, holes, labels) for one in order[1:]]
+            drawn += [
+                _lettered(letter, one, holes, labels)
+                for one in dict.fromkeys(order[1:])
+                if one != order[0]
+            ]
     shapes, rows = _rows(standing, face[1], right, unit)
     return Callouts((*drawn, *shapes), rows * ROW, max(0, len(sizes) - MAX_SIZES))
 
@@ -260,15 +266,17 @@ def _counted(size: Size, letter: str) -> Pieces:
 
 
 def _lettered(
-    letter: str, hole: tuple[Point, float], holes: Sequence[tuple[Point, float]], labels: Labels
+    letter: str, hole: tuple[Point, float], holes: NDArray[np.float64], labels: Labels
 ) -> Text:
     """The letter of a hole, nearer to it than to any other; on it where there is no room beside."""
     at, radius = hole
+    others = holes[np.any(holes[:, :2] != at, axis=1)]
 
     def is_nearest(box: Box) -> bool:
         middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
         own = dist(middle, at) - radius
-        return all(own + CLEAR < dist(middle, p) - r for p, r in holes if p != at)
+        away = np.hypot(*(others[:, :2] - middle).T) - others[:, 2]
+        return bool(np.all(own + CLEAR < away))
 
     for size in LETTER_SIZES:
         place = labels.place(at, 0.8 * radius + 1.5, letter, size, 2, is_nearest)

@@ -23,11 +23,20 @@ from beamcam.machine.coper_faults import refuse_coper
 from beamcam.model.part import Face, Part
 from beamcam.model.section import FACE_NAMES, face_title, runs_down
 from beamcam.pictures.bar import BarMade
+from beamcam.pictures.changed_sizes import bore_words, called_on, changed_sizes, feature_words
 from beamcam.pictures.ends import end_lines
 from beamcam.pictures.features import feature_shapes, lettering
 from beamcam.pictures.part import face_of, faces_of, view_of
 from beamcam.pictures.program import ReadProgram, bar_made
-from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text
+from beamcam.pictures.scene import (
+    Circle,
+    Frame,
+    Point,
+    Polyline,
+    Scene,
+    Shape,
+    Text,
+)
 from beamcam.pictures.views import (
     SIDE,
     WIDTH,
@@ -68,8 +77,15 @@ def compared_parts(a: Part, b: Part) -> Compared:
     )  # fmt: skip
     files = [PurePath(part.source.file).name for part in (a, b)]
     lines = [f"{a.mark or 'A'} and {b.mark or 'B'}", f"A {files[0]}", f"B {files[1]}"]
-    paper = laid_out(views, head_height(lines))
-    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    sizes = {
+        str(face): changed_sizes(
+            (p for p in pairs if face_of(p.a or p.b) == face),  # type: ignore[arg-type]
+            feature_words,
+        )
+        for face in faces
+    }
+    views, paper, called = called_on(views, sizes, head_height(lines))
+    drawn: list[Shape] = [*heading(lines), *titles(views, paper), *called]
     for view in views:
         frame = paper.frames[view.name]
         drawn += _stock(a, b, view.name, frame)
@@ -168,8 +184,14 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
         for f in faces
     )  # fmt: skip
     lines = _names(a.name, a.sha256, b.name, b.sha256)
-    paper = laid_out(views, head_height(lines))
-    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    sizes = {
+        str(f): changed_sizes(
+            (p for p in pairs if getattr(p.a or p.b, "face", "") == f), bore_words, drill
+        )
+        for f in faces
+    }
+    views, paper, called = called_on(views, sizes, head_height(lines))
+    drawn: list[Shape] = [*heading(lines), *titles(views, paper), *called]
     for view in views:
         frame = paper.frames[view.name]
         size = frame.all(((0.0, 0.0), (end, 0.0), (end, view.box[3]), (0.0, view.box[3])))

@@ -183,6 +183,8 @@ def _head(part: Part, unit: Unit) -> Iterator[str]:
 def _notes(part: Part, left_out: int) -> Iterator[str]:
     if left_out:
         yield f"{left_out} more sizes are not said here; `beamcam inspect` lists them"
+    if any(isinstance(f, Hole | Slot) and f.kind != "mark" for f in part.features):
+        yield "holes and slots go through their wall where no depth is said"
     planes = sum(isinstance(f, EndPlane) and not f.normal[0] for f in part.features)
     if planes:
         yield f"{planes} cutting planes along the part are not drawn"

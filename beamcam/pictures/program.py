@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 
 from beamcam.errors import VerifyError, errors_in
-from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pictures.scene import Scene, Unit
 
 if TYPE_CHECKING:
     from beamcam.pictures.bar import BarMade
+    from beamcam.pictures.coper import CoperProgram
     from beamcam.pictures.table import TableMade
     from beamcam.simulate.program import Simulated
 
@@ -50,7 +50,10 @@ def program_scene(
 
     Raises VerifyError for a program that cannot be understood.
     """
-    refuse_coper(program.machine, "a picture")
+    if program.machine.stock == "profile":
+        from beamcam.pictures.coper import coper_scene
+
+        return coper_scene(coper_program(program), unit)
     if program.machine.stock == "beam":
         from beamcam.pictures.bar import bar_scene
 
@@ -58,6 +61,13 @@ def program_scene(
     from beamcam.pictures.table import table_scene
 
     return table_scene(table_made(program, done), unit)
+
+
+def coper_program(program: ReadProgram) -> "CoperProgram":
+    """A coper's program as its picture takes it."""
+    from beamcam.pictures.coper import CoperProgram
+
+    return CoperProgram(program.text, program.machine, program.name, program.sha256, program.parts)
 
 
 def table_made(program: ReadProgram, done: "Simulated | None" = None) -> "TableMade":

@@ -8,4 +8,9 @@ NEEDS = error("picture-needs",
     "found {found}; expected it for {what}: pip install beamcam[pictures]",
     "The library that writes the format is not installed; SVG and HTML need none.")
 
-RULES = (NEEDS,)
+SECTION = error("picture-section",
+    "found the section {found} in the program's head; expected one of the catalogue, or the part: "
+    "plot PART --show program --machine {machine}",
+    "Where the torch is over the steel depends on the section, which a program does not say.")
+
+RULES = (NEEDS, SECTION)

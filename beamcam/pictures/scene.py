@@ -5,7 +5,7 @@ names its style (`styles`); all of them stand in the SVG, where tests and pages 
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import product
+from itertools import chain, product
 from math import ceil, dist
 from typing import Literal
 
@@ -234,6 +234,8 @@ CENTRE = ((0, 0),)
 LEVEL = ((1, 0), (-1, 0))
 CELL = 16.0  #: pixels of the squares by which neighbours are found
 LINE_STEP = 3.0  #: pixels between the boxes that stand for a line
+MOST_CELLS = 4096  #: of one box
+MOST_BOXES = 4096  #: of one line
 LETTER = 0.6  #: width of a letter, in sizes of the text
 CAPITAL = 0.72  #: height of a capital
 
@@ -243,15 +245,19 @@ class Labels:
 
     def __init__(self) -> None:
         self._cells: dict[tuple[int, int], list[Box]] = {}
+        self._large: list[Box] = []  #: those that lie over too many cells
 
     def block(self, box: Box) -> None:
         """Nothing is to lie over this box."""
+        if (box[2] - box[0]) * (box[3] - box[1]) > MOST_CELLS * CELL * CELL:
+            self._large.append(box)
+            return
         for cell in _cells(box):
             self._cells.setdefault(cell, []).append(box)
 
     def block_line(self, a: Point, b: Point) -> None:
         """Nothing is to lie over the line between two points."""
-        count = max(1, ceil(dist(a, b) / LINE_STEP))
+        count = min(max(1, ceil(dist(a, b) / LINE_STEP)), MOST_BOXES)
         for k in range(count):
             x, y = (p + (k + 0.5) / count * (q - p) for p, q in zip(a, b, strict=True))
             self.block((x - 1.0, y - 1.0, x + 1.0, y + 1.0))
@@ -273,14 +279,14 @@ class Labels:
                 x = at[0] + right * off - wide * (1 - right) / 2
                 y = at[1] + down * off + high * (1 + down) / 2
                 box = (x, y - high, x + wide, y)
-                if suits(box) and self._is_free(box):
+                if self._is_free(box) and suits(box):
                     self.block(box)
                     return x, y
         return None
 
     def _is_free(self, box: Box) -> bool:
         near = (other for cell in _cells(box) for other in self._cells.get(cell, ()))
-        return not any(_overlap(box, other) for other in near)
+        return not any(_overlap(box, other) for other in chain(near, self._large))
 
 
 def _cells(box: Box) -> Iterator[tuple[int, int]]:

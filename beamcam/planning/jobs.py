@@ -1,12 +1,18 @@
 """The programs that a request comes to: a share of its pieces for each bar, or for each sheet."""
 
+from collections.abc import Iterable, Sequence
+
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.budget import check_pieces
-from beamcam.errors import PlanError
+from beamcam.errors import PlanError, Source
 from beamcam.model.part import Part
-from beamcam.model.request import Quantity, Request
+from beamcam.model.request import Quantity, Remnant, Request
+from beamcam.planning import rules
+
+#: Of parts that share stock: machine, section (of plates the thickness), grade.
+LotKey = tuple[str, object, str]
 
 
 class Share(Struct, frozen=True):
@@ -70,6 +76,42 @@ def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
 def _in_store(request: Request) -> tuple[float, ...]:
     """The lengths of all bars that there are, rising."""
     return tuple(sorted({*request.stock, *request.remnants}))
+
+
+def remnants_of(
+    remnants: Sequence[Remnant], lots: Iterable[LotKey]
+) -> dict[LotKey, tuple[float, ...]]:
+    """The lengths of the remnants of each lot of bars, rising.
+
+    Raises PlanError for a remnant that may be of several lots.
+    """
+    found: dict[LotKey, list[float]] = {}
+    known = tuple(lots)
+    for remnant in remnants:
+        fitting = [lot for lot in known if _is_of(remnant, lot)]
+        if len(fitting) > 1:
+            expected = " or ".join(f"{_shown(lot)}={remnant.length:g}" for lot in fitting)
+            said = rules.REMNANT_OF.at(Source("--remnant"), found=remnant, expected=expected)
+            raise PlanError(said)
+        for lot in fitting:
+            found.setdefault(lot, []).append(remnant.length)
+    return {lot: tuple(sorted(lengths)) for lot, lengths in found.items()}
+
+
+def _is_of(remnant: Remnant, lot: LotKey) -> bool:
+    profile, grade = lot[1], lot[2]
+    name = getattr(profile, "name", "") or getattr(profile, "code", "")
+    of_section = not remnant.section or _plain(remnant.section) == _plain(name)
+    return of_section and (not remnant.grade or _plain(remnant.grade) == _plain(grade))
+
+
+def _shown(lot: LotKey) -> str:
+    name = getattr(lot[1], "name", "") or getattr(lot[1], "code", "")
+    return f"{name}/{lot[2]}" if lot[2] else name
+
+
+def _plain(text: str) -> str:
+    return text.replace(" ", "").casefold()
 
 
 def numbered(name: str, count: int) -> tuple[str, ...]:

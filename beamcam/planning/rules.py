@@ -66,6 +66,9 @@ BAR_LEFT = error("plan-bar-left",
 PART_SHORT = error("plan-part-short",
     "found a part of {found} mm; expected at least {expected} mm",
     "A shorter part falls between the rollers or cannot be held.")
+REMNANT_OF = error("batch-remnant",
+    "found the remnant {found}; expected {expected}",
+    "The parts are of several sections or grades, and a remnant is of one of them.")
 REMNANT = note("plan-remnant",
     "a remnant of {found} mm is long enough to go back to stock",
     "The machine file says from which length on a remnant is kept (`layout.min_remnant`).")
@@ -139,7 +142,7 @@ RULES = (
     NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SECTION_SHAPE, CUT_DENIED,
     BEVEL_NOISE, DRILL_SIZE, CUT_FROM_CONTOUR, CUT_NOISE,
     BAR_SHORT, BAR_LONG, NO_SAW, NO_WORK, COMES_CUT, BAR_FULL, BAR_LEFT,
-    PART_SHORT, REMNANT, QUANTITY,
+    PART_SHORT, REMNANT_OF, REMNANT, QUANTITY,
     TURNED, TURN_HELPS, ORDER, RELOAD, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD, NO_TOOL,
     NO_SPINDLE, SLOT, MARK, BEVEL, OTHER,
 )  # fmt: skip

@@ -12,7 +12,7 @@ from importlib import import_module
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.errors import Source
+from beamcam.errors import Diagnostic, Source
 from beamcam.machine.names import is_of_programs
 from beamcam.readers import rules
 from beamcam.readers.content import Reading
@@ -69,9 +69,8 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     suffix = os.path.splitext(name)[1].lower()
     if corel := _coreldraw(data, suffix):
         return Reading("unknown", (), (rules.CORELDRAW.at(Source(name), found=corel),))
-    if other := _other_format(data, suffix):
-        said = rules.OTHER_FORMAT.at(Source(name), found=other[0], expected=other[1])
-        return Reading("unknown", (), (said,))
+    if (other := other_format(data, name)) is not None:
+        return Reading("unknown", (), (other,))
     if _is_program(data, name):
         return Reading("unknown", (), (rules.PROGRAM.at(Source(name)),))
     for known in FORMATS:
@@ -114,8 +113,15 @@ _HEAD_BYTES = 65_536  #: of a STEP file its schema lies within them
 _G_CODE = re.compile(rb"^(?:N\d+[ \t]*)?[GM]\d{1,3}\b", re.MULTILINE)
 
 
-def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:
+def other_format(data: bytes, name: str) -> Diagnostic | None:
     """What a file of a common other format is, and what is expected instead of it."""
+    other = _other_format(data, os.path.splitext(name)[1].lower())
+    if other is None:
+        return None
+    return rules.OTHER_FORMAT.at(Source(name), found=other[0], expected=other[1])
+
+
+def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:
     if any(suffix in known.suffixes for known in FORMATS):
         return None  # the reader of that suffix says what is wrong with it
     schema = _SCHEMA.search(data, 0, _HEAD_BYTES) if data[:13] == b"ISO-10303-21;" else None

@@ -80,9 +80,11 @@ class SheetSources(Struct, frozen=True):
 def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     """Content of a program's setup sheet. Raises VerifyError where none of it is understood."""
     from beamcam.pictures.bar import bar_scene
+    from beamcam.pictures.coper import coper_scene
     from beamcam.pictures.part import part_scene
-    from beamcam.pictures.program import bar_made, table_made
+    from beamcam.pictures.program import bar_made, coper_program, table_made
     from beamcam.pictures.table import table_scene
+    from beamcam.setup_sheet.unrolled import coper_made, coper_operations
 
     program = source.program
     machine = program.machine
@@ -100,6 +102,14 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
         totals = bar_totals(operations, trace)
         tools = _bar_tools(source, operations)
         bar = tuple(_stretches(made))
+    elif machine.stock == "profile":
+        known = coper_program(program)
+        made = coper_made(known, trace)
+        trace = made.trace
+        scene = coper_scene(known, unit)
+        operations = coper_operations(known, made)
+        totals = table_totals(made)
+        tools = (ToolRow("torch", "", "cut"),)
     else:
         made = table_made(program, done)
         scene = table_scene(made, unit)

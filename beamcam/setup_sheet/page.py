@@ -188,7 +188,9 @@ def _playback(content: Content) -> str:
     views = {"above": "The bar from above", "side": "The bar from the side",
              "space": "The bar and the tools in space; drag or arrow keys turn it"}  # fmt: skip
     is_bar = content.program.machine.stock == "beam"
-    if not is_bar:
+    if content.program.machine.stock == "profile":
+        views = {"table": "The way of the torch along the bar and round it, unrolled"}
+    elif not is_bar:
         views = {"table": "The way of the head over the table"}
     return playback_section(content.trace.axes, views, True, is_bar)
 

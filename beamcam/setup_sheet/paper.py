@@ -9,6 +9,7 @@ from html import escape
 from typing import Any
 
 from beamcam.model.plan import clock
+from beamcam.pictures.bar import BarMade
 from beamcam.pictures.pdf import (
     MARGIN,
     SIZES,
@@ -25,9 +26,13 @@ from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.html import used_columns
 from beamcam.setup_sheet.operations import Operation
 from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
+from beamcam.setup_sheet.solid_data import solids_of
+from beamcam.setup_sheet.still import Still, still_of
 from beamcam.version import __version__
 
 BODY = 9.0
+MAX_STILLS = 4  #: parts of a bar that are shown in space
+WIDE, HIGH, LOW = 1600, 420, 250  #: pixels of such a picture: alone, and with another on a page
 FOOT = 48.0  #: points of a page for its footer, and for the heading above a picture
 
 
@@ -75,10 +80,62 @@ def _story(content: Content, paper: Paper) -> Iterator[Any]:
     if content.messages:
         yield _title("Warnings and remarks")
         yield from (_text(message_line(as_message(d)), 8) for d in content.messages)
+    yield from _space(content, paper)
     yield _title("What the program makes")
     for scene in content.pictures:
         yield _picture(scene, paper)
     yield from _tables(content)
+
+
+def _space(content: Content, paper: Paper) -> Iterator[Any]:
+    """The pieces as shaded pictures: of a bar each mark once, of a sheet all together."""
+    solids = solids_of(content.program, content.made)
+    yield _title("The pieces in space")
+    if not solids.pieces:
+        yield _text(f"No solid: {solids.without}.")
+        return
+    parts: dict[str, tuple[dict[str, Any], ...]] = {"": solids.pieces}
+    if isinstance(content.made, BarMade):
+        first: dict[str, tuple[dict[str, Any], ...]] = {}
+        for piece in solids.pieces:
+            if piece["kind"] == "part":
+                first.setdefault(piece["mark"], (piece,))
+        parts = first or parts
+    for mark, pieces in list(parts.items())[:MAX_STILLS]:
+        yield _still(
+            still_of(pieces, solids.faces, WIDE, HIGH if len(parts) == 1 else LOW),
+            SIZES[paper][1] - 2 * MARGIN,
+            mark,
+        )
+    if len(parts) > MAX_STILLS:
+        yield _text(f"{len(parts) - MAX_STILLS} more parts are not shown.")
+
+
+def _still(still: Still, wide: float, mark: str) -> Any:
+    """A shaded picture as wide as it is given, with its letters and its mark."""
+    from PIL import Image
+    from reportlab.lib.utils import ImageReader
+    from reportlab.platypus import Flowable
+
+    rows, columns, _ = still.pixels.shape
+    high = wide * rows / columns
+
+    class Picture(Flowable):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__()
+            self.width, self.height = wide, high
+
+        def draw(self) -> None:
+            self.canv.drawImage(ImageReader(Image.fromarray(still.pixels)), 0, 0, wide, high)
+            self.canv.setFont("Helvetica-Bold", BODY)
+            for letter, x, y in still.letters:
+                self.canv.setFillColor("#ffffff")
+                self.canv.circle(x * wide, high - y * high, 0.8 * BODY, stroke=1, fill=1)
+                self.canv.setFillColor("#1c2530")
+                self.canv.drawCentredString(x * wide, high - y * high - 0.35 * BODY, letter)
+            self.canv.drawString(0, high - BODY, _letters(mark))
+
+    return Picture()
 
 
 def _hand(content: Content) -> Iterator[Any]:

@@ -95,6 +95,8 @@ def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
     """Why a program is not machined as a solid; blank where it is."""
     if isinstance(made, BarMade):
         count = len(made.made.order)
+    elif program.machine.stock == "profile":
+        return "what a torch leaves of a profile is not machined as a solid"
     else:
         count = sum(last - first for first, last, process in made.strokes if process == "cut")
         torch = program.machine.torch

@@ -87,7 +87,7 @@ def looks(trace: Trace) -> Floats:
     A move farther than any machine goes ends beyond its limits, and is not looked at on its way.
     """
     ways = np.abs(np.diff(trace.positions, axis=0)).max(axis=1, initial=0.0)
-    ways[ways > LONGEST] = 0.0
+    ways[~(ways <= LONGEST)] = 0.0
     counts = np.maximum(1, np.ceil(ways / STEP)).astype(np.int64)
     interval = np.repeat(np.arange(len(counts)), counts)
     number = np.arange(len(interval)) - np.repeat(np.cumsum(counts) - counts, counts)

@@ -15,7 +15,6 @@ from beamcam.controllers.step_table.rows import Rows
 from beamcam.errors import Diagnostic, VerifyError, errors_in
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.ramps import move_seconds, ramp
-from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.machine.tables import Stepper
@@ -48,15 +47,16 @@ def simulate_program(
 
     `style` is the suffix of a step table; the machine's own where it is none of its forms.
     `parts` say what sheet is cut and what section is sawn, where the program does not.
-    Raises VerifyError for a program that cannot be understood, MachineError for a cell without
-    `[[axes]]` and for a coper.
+    Raises VerifyError for a program that cannot be understood, MachineError for a cell or a coper
+    without `[[axes]]`.
     """
-    refuse_coper(machine, "the model of motion")
     if machine.stepper is not None:
         return _steps(data, machine, name, style)
     text = data if isinstance(data, str) else data.decode("utf-8", "replace")
     if machine.stock == "beam":
         return _bar(text, machine, name, parts)
+    if machine.stock == "profile":
+        return _coper(text, machine, name)
     if machine.triggers is not None:
         return _triggers(text, machine, name)
     return _sheet(text, machine, name, parts)
@@ -72,6 +72,16 @@ def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simul
     seen = section or ({"width": parts[0].profile.width} if parts else {})
     course = stretches(done.events, done.dialect, seen, machine)
     return Simulated(bar_trace(course, machine), done.diagnostics, section)
+
+
+def _coper(text: str, machine: Machine, name: str) -> Simulated:
+    from beamcam.controllers import cell_events
+    from beamcam.simulate.copers import coper_trace
+
+    events, said = cell_events(text, machine, name)
+    if errors_in(said):
+        raise VerifyError(said)
+    return Simulated(coper_trace(events, machine), tuple(said))
 
 
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:

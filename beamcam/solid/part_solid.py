@@ -78,6 +78,8 @@ def part_solid(part: Part, margins: Margins = AS_DRAWN) -> "Manifold":
     Raises BeamcamError (`solid-none`) where figures of the section are missing or a feature lies
     where no wall is, and (`solid-kernel`) without manifold3d.
     """
+    alone = {replace(f, source=part.source): f for f in part.features}  # what is there twice once
+    part = replace(part, features=tuple(alone.values()))
     return minus(stock_solid(part, margins), [body for _, body in voids(part, margins)])
 
 
@@ -268,13 +270,15 @@ def _contour(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Iter
         return
     shape = shape_of(contour.curves)
     if contour.kind == "outer":
-        shapes = [
-            shape_of(c.curves) for c in part.contours
+        outlines = [
+            c for c in part.contours
             if c.kind == "outer" and _is_cut(c) and c.face == contour.face
         ]  # fmt: skip
+        if contour is not outlines[0]:
+            return  # all of a face take the same
         shape = box(-FREE, -FREE, part.length + FREE, wall.width + FREE)
-        for one in shapes:
-            shape = shape.difference(one)
+        for one in outlines:
+            shape = shape.difference(shape_of(one.curves))
         if part.profile.code != "B" and _is_of_ends(shape, wall, part):
             return
     if margins.outline:
@@ -455,20 +459,20 @@ def _bevels(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Itera
         short = stock_solid(part, Margins(section=margins.section))
         for point, normal in end_planes(part, Margins(end=OUTLINE_NOISE / 2), True):
             short = behind(short, point, normal)
+    inside = shape_of(contour.curves)
     for bevel in contour.bevels:
-        wedge = _bevel(contour, bevel, wall, margins.outline)
+        wedge = _bevel(contour, inside, bevel, wall, margins.outline)
         if short is None or (wedge ^ short).volume() > OUTLINE_NOISE:
             yield wedge
 
 
-def _bevel(contour: Contour, bevel: Bevel, wall: Wall, margin: float) -> "Manifold":
+def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: float) -> "Manifold":
     """What a bevel takes: a wedge along its edge, from a surface to its land."""
     from shapely import Point, Polygon
 
     body = prism(Polygon(), 0.0, 0.0, wall.frame)
     if not bevel.curve < len(contour.curves):
         return body
-    inside = shape_of(contour.curves)
     deep = wall.thickness - bevel.land
     wide = deep * tan(radians(min(abs(bevel.angle), 89.0)))
     if deep <= 0.0 or wide <= 0.0:

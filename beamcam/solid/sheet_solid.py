@@ -26,6 +26,7 @@ from beamcam.solid.rules import NO_SOLID
 
 Shape = Any  #: of shapely
 AROUND = 20.0  #: mm of sheet round all cuts
+AT_ONCE = 500  #: chords of a path that are swept as one
 HAIR = 0.01  #: mm of width of a cut whose kerf no one makes up for
 PROCESSES = ("cut", "mark", "engrave")
 ENDS = (2, 30)
@@ -172,7 +173,8 @@ def taken_by(stroke: Stroke, kerf: float) -> Iterator[Shape]:
     if len(path) < 2:
         yield from (Point(p).buffer(half, quad_segs=quarter) for p in path)
         return
-    lines = [LineString(path)]
+    # A path that runs over itself many times is swept bit by bit: as one it takes gigabytes.
+    lines = [LineString(path[k : k + AT_ONCE + 1]) for k in range(0, len(path) - 1, AT_ONCE)]
     if stroke.side != "on" and stroke.radius > 0.0:
         lines = _kept_off(path, stroke.radius if stroke.side == "left" else -stroke.radius)
     yield from (line.buffer(half, quad_segs=quarter) for line in lines if not line.is_empty)

@@ -20,6 +20,7 @@ from tests.runs import wait_until
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 JSON = DSTV.parent / "json"
+COPING = DSTV.parent / "coping"
 ANNEX = [str(DSTV / f"{name}.nc1") for name in ("channel", "tie", "channel")]
 STEP = 0.001  #: of positions in a page
 JOBS = {
@@ -28,7 +29,11 @@ JOBS = {
     "laser": ([str(JSON / "curves.json")], "laser-grbl", ".nc"),
     "steps": ([str(JSON / "shield-small.json")], "laser-stepper", ".steps"),
     "triggers": ([str(JSON / "shield.json")], "table-simotion", ".st"),
+    "coper": ([str(COPING / "trimmer.nc1")], "coper-linuxcnc", ".ngc"),
+    "tube": ([str(COPING / "brace.nc1")], "tube-linuxcnc", ".ngc"),
 }
+#: Of these a page has the place round the bar behind the place along it.
+UNROLLED = ("coper", "tube")
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +86,9 @@ def test_a_page_moves_as_the_simulator_says(browser: Browser, folder: Path, name
         kept = float(browser.run("return Sheet.time"))
         assert kept == pytest.approx(time, abs=1e-6)
         wanted = trace.at([kept])[0]
-        assert positions(browser) == pytest.approx(wanted, abs=1.5 * STEP + 2e-6 * fastest)
+        found = positions(browser)
+        del found[1 : 2 if name in UNROLLED else 1]
+        assert found == pytest.approx(wanted, abs=1.5 * STEP + 2e-6 * fastest)
     assert browser.complaints == []
     assert browser.requests == [(folder / f"{name}.html").as_uri()]
     assert "is the one that was read back" in browser.text("hash-said")

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pypdfium2
 import pytest
 from click.testing import CliRunner
 from PIL import Image
 
 from beamcam.cli import main
 from tests.browser.conftest import Browser, mouse
+from tests.runs import wait_until
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
 NO_WEBGL = (
@@ -245,3 +247,30 @@ def test_in_the_dark_and_on_paper_it_has_their_ground(browser: Browser, folder: 
         assert seen(browser)[2, 2].tolist() == [255, 255, 255]
     finally:
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
+
+
+def test_a_printer_has_it_too(browser: Browser, folder: Path) -> None:
+    """Some browsers print no WebGL, so that the page paints its picture over it on paper."""
+    browser.open(folder / "plate.html")
+    assert browser.run("return document.querySelector('#solid-view .printed')") is None
+    shown = "return getComputedStyle(document.querySelector('#solid-view .printed')).display"
+    same = (
+        "const [gl, copy] = document.querySelectorAll('#solid-view canvas');"
+        "const pen = document.createElement('canvas').getContext('2d');"
+        "[pen.canvas.width, pen.canvas.height] = [gl.width, gl.height]; pen.drawImage(gl, 0, 0);"
+        "return pen.canvas.toDataURL() === copy.toDataURL()"
+    )
+    try:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        wait_until(lambda: browser.run("return 'printed' in Sheet.solid"))
+        assert browser.run(shown) == "block"
+        assert browser.run(same) is True
+        printed = browser.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})
+    finally:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    assert browser.run(shown) == "none"
+    page = pypdfium2.PdfDocument(base64.b64decode(printed["data"]))[0]
+    colours = np.array(page.render(scale=1.0).to_pil().convert("RGB")).astype(int)
+    red, green, blue = colours[..., 0], colours[..., 1], colours[..., 2]
+    steel = (blue > red + 15) & (blue > green + 5) & (blue < 240)
+    assert steel.mean() > 0.02

@@ -6,11 +6,11 @@ decides, which makes no difference as expressions have no effects.
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
-from functools import lru_cache
 from math import sqrt
 from types import CodeType
 from typing import Any, Protocol
 
+from beamcam.caches import cached
 from beamcam.controllers.simotion import rules, syntax
 from beamcam.errors import Diagnostic, Source
 
@@ -168,7 +168,7 @@ class Interpreter:
         return int(a / b) if isinstance(a, int) else a / b
 
 
-@lru_cache(64)
+@cached("simotion.block")
 def _compiled(text: str) -> CodeType:
     return compile(text, "<Structured Text>", "exec")
 

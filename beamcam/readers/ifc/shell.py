@@ -12,6 +12,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
+from beamcam.budget import check_member
 from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.exact import Circle, circles_in
@@ -299,7 +300,8 @@ def heaviest(ways: Points, weights: Numbers, near: float, most: int) -> Vec | No
     best, found = 0.0, None
     left = np.arange(len(ways))
     for _ in range(most):
-        if not len(left):
+        check_member()
+        if not len(left) or weights[left].sum() < 0.99 * best:
             break
         first = vec(ways[left[0]])
         same = np.abs(coordinates(ways[left], first)) > near

@@ -187,13 +187,26 @@ class Solid {
   draw() {
     this.measure();
     this.count = (this.count ?? 0) + 1;
-    const ratio = window.devicePixelRatio || 1;
+    const isPrinted = window.matchMedia("print").matches;
+    const ratio = Math.max(window.devicePixelRatio || 1, isPrinted ? 2 : 1);
     const wide = Math.round(this.wide * ratio), high = Math.round(this.high * ratio);
     if (this.canvas.width !== wide) this.canvas.width = wide;
     if (this.canvas.height !== high) this.canvas.height = high;
     if (this.gl) this.drawGl();
     else this.drawStill();
+    if (this.gl && isPrinted) this.copy();
     this.drawLetters();
+  }
+
+  // A printer takes no WebGL, but what is painted over it.
+  copy() {
+    if (!this.printed) {
+      this.printed = this.canvas.cloneNode();
+      this.printed.className = "printed";
+      this.canvas.after(this.printed);
+    }
+    [this.printed.width, this.printed.height] = [this.canvas.width, this.canvas.height];
+    this.printed.getContext("2d").drawImage(this.canvas, 0, 0);
   }
 
   drawGl() {

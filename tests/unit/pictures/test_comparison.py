@@ -55,6 +55,29 @@ def test_moved_new_and_gone_holes_are_told_apart() -> None:
     assert {f"{h.x:g}" for h in (holes[0], moved, holes[1], new)} <= set(picture.texts)
 
 
+def test_what_differs_is_called_by_its_size_in_both() -> None:
+    """A leader goes up from each; what is the same has none."""
+    part = channel()
+    first, second, third, *_ = (f for f in part.features if isinstance(f, Hole) and f.face == "v")
+    others = tuple(f for f in part.features if f not in (first, second, third))
+    wider, moved = replace(first, diameter=30.0), replace(second, x=second.x + 15.0)
+    new = Hole("v", 1700.0, 50.0, 13.0, part.source, kind="thread", depth=5.0)
+    found = drawn(compared_parts(part, replace(part, features=(*others, wider, moved, new))))
+    sizes = [f"{one.diameter:g}" for one in (first, second, third)]
+    assert sorted("".join(e.itertext()) for e in found.all("callout")) == sorted([
+        f"A Ø{sizes[0]}, B Ø30",
+        f"Ø{sizes[1]}",
+        f"only A: Ø{sizes[2]}", "only B: M13, 5 deep",
+    ])  # fmt: skip
+    assert found.count("leader") == 4
+    machine = load("beamline")
+    other = replace(part, features=(*others, second, third, replace(first, diameter=22.0)))
+    texts = [post((one,), machine).text for one in (part, other)]
+    a, b = (ReadProgram(text.encode(), machine, "p") for text in texts)
+    programs = [text for text in drawn(compared_programs(a, b)).texts if "22" in text]
+    assert any(text.startswith(("A Ø18, B Ø22", "only B: Ø22")) for text in programs)
+
+
 def test_programs_of_bars_are_compared_by_what_they_make() -> None:
     machine = load("beamline")
     text = post((channel(),), machine).text

@@ -1,0 +1,189 @@
+"""The picture of a program whose torch goes round a profile, or over a tube that turns.
+
+o  [====(2)=======]   grey: the part, where it is known
+v  [=(1)====(3)===]   in colours: the path of the torch on each face, a colour for each feed
+u  [==============]   numbers: order of the cuts; a tube is one face, unrolled
+"""
+
+from collections.abc import Iterator, Sequence
+from math import pi
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.controllers import cell_events
+from beamcam.errors import Source, VerifyError, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.machine.materials import is_row_for, material_said
+from beamcam.model.part import Face, Part, Profile
+from beamcam.model.section import face_title, runs_down
+from beamcam.model.weight import measures_of
+from beamcam.pictures import rules
+from beamcam.pictures.features import feature_shapes
+from beamcam.pictures.part import face_of
+from beamcam.pictures.scene import TOOL_COLOURS, Labels, Polyline, Scene, Shape, Text, Unit, shown
+from beamcam.pictures.views import (
+    WIDTH,
+    Paper,
+    View,
+    datum,
+    edges_of,
+    figures,
+    footing,
+    head_height,
+    heading,
+    laid_out,
+    legend,
+    titles,
+    unshown,
+)
+from beamcam.verify.coping.section import Section
+from beamcam.verify.coping.strokes import ProfileTorch, Stroke
+from beamcam.verify.coping.tube import TubeTorch, unrolled_pipe
+from beamcam.verify.head import head_of
+
+NUMBER_SIZE = 9.0
+
+
+class CoperProgram(Struct, frozen=True):
+    """A program, and the parts that it makes as far as they are known."""
+
+    text: str
+    machine: Machine
+    name: str
+    sha256: str
+    parts: tuple[Part, ...]
+
+
+def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
+    """The faces of the part with what the torch cuts on them.
+
+    Raises VerifyError for a program that is not understood, is wrong by itself, or names no section
+    of the catalogue while its part is not known.
+    """
+    part = part_of(program)
+    strokes = strokes_of(program, part)
+    coper = program.machine.needed(program.machine.coper, "coper")
+    is_tube = coper.turns == "bar"
+    faces: tuple[Face, ...] = ("v",) if is_tube else ("v", "u")
+    faces = ("o", *faces) if part.profile.code in ("I", "U") else faces
+    views = tuple(_view(part, face, strokes, is_tube) for face in faces)
+    ends = [x for view in views for x in (view.box[0], view.box[2])]
+    views = tuple(
+        replace(view, box=(min(ends), view.box[1], max(ends), view.box[3])) for view in views
+    )
+    lines = [
+        program.name,
+        f"{program.machine.name}, {part.profile.name}, {len(strokes)} cuts",
+        f"part: {part.mark or 'without a mark'}, {shown(part.length, unit)} {unit} long",
+    ]
+    paper = laid_out(views, head_height(lines))
+    feeds = list(dict.fromkeys(stroke.row.feed_mm_min for stroke in strokes))
+    drawn: list[Shape] = [*heading(lines), *titles(views, paper)]
+    for view in views:
+        frame = paper.frames[view.name]
+        end, high = part.length, max(view.heights[-1], 0.0)
+        corners = ((0.0, 0.0), (end, 0.0), (end, high), (0.0, high))
+        drawn.append(Polyline("face", frame.all(corners), True))
+        drawn += _asked(program.parts, view, paper)
+        drawn += datum(view, frame)
+        drawn += _cuts(strokes, view, paper, feeds)
+        drawn += figures(view, paper, unit)
+    y = paper.bottom + 10.0
+    rows = [(f"path-{k % len(TOOL_COLOURS)}", f"cut at {feed:g} mm/min")
+            for k, feed in enumerate(feeds)]  # fmt: skip
+    rows += [("same", "the part as it is asked for")] if program.parts else []
+    drawn += legend([*rows, ("datum", "y = 0; arrow: x = 0")], y)
+    notes = [f"{program.name}   sha-256 {program.sha256}",
+             f"lengths in {unit} from the part's x 0, which is at X {coper.trim:g} of the machine; "
+             "they are those of the torch, whose kerf lies half on each side",
+             *(row for view in views for row in unshown(view, unit))]  # fmt: skip
+    drawn += footing(notes, y + 20.0)
+    about = f"program {program.name} as interpreted: {len(strokes)} cuts; sha-256 {program.sha256}"
+    return Scene(program.name, about, WIDTH, y + 46.0 + 13.0 * len(notes), tuple(drawn))
+
+
+def part_of(program: CoperProgram) -> Part:
+    """The part, or one of the section and length that the program's head names."""
+    if program.parts:
+        return program.parts[0]
+    head = head_of(program.text)
+    known = (
+        measures_of(head.stock.replace("_", "*")) if head is not None else None
+    )  # as comments have it
+    if head is None or known is None:
+        found = head.stock if head is not None and head.stock else "none"
+        raise VerifyError(
+            rules.SECTION.at(Source(program.name), found=found, machine=program.machine.name)
+        )
+    code, (height, width, flange, web, radius) = known
+    profile = Profile(code, head.stock, height, width, flange, web, radius)
+    length = head.parts[0].size[0] if head.parts and head.parts[0].size else 0.0
+    return Part("", profile, length, Source(program.name), grade=head.grade)
+
+
+def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
+    """What the torch cuts, in its order.
+
+    Raises VerifyError for a program that is not understood, or wrong by itself.
+    """
+    machine, name = program.machine, program.name
+    coper = machine.needed(machine.coper, "coper")
+    events, said = cell_events(program.text, machine, name)
+    material = material_said(part.grade, coper.material)
+    rows = [row for row in coper.rows if is_row_for(row.material, material)]
+    if coper.turns == "bar":
+        radius = unrolled_pipe(part).profile.height / 2
+        torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, radius, rows, name)
+    else:
+        torch = ProfileTorch(machine, coper, Section(part.profile), rows, name)
+    if not errors_in(said):
+        torch.follow(events)
+    if errors_in(said := [*said, *torch.said]):
+        raise VerifyError(said)
+    return torch.strokes
+
+
+def _view(part: Part, face: Face, strokes: Sequence[Stroke], is_tube: bool) -> View:
+    """A face from x 0 to the part's end, or as far as it is cut."""
+    points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
+    xs, ys = [x for x, _ in points], [y for _, y in points]
+    high, title = part.profile.face_width(face), face_title(face, part.profile.code)
+    if is_tube:
+        high = pi * unrolled_pipe(part).profile.height
+        title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
+    box = (min(0.0, *xs, 0.0), min(0.0, *ys, 0.0), max(part.length, *xs, 1.0), max(high, *ys))
+    ends = {round(end, 1) for s in strokes if s.face == face
+            for xs in ([x for x, _ in s.points],) for end in (min(xs), max(xs))}  # fmt: skip
+    rises = {round(end, 1) for s in strokes if s.face == face
+             for ys in ([y for _, y in s.points],) for end in (min(ys), max(ys))}  # fmt: skip
+    return View(
+        face, title, box, tuple(ends | {part.length}), (*(rises - {high}), high),
+        not is_tube and runs_down(face),
+        edges=("", "") if is_tube else edges_of(face, part.profile.code),
+    )  # fmt: skip
+
+
+def _asked(parts: Sequence[Part], view: View, paper: Paper) -> Iterator[Shape]:
+    """What a part has on a face, in grey."""
+    frame = paper.frames[view.name]
+    for feature in parts[0].features if parts else ():
+        if face_of(feature) == view.name:
+            for shape in feature_shapes(feature, frame):
+                yield replace(shape, classes="same-text" if isinstance(shape, Text) else "same")
+
+
+def _cuts(
+    strokes: Sequence[Stroke], view: View, paper: Paper, feeds: Sequence[float]
+) -> Iterator[Shape]:
+    """The paths of the torch on a face, and their numbers in the order of the work."""
+    frame, labels = paper.frames[view.name], Labels()
+    for number, stroke in enumerate(strokes, 1):
+        if stroke.face != view.name:
+            continue
+        points = frame.all(stroke.points)
+        colour = feeds.index(stroke.row.feed_mm_min) % len(TOOL_COLOURS)
+        tip = f"{number}: cut on face {stroke.face} at {stroke.row.feed_mm_min:g} mm/min"
+        yield Polyline(f"path-{colour}", points, False, tip, stroke.line)
+        at = labels.place(points[0], 2.0, str(number), NUMBER_SIZE, 3)
+        yield Text("number order", at or points[0], str(number), NUMBER_SIZE, line=stroke.line)

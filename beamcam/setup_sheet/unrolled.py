@@ -1,0 +1,64 @@
+"""A coper's program for a setup sheet: the way of the torch over the surface of the bar, unrolled.
+
+y   o   height + (width - Z)      the flange above v, its edge beside v at the height
+    v   Y                         the web from the front
+    u   -(width - Z)              the flange below
+of a tube that turns the arc from its lowest line towards v
+"""
+
+from math import pi
+
+import numpy as np
+from msgspec.structs import replace
+
+from beamcam.geometry.array_types import Floats
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Profile
+from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
+from beamcam.pictures.table import TableMade
+from beamcam.setup_sheet.operations import Operation, table_operations
+from beamcam.simulate.trace import Trace, TraceAxis
+from beamcam.verify.coping.tube import unrolled_pipe
+
+ROUND = TraceAxis("round the bar", "mm", has_encoder=False)
+
+
+def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
+    """The way of the torch as that of a head over a table: along the bar, and round it.
+
+    Raises VerifyError where the section is not known.
+    """
+    machine = program.machine
+    coper = machine.needed(machine.coper, "coper")
+    profile = unrolled_pipe(part_of(program)).profile
+    round_bar = _round(trace.positions, profile, coper)
+    positions = np.insert(trace.positions, 1, round_bar, axis=1)
+    axes = (trace.axes[0], ROUND, *trace.axes[1:])
+    return TableMade(
+        replace(trace, axes=axes, positions=positions), machine, program.name, program.sha256
+    )
+
+
+def _round(positions: Floats, profile: Profile, coper: Coper) -> Floats:
+    """Where the torch is round the bar at each knot, mm."""
+    _, y, z, a_deg = positions.T
+    if coper.turns == "bar":
+        found: Floats = profile.height / 2 * (pi / 2 - np.radians(a_deg))
+        return found
+    a = np.radians(a_deg)
+    tip_y, tip_z = y + coper.pivot * np.sin(a), z - coper.pivot * np.cos(a)
+    beside = profile.width - tip_z
+    found = np.select(
+        [a_deg < -45.0, a_deg > 45.0], [profile.height + beside, -beside], default=tip_y
+    )
+    return found
+
+
+def coper_operations(program: CoperProgram, made: TableMade) -> tuple[Operation, ...]:
+    """The cuts with the faces that they are on; X is the machine's."""
+    strokes = strokes_of(program, part_of(program))
+    is_tube = program.machine.needed(program.machine.coper, "coper").turns == "bar"
+    return tuple(
+        replace(op, what="cut" if is_tube else f"cut on face {stroke.face}", y=None)
+        for op, stroke in zip(table_operations(made), strokes, strict=True)
+    )

@@ -1,0 +1,86 @@
+"""Pictures of copers' programs: every hole lies where the part has it, on its own face."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from beamcam.cli import main
+from beamcam.errors import VerifyError
+from beamcam.machine import load
+from beamcam.model.part import Hole, Part
+from beamcam.pictures.program import ReadProgram, program_scene
+from beamcam.pictures.scene import Circle, Polyline, Scene, Text
+from beamcam.pipeline import post, read_file
+from tests.conftest import SAMPLES
+
+COPING = SAMPLES / "coping"
+MACHINES = {
+    "coped": "coper-linuxcnc", "trimmer": "coper-linuxcnc", "cleat": "coper-linuxcnc",
+    "stub": "tube-linuxcnc",
+}  # fmt: skip
+
+
+def drawn(name: str, knows_part: bool = True) -> tuple[Part, Scene]:
+    (part,) = read_file(str(COPING / f"{name}.nc1")).parts
+    machine = load(MACHINES[name])
+    text = post([part], machine).text
+    parts = (part,) if knows_part else ()
+    return part, program_scene(ReadProgram(text.encode(), machine, f"{name}.ngc", parts=parts))
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_every_hole_is_cut_where_it_is_asked_for(name: str) -> None:
+    """The path of a hole is a circle half a kerf within it; its lead starts inside."""
+    part, scene = drawn(name)
+    holes = [f for f in part.features if isinstance(f, Hole) and f.kind != "mark"]
+    asked = [s for s in scene.shapes if isinstance(s, Circle) and s.classes == "same"]
+    assert len(asked) == len(holes) > 0
+    paths = [s for s in scene.shapes if isinstance(s, Polyline)
+             and s.classes.startswith("path-") and "legend" not in s.classes]  # fmt: skip
+    relief: list[Circle] = []
+    for circle in asked:
+        (x, y), radius = circle.at, circle.radius
+        around = [p for p in paths if all(abs(px - x) <= radius and abs(py - y) <= radius
+                                          for px, py in p.points)]  # fmt: skip
+        if name == "coped" and not around:  # the hole in the corner of the cope, cut with it
+            relief.append(circle)
+            continue
+        assert len(around) == 1
+        xs, ys = zip(*around[0].points, strict=True)
+        assert (min(xs) + max(xs)) / 2 == pytest.approx(x, abs=0.6)
+        assert (min(ys) + max(ys)) / 2 == pytest.approx(y, abs=0.6)
+    assert len(relief) == (name == "coped")
+    numbers = [s.text for s in scene.shapes if isinstance(s, Text) and "number" in s.classes]
+    assert sorted(numbers, key=int) == [str(k) for k in range(1, len(paths) + 1)]
+
+
+def test_a_program_alone_has_the_section_of_its_head() -> None:
+    for name in ("trimmer", "cleat"):
+        alone = drawn(name, knows_part=False)[1]
+        whole = drawn(name)[1]
+        ways = [[s for s in scene.shapes if isinstance(s, Polyline) and "path-" in s.classes]
+                for scene in (alone, whole)]  # fmt: skip
+        assert ways[0] == ways[1]
+    with pytest.raises(VerifyError) as error:
+        drawn("stub", knows_part=False)
+    (said,) = error.value.diagnostics
+    assert said.code == "picture-section"
+    assert "--machine tube-linuxcnc" in said.message
+
+
+def test_what_is_wrong_by_itself_is_told_and_not_drawn() -> None:
+    (part,) = read_file(str(COPING / "trimmer.nc1")).parts
+    machine = load("coper-linuxcnc")
+    text = post([part], machine).text.replace("M5", "M3 S1", 1)
+    with pytest.raises(VerifyError) as error:
+        program_scene(ReadProgram(text.encode(), machine, "t.ngc", parts=(part,)))
+    assert {said.code for said in error.value.diagnostics} == {"verify-coping-torch"}
+
+
+def test_plot_draws_it_from_the_command_line(tmp_path: Path) -> None:
+    out = tmp_path / "t.svg"
+    words = ["plot", str(COPING / "trimmer.nc1"), "--machine", "coper-linuxcnc", "--show",
+             "program", "-o", str(out)]  # fmt: skip
+    assert CliRunner().invoke(main, words).exit_code == 0
+    assert "cut at 3000 mm/min" in out.read_text(encoding="utf-8")

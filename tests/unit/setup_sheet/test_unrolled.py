@@ -1,0 +1,78 @@
+"""Setup sheets of copers: the torch over the surface, unrolled, and a row for each cut."""
+
+import re
+
+import numpy as np
+import pytest
+
+from beamcam.machine import load
+from beamcam.pictures.program import ReadProgram
+from beamcam.pipeline import post, read_file
+from beamcam.setup_sheet.content import Content, SheetSources, content_of
+from beamcam.setup_sheet.page import setup_page
+from beamcam.setup_sheet.paper import setup_pdf
+from tests.conftest import SAMPLES
+
+COPING = SAMPLES / "coping"
+
+
+def sheet(name: str, machine: str) -> tuple[Content, str]:
+    parts = read_file(str(next(p for p in COPING.iterdir() if p.stem == name))).parts
+    made, used = post(parts, load(machine)), load(machine)
+    program = ReadProgram(made.text.encode(), used, f"{name}.ngc", parts=tuple(parts))
+    return content_of(SheetSources(program, made.plan, made.remarks)), made.text
+
+
+@pytest.mark.parametrize("name", ["coped", "trimmer", "cleat"])
+def test_each_cut_has_its_face_and_its_length(name: str) -> None:
+    """By hand from the words: A says the face, and moves with the torch on the way."""
+    content, text = sheet(name, "coper-linuxcnc")
+    here = {"X": np.nan, "Y": np.nan, "Z": np.nan, "A": np.nan}
+    wanted: list[tuple[str, float]] = []
+    on = False
+    for line in text.split("\n"):
+        words = {} if line.startswith("(") else dict(re.findall(r"\b([XYZAM])(-?[\d.]+)", line))
+        before = dict(here)
+        here |= {axis: float(v) for axis, v in words.items() if axis in here}
+        if words.get("M") == "3":
+            on = True
+            wanted.append(({-90.0: "o", 0.0: "v", 90.0: "u"}[here["A"]], 0.0))
+        elif words.get("M") == "5":
+            on = False
+        elif on and not line.startswith("("):
+            face, length = wanted[-1]
+            across = "Y" if face == "v" else "Z"
+            step = np.hypot(here["X"] - before["X"], here[across] - before[across])
+            wanted[-1] = face, length + float(step)
+    found = [(op.what.removeprefix("cut on face "), op.length) for op in content.operations]
+    assert [face for face, _ in found] == [face for face, _ in wanted]
+    assert [length for _, length in found] == pytest.approx([long for _, long in wanted], abs=0.1)
+    assert content.seconds == pytest.approx(sum(row.seconds for row in content.totals[:-1]))
+
+
+def test_faces_lie_beside_each_other_as_a_bar_unfolds() -> None:
+    content, _ = sheet("coped", "coper-linuxcnc")
+    made = content.made
+    names = [axis.name for axis in content.trace.axes]
+    assert names[:2] == ["carriage", "round the bar"]
+    height = 300.0  # of an IPE300
+    for (first, last, _), op in zip(made.strokes, content.operations, strict=True):  # type: ignore[union-attr]
+        at = content.trace.positions[first : last + 1, 1]
+        low, high = {"o": (height, 999.0), "v": (0.0, height), "u": (-999.0, 0.0)}[op.what[-1]]
+        assert low - 5.0 < at.min() <= at.max() < high + 5.0
+
+
+def test_a_tube_is_as_wide_as_it_is_round() -> None:
+    content, _ = sheet("stub", "tube-linuxcnc")
+    first, last, _ = content.made.strokes[-1]  # type: ignore[union-attr]  # the far end, all round
+    way = content.trace.positions[first : last + 1, 1]
+    assert way.max() - way.min() == pytest.approx(np.pi * 88.9, abs=0.1)
+
+
+def test_page_and_paper_are_made_and_say_that_there_is_no_solid() -> None:
+    content, text = sheet("trimmer", "coper-linuxcnc")
+    page = setup_page(content)
+    assert "No solid: what a torch leaves of a profile is not machined as a solid." in page
+    assert page == setup_page(content)
+    assert setup_pdf(content).startswith(b"%PDF")
+    assert len(content.operations) == text.count("M3 ")
