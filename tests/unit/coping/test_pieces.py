@@ -349,6 +349,14 @@ def test_a_rest_is_shown_as_one() -> None:
     assert "1600.000 mm, cut to length by another machine, its x 0 at X 30.000" in planned.stdout
 
 
+def test_the_program_of_a_piece_is_drawn_though_a_face_has_no_cut(tmp_path: Path) -> None:
+    path, program = SAMPLES / "coping" / "header-rest.nc1", tmp_path / "a.ngc"
+    program.write_text(program_of(rest_after(sawn(HEADER))))
+    assert call("plot", program, "-o", tmp_path / "a.svg").exit_code == 0
+    page = call("report", program, "--against", path, "-o", tmp_path / "a.html")
+    assert page.exit_code == 0, page.stderr
+
+
 @pytest.mark.parametrize("words", [
     ("--rest", "rest.dxf"), ("--rest", "rest.nc1", "--turn"),
 ])  # fmt: skip
