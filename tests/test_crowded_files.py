@@ -1,4 +1,4 @@
-"""Files that say the same a thousand times, or what no machine can do: each command ends, and soon."""
+"""Files that say the same a thousand times, or what no machine can do: each command ends."""
 
 import json
 import re

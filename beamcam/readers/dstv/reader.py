@@ -28,6 +28,8 @@ from beamcam.readers.dstv.rows import (
 )
 from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 
+#: What stands before the rows of features that are there, and what says that the ends are.
+MADE, MADE_ENDS = "**BEAMCAM MADE ", "ENDS"
 #: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
 _FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {
     "BO": (read_hole, rules.HOLE_FIELDS),
@@ -79,6 +81,10 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         text, wrong = decode_as(data, asked, name)
     lines = split_lines(text)
     texts = [*map(str.strip, lines)]
+    whole = texts
+    if is_begun := any(text.startswith(MADE) for text in texts):
+        texts = ["" if text.startswith(MADE) else text for text in texts]
+        lines = [line if text else "" for line, text in zip(lines, texts, strict=True)]
     if wrong is not None:
         log.diagnostics.append(wrong)
     if encoding is not None:
@@ -91,6 +97,7 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     header = read_header(head, Source(name, start), log)
     if header is None:
         return _refused(lines, log)
+    made = _made(whole, head.end, name) if is_begun else None
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
     blocks, loose, end = split_blocks(lines, texts, head.end, log)
     loose = head.trailing + loose
@@ -108,12 +115,28 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         section=tuple(content.section),
         info=tuple(content.info),
         comments=place_comments(comments, loose, blocks, end, features, content),
+        made=None if made is None else made.parts[0].features if made.parts else (),
     )
+    log.diagnostics += () if made is None else made.diagnostics
     check(part, content.contours, head.numbers, log)
     data_lines = [*head.numbers]
     for block in blocks:
         data_lines += block.numbers
     return _result(part, data_lines, log)
+
+
+def _made(texts: list[str], head: int, name: str) -> Reading:
+    """What stands in comments as made already: a file of its own below the same header.
+
+    Its rows keep their lines; what is said of the header, which ends at line `head`, is not
+    repeated.
+    """
+    rows = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
+    rows = ["" if row == MADE_ENDS else row for row in rows]
+    data = "\n".join([*texts[:head], *rows, "EN"]).encode()
+    reading, _ = read_with_account(data, name, "utf-8")
+    said = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
+    return replace(reading, diagnostics=said)
 
 
 def _result(part: Part, data_lines: list[int], log: Log) -> tuple[Reading, Account]:
