@@ -132,8 +132,9 @@ def _made(texts: list[str], head: int, name: str) -> Reading:
     repeated.
     """
     rows = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
-    rows = ["" if row == MADE_ENDS else row for row in rows]
-    data = "\n".join([*texts[:head], *rows, "EN"]).encode()
+    rows = [*texts[:head], *("" if row == MADE_ENDS else row for row in rows)]
+    # A row of such a comment is no comment of its own, nor is one in the header.
+    data = "\n".join([*("" if row.startswith(MADE) else row for row in rows), "EN"]).encode()
     reading, _ = read_with_account(data, name, "utf-8")
     said = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
     return replace(reading, diagnostics=said)

@@ -23,6 +23,8 @@ from beamcam.pipeline import Posted, post, read_back, read_file
 from beamcam.planning.begun import RULES as BEGUN_RULES
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import EndLine, ends_on
+from beamcam.readers import read
+from beamcam.readers.dstv.reader import MADE
 from beamcam.rest_part import RULES, rest_of_part, split_part
 from beamcam.solid.bar_solid import bar_pieces, work_of
 from beamcam.verify.begun import RULES as REST_RULES
@@ -402,3 +404,12 @@ def test_every_contour_of_the_header_is_left_by_the_saw() -> None:
     left = [f for f in rest_after(sawn(HEADER)).features if isinstance(f, Contour)]
     assert len(left) == 3
     assert job_of(HEADER).parts == (HEADER,)
+
+
+def test_comments_of_what_is_made_hold_no_others() -> None:
+    """In the header, or one in the other: such a line says nothing."""
+    lines = (SAMPLES / "coping" / "header-rest.nc1").read_text().splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith(MADE))
+    nested = [*lines[:4], MADE + "BO", *lines[4:at], MADE + lines[at], *lines[at:]]
+    before, after = (read("\n".join(some).encode(), "a.nc1") for some in (lines, nested))
+    assert [len(p.made or ()) for p in before.parts] == [len(p.made or ()) for p in after.parts]
