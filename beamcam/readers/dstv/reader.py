@@ -81,10 +81,6 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         text, wrong = decode_as(data, asked, name)
     lines = split_lines(text)
     texts = [*map(str.strip, lines)]
-    whole = texts
-    if is_begun := any(text.startswith(MADE) for text in texts):
-        texts = ["" if text.startswith(MADE) else text for text in texts]
-        lines = [line if text else "" for line, text in zip(lines, texts, strict=True)]
     if wrong is not None:
         log.diagnostics.append(wrong)
     if encoding is not None:
@@ -97,7 +93,11 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     header = read_header(head, Source(name, start), log)
     if header is None:
         return _refused(lines, log)
-    made = _made(whole, head.end, name) if is_begun else None
+    made = None
+    if any(text.startswith(MADE) for text in texts[head.end :]):
+        made = _made(texts, head.end, name)
+        body = ["" if text.startswith(MADE) else text for text in texts[head.end :]]
+        texts = [*texts[: head.end], *body]
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
     blocks, loose, end = split_blocks(lines, texts, head.end, log)
     loose = head.trailing + loose
@@ -132,9 +132,9 @@ def _made(texts: list[str], head: int, name: str) -> Reading:
     repeated.
     """
     rows = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
-    rows = [*texts[:head], *("" if row == MADE_ENDS else row for row in rows)]
-    # A row of such a comment is no comment of its own, nor is one in the header.
-    data = "\n".join([*("" if row.startswith(MADE) else row for row in rows), "EN"]).encode()
+    # A row of such a comment is no comment of its own.
+    rows = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in rows]
+    data = "\n".join([*texts[:head], *rows, "EN"]).encode()
     reading, _ = read_with_account(data, name, "utf-8")
     said = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
     return replace(reading, diagnostics=said)
