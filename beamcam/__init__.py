@@ -1,8 +1,8 @@
 """Steel members and drawings in, verified machine programs out.
 
 From Python: `beamcam.read`, `load`, `plan`, `post`, `verify`, `convert`, `simulate`, `diff`,
-`recover`, `plot`, `report`, `lists` and `labels`, which are the functions of `beamcam.api`,
-imported when they are first asked for.
+`recover`, `rest`, `plot`, `report`, `lists` and `labels`, which are the functions of
+`beamcam.api`, imported when they are first asked for.
 """
 
 from __future__ import annotations
@@ -29,13 +29,14 @@ if TYPE_CHECKING:
         read,
         recover,
         report,
+        rest,
         simulate,
         verify,
     )
 
 __all__ = [
     "__version__", "convert", "diff", "labels", "lists", "load", "plan", "plot", "post", "read",
-    "recover", "report", "simulate", "verify",
+    "recover", "report", "rest", "simulate", "verify",
 ]  # fmt: skip
 
 

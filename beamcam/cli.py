@@ -34,6 +34,7 @@ COMMANDS = {
     "report": ("report", "Write the setup sheet of a program, with playback."),
     "profile": ("profile", "Write the velocity profile of an axis, as a table or a picture."),
     "machines": ("machines", "List the machines, or show one with all its values."),
+    "split": ("split", "Make parts on several machines, each making what others cannot."),
     "batch": ("batch", "Turn folders of parts into folders of programs."),
     "watch": ("watch", "Post what is put into a folder, as it comes."),
     "list": ("list_", "Write part lists and cutting lists."),

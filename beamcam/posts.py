@@ -52,6 +52,7 @@ def bar_post() -> Post:
 
     def plan(job: Job) -> Plan:
         w = job.request
+        _refuse_begun(job)
         return plan_oriented(job.parts, w.machine, job.bar, w.skips, w.order, w.turn)
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
@@ -171,6 +172,7 @@ def coping_post() -> Post:
     from beamcam.verify.coping import verify_coping
 
     def plan(job: Job) -> CopePlan:
+        _refuse_begun(job)
         return plan_coping(job.parts, job.machine, job.bar, job.request.skips)
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
@@ -198,11 +200,22 @@ POSTS = {
 }
 
 
+def _refuse_begun(job: Job) -> None:
+    """Raise PlanError for a part that another machine has begun, where whole ones are taken."""
+    if any(part.made is not None for part in job.parts):
+        from beamcam.planning.begun import refuse_begun
+
+        refused = tuple(refuse_begun(job.parts, job.machine))
+        if refused:
+            raise PlanError(refused)
+
+
 def _plan_sheet(job: Job) -> SheetPlan:
     from beamcam.planning.contours.layout import laid, laid_otherwise
     from beamcam.planning.sheet import plan_sheet
 
     machine = job.machine
+    _refuse_begun(job)
     plan = plan_sheet(laid(job.parts, machine.torch), machine, job.request.skips)
     told = laid_otherwise(job.parts, machine.torch)
     return replace(plan, remarks=(*told, *plan.remarks)) if told else plan

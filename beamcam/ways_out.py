@@ -8,6 +8,8 @@ from msgspec.structs import replace
 from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
+from beamcam.machine_chain import chain_of
+from beamcam.model.part import Contour
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.contours.rules import SHARED
@@ -18,6 +20,7 @@ from beamcam.readers.content import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to meet
+MOST_CURVES = 5_000  #: of a drawing for which ways out are looked for
 ROTATED_DEG = 15  #: from one turn that is tried to the next
 UNITS = ("mm", "in")  #: that drawings are made in
 
@@ -30,7 +33,7 @@ NO_WAY_OUT = note("plan-no-way-out",
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
     "do more.")  # fmt: skip
 UNTRIED = note("plan-ways-untried",
-    "found {found} features, looked for no way out; expected at most {expected} for that",
+    "found {found}, looked for no way out; expected at most {expected} for that",
     "Each option would be tried by planning all of it, some fifty times. `beamcam codes CODE` says "
     "what to do about the errors.")  # fmt: skip
 WAYS_TO_READ = note("read-ways-out",
@@ -93,9 +96,12 @@ def ways_out(
     file with options of its reader, where a drawing may be read in another unit.
     """
     source = request.parts[0].source if request.parts else Source("beamcam")
-    features = sum(len(part.features) for part in request.parts)
-    if features > MOST_TRIED:
-        return UNTRIED.at(source, found=features, expected=MOST_TRIED)
+    features = [f for part in request.parts for f in part.features]
+    if len(features) > MOST_TRIED:
+        return UNTRIED.at(source, found=f"{len(features)} features", expected=MOST_TRIED)
+    curves = sum(len(f.curves) for f in features if isinstance(f, Contour))
+    if curves > MOST_CURVES:
+        return UNTRIED.at(source, found=f"{curves} curves", expected=MOST_CURVES)
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
     refused = [
@@ -106,19 +112,21 @@ def ways_out(
     open_ones = [one for one, codes in refused if any(c.startswith("plan-open") for c in codes)]
     touching = [one for one, codes in refused if SHARED.code in codes]
     too_large = [one for one, codes in refused if not codes.isdisjoint(_OFF_SHEET)]
+    others = tuple(others)
+    elsewhere = [
+        f"--machine {machine.name}"
+        for machine in others
+        if (machine.torch is None or _keeps_size(machine) >= any(map(_keeps_size, tried)))
+        and _made(replace(request, machine=machine)) is not None
+    ] or [*_by_splitting(request, (*tried, *others))]
     found = [*_first(map(_by_thickness, on))] or [
         *_first(map(_by_placing, on)),
-        *(
-            f"--machine {machine.name}"
-            for machine in others
-            if (machine.torch is None or _keeps_size(machine) >= any(map(_keeps_size, tried)))
-            and _made(replace(request, machine=machine)) is not None
-        ),
+        *elsewhere,
         *_first(map(_by_gap, open_ones)),
         *_first(map(_by_common_cuts, touching)),
         *_first(map(_by_rotating, too_large)),
         *_first(map(_by_unrolling, (one for one, _ in refused))),
-        *_first(map(_by_leave, on)),
+        *(() if elsewhere else _by_leave(on, others)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),
         *_one_by_one(on),
@@ -249,15 +257,34 @@ def _with_torch(request: Request, torch: Torch) -> Request:
     return replace(request, machine=replace(request.machine, torch=torch))
 
 
-def _by_leave(request: Request) -> Iterator[str]:
-    """The fewest kinds of features that have to be left out."""
-    plan = _made(replace(request, skips=SKIP_NAMES))
-    if plan is None:
+def _by_splitting(request: Request, machines: Iterable[Machine]) -> Iterator[str]:
+    """The machines that make a part one after the other."""
+    if len(request.parts) != 1:
         return
-    left = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
-    names = tuple(sorted({*request.skips, *(left & {*SKIP_NAMES})}))
-    if names and _made(replace(request, skips=names)) is not None:
-        yield f"--allow-skips {','.join(names)}"
+    bars = [machine for machine in machines if machine.stock in ("beam", "profile")]
+    chain = chain_of(request, bars)
+    if len(chain) > 1:
+        names = ",".join(stage.machine.name for stage in chain)
+        yield f"`beamcam split --machines {names}` (a program for each machine)"
+
+
+def _by_leave(on: Sequence[Request], others: Iterable[Machine]) -> Iterator[str]:
+    """The fewest kinds of features that have to be left out, on another machine if those are fewer.
+
+    A kind that one of them makes is not named.
+    """
+    found: list[tuple[int, int, str]] = []
+    more = [replace(on[0], machine=machine) for machine in others] if on else []
+    for k, request in enumerate((*on, *more)):
+        plan = _made(replace(request, skips=SKIP_NAMES))
+        if plan is None:
+            continue
+        left = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
+        names = tuple(sorted({*request.skips, *(left & {*SKIP_NAMES})}))
+        if names and _made(replace(request, skips=names)) is not None:
+            elsewhere = f" --machine {request.machine.name}" if k >= len(on) else ""
+            found.append((len(names), k, f"--allow-skips {','.join(names)}{elsewhere}"))
+    yield from (words for _, _, words in sorted(found)[:1])
 
 
 def _by_bar(request: Request) -> Iterator[str]:

@@ -3,7 +3,8 @@
 By classes: what the planner could get wrong (the side of the kerf, a mirrored or moved contour,
 sharp corners, leads in the part, a cut that is missing, made twice or ends too early, the order,
 the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
-switches, blending). So many random profiles are tried, and as many tubes:
+switches, blending). So many random profiles are tried, as many pieces that come cut, which may
+also be taken for a bar or for a longer piece, and as many tubes:
 
     python benchmarks/coping_faults.py 20
 """
@@ -22,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from beamcam.emitters.head import head_lines
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import Machine, load
-from beamcam.model.part import Part
+from beamcam.model.part import Contour, Part
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping import plan as planner
@@ -406,6 +407,8 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
     plan = planner.plan_coping((part,), machine)
     right = program_of(plan, job)
     for name, of_plan in plan_faults(machine).items():
+        if part.made is not None and of_plan is reordered:
+            continue  # nothing is parted from a bar
         wrong = of_plan(plan, chance)
         if wrong is not None:
             yield name, program_of(wrong, job)
@@ -415,23 +418,47 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
         lines = of_text(right.split("\n"), chance)
         if lines is not None and "\n".join(lines) != right:
             yield name, "\n".join(lines)
+    if part.made is not None:
+        yield from piece_faults(part, machine)
     if any("corner" in said.message for said in plan.remarks):
         sharp = replace(machine, coper=replace(coper, corner_radius=2.5))
         yield "sharp corners", program_of(planner.plan_coping((part,), sharp), job)
 
 
+def random_piece(seed: int) -> Part:
+    """A random profile whose ends are there: what a saw leaves of it."""
+    part = random_cope(seed)
+    holes = tuple(f for f in part.features if not isinstance(f, Contour))
+    rest = tuple(f for f in part.features if isinstance(f, Contour))
+    return replace(part, features=rest, made=holes)
+
+
+def piece_faults(part: Part, machine: Machine) -> Iterator[tuple[str, str]]:
+    """Programs for other steel than the piece that comes."""
+    job = Job(Request((part,), machine, name="JOB"), (0,))
+    bar = replace(part, made=None)
+    yield "taken for a bar", program_of(planner.plan_coping((bar,), machine), job)
+    if any(c.kind == "far" for c in planner.plan_coping((part,), machine).operations):
+        longer = replace(part, length=part.length + 3.0)
+        try:
+            plan = planner.plan_coping((longer,), machine)
+        except PlanError:
+            return
+        yield "taken for a longer piece", program_of(plan, job)
+
+
 def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, str, str]], int]:
     """Wrong programs by class, those that the read-back took, and sound ones that it refused.
 
-    They are those of so many profiles and so many tubes.
+    They are those of so many profiles, tubes and pieces that come cut.
     """
     chance = random.Random(seed)
     tried: Counter[str] = Counter()
     taken: list[tuple[int, str, str]] = []
     refused = 0
-    for number in range(2 * count):
-        machine = load(("coper-linuxcnc", "tube-linuxcnc")[number % 2])
-        part = (random_cope, random_tube)[number % 2](number // 2)
+    for number in range(3 * count):
+        machine = load(("coper-linuxcnc", "tube-linuxcnc", "coper-linuxcnc")[number % 3])
+        part = (random_cope, random_tube, random_piece)[number % 3](number // 3)
         job = Job(Request((part,), machine, name="JOB"), (0,))
         verify = post_of(machine).verify
         try:

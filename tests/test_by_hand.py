@@ -28,6 +28,7 @@ from beamcam.planning.rules import SKIP_NAMES
 from beamcam.report.hand_list import HEAD, LIST_SUFFIX, as_csv, hand_rows
 from beamcam.verify.head import head_of
 from beamcam.verify.left_out import BY_HAND as FOR_HAND
+from tests.conftest import SAMPLES
 from tests.runs import batch, counts, part, report
 from tests.unit.planning.shop import part as beam
 from tests.unit.sheets.parts import S, plate
@@ -128,6 +129,20 @@ def test_the_list_says_what_and_where() -> None:
         ["line", "", "v", "20", "20", "0", "0", "20 20; 80 20"],
     ]
     assert line["source"] == "p.nc1:7"
+
+
+def test_what_allow_skips_leaves_out_stands_on_the_list(tmp_path: Path) -> None:
+    source, target = SAMPLES / "coping" / "coped.nc1", tmp_path / "p.gcode"
+    skips = "cope,cutout,slot,tool"
+    done = call("post", source, "-o", target, "--machine", "beamline", "--allow-skips", skips)
+    assert done.exit_code == 0
+    rows = list(csv.DictReader(Path(f"{target}{LIST_SUFFIX}").read_text().splitlines()))
+    assert [(row["kind"], row["face"], row["why"], row["size"]) for row in rows] == [
+        ("outline", "v", "plan-cope", ""), ("outline", "o", "plan-cope", ""),
+        ("cut-out", "v", "plan-cutout", ""), ("hole", "v", "plan-tool", "60"),
+        ("slot", "o", "plan-slot", "58 x 18"), ("slot", "o", "plan-slot", "58 x 18"),
+    ]  # fmt: skip
+    assert "(LEFT OUT: 2 cope, 1 cutout, 2 slot, 1 tool)" in target.read_text()
 
 
 def test_the_list_stands_beside_the_program(tmp_path: Path) -> None:

@@ -186,6 +186,7 @@ NOT_OF_FOLDERS = {
     "--from-operation": "a stop in mid bar is of one program",
     "--from-contour": "a stop within a sheet is of one program",
     "--frame": "a program to lay a sheet by, beside one job",
+    "--rest": "what is left of one part; `split` takes many",
     "--force": "has a batch post unchanged inputs again; a model's members stand for themselves",
 }
 

@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from beamcam.cli import COMMANDS, main
+from beamcam.machine.load import load, shipped
 from tests.command_help import section
 from tests.conftest import ROOT, Golden
 
@@ -125,6 +126,20 @@ def test_the_version() -> None:
 
     done = CliRunner().invoke(main, ["--version"], prog_name="beamcam")
     assert done.stdout == f"beamcam, version {__version__}\n"
+
+
+def test_the_readme_says_what_machines_take() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+-?\w+)` \| ([A-Z, ]+) \|[^|]*\|([^|]*)\|", text, re.M)
+    bars = [name for name in shipped() if load(name).stock != "sheet"]
+    assert sorted(name for name, *_ in rows) == sorted(bars)
+    for name, sections, more in rows:
+        machine = load(name)
+        holder = machine.coper or machine.layout
+        assert holder is not None
+        taken = holder.profiles
+        assert sections.split(", ") == [*taken]
+        assert bool(more.strip()) == (machine.coper is not None or bool(machine.words.mill))
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -26,7 +26,8 @@ OF_ITS_OPTION = {"plan-chain"}
 def options_of(command: click.Command, name: str = "") -> dict[str, set[str]]:
     """The options of each command and subcommand, by its words."""
     context = click.Context(command)
-    found = {name: {o for p in command.params for o in (*p.opts, *p.secondary_opts)} | {"--help"}}
+    params = command.get_params(context)
+    found = {name: {o for p in params for o in (*p.opts, *p.secondary_opts)}}
     if isinstance(command, click.Group):
         for word in command.list_commands(context):
             below = command.get_command(context, word)

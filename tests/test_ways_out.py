@@ -9,9 +9,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
+from beamcam.errors import Source
 from beamcam.machine import load, shipped
+from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import read_file, stock_of
 from beamcam.ways_out import RULES
+from beamcam.writers.dstv import write
 from tests.conftest import CORPUS, ROOT
 
 SAMPLES = ROOT / "samples"
@@ -22,7 +25,7 @@ def run(*words: object) -> Result:
     return CliRunner().invoke(main, [str(word) for word in words])
 
 
-OURS = (SAMPLES / "bad", SAMPLES / "dstv")
+OURS = (SAMPLES / "bad", SAMPLES / "dstv", SAMPLES / "coping")
 #: The folders of each test, and how many files at least are of its kind.
 REFUSED = [
     (OURS, 8, 3),
@@ -51,7 +54,7 @@ def is_of_sheets(path: Path) -> bool:
 
 @pytest.mark.parametrize(("folders", "ways", "none"), REFUSED)
 def test_each_way_out_of_each_refusal_works(
-    folders: tuple[Path, ...], ways: int, none: int
+    folders: tuple[Path, ...], ways: int, none: int, tmp_path: Path
 ) -> None:
     seen = {"ways": 0, "none": 0}
     for path in inputs(*folders):
@@ -71,12 +74,38 @@ def test_each_way_out_of_each_refusal_works(
             for way in note[note.index(FOUND) + len(FOUND) :].removesuffix(END).split(" or "):
                 seen["ways"] += 1
                 words = list(asked)
+                if way.startswith("`beamcam split "):
+                    names = way.split("`")[1].split()[-1]
+                    made = run("split", path, "--machines", names, "-o", tmp_path / path.stem)
+                    assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
+                    continue
                 if way.startswith("--machine") and machine:
                     words = [*asked[:4]]
                 made = run(*words, *shlex.split(way))
                 assert made.exit_code == 0, f"{path} {way}\n{made.stderr}"
     assert seen["ways"] >= ways
     assert seen["none"] >= none
+
+
+def test_the_fewest_kinds_are_left_out_and_none_that_a_shipped_machine_makes() -> None:
+    header = SAMPLES / "coping" / "header.nc1"
+    for words in ((), ("--machine", "beamline"), ("--machine", "coper-linuxcnc")):
+        said = run("post", header, "-o", "-", *words).stderr
+        assert "`beamcam split --machines beamline-pusher,coper-linuxcnc`" in said
+        assert "--allow-skips" not in said
+    slot = SAMPLES / "bad" / "slot.nc1"
+    said = run("post", slot, "-o", "-", "--machine", "beamline").stderr
+    assert f"{FOUND}--machine beamline-pusher or --machine coper-linuxcnc{END}" in said
+
+
+def test_a_flat_that_is_too_long_for_a_table_is_sawn(tmp_path: Path) -> None:
+    profile = Profile("B", "FL50*5", 50.0, 0.0, 0.0, 5.0)
+    hole = Hole("v", 100.0, 25.0, 14.0, Source("a"))
+    flat = tmp_path / "flat.nc1"
+    flat.write_text(write(Part("F1", profile, 9980.0, Source("a"), features=(hole,))))
+    done = run("post", flat, "-o", "-")
+    assert f"{FOUND}--machine beamline-pusher{END}" in done.stderr, done.stderr
+    assert run("post", flat, "-o", "-", "--machine", "beamline-pusher").exit_code == 0
 
 
 def test_no_way_out_is_none_on_any_machine() -> None:

@@ -7,7 +7,7 @@
     assert not beamcam.verify(posted.text, reading.parts, "beamline")
     print(posted.text)
 
-    jobs        read, load, convert, plan, post, verify
+    jobs        read, load, convert, plan, post, rest, verify
     results     simulate, diff, recover, plot, report
     shop_lists  lists, labels
 
@@ -19,11 +19,11 @@ wrong by itself; what is only to be said comes back as diagnostics beside the re
 may be called from several threads at once; what they give and raise can be pickled.
 """
 
-from beamcam.api.jobs import convert, load, plan, post, read, verify
+from beamcam.api.jobs import convert, load, plan, post, read, rest, verify
 from beamcam.api.results import diff, plot, recover, report, simulate
 from beamcam.api.shop_lists import labels, lists
 
 __all__ = [
     "convert", "diff", "labels", "lists", "load", "plan", "plot", "post", "read", "recover",
-    "report", "simulate", "verify",
+    "report", "rest", "simulate", "verify",
 ]  # fmt: skip

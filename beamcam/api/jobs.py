@@ -289,6 +289,31 @@ def post(
     return rest_of(posted, _operation(from_operation, loaded))
 
 
+def rest(posted: Posted, to: str = "dstv") -> str | None:
+    """What a program leaves of its only part for the next machine, as a text; None if nothing.
+
+    `to` is "dstv" or "part-json". Raises AskError, and VerifyError where program and rest together
+    are not the part.
+    """
+    from beamcam.rest_part import rest_of_part
+    from beamcam.writers import TARGETS
+
+    target = next((target for target in TARGETS[:2] if target.name == to), None)
+    if target is None:
+        expected = ", ".join(target.name for target in TARGETS[:2])
+        raise AskError(ASK_TYPE.at(Source("beamcam"), name="to", found=repr(to), expected=expected))
+    request = posted.job.request
+    if len(request.parts) != 1 or request.turn or request.machine.stock == "sheet":
+        name, found = (
+            "posted",
+            "a program of several parts, of a sheet, or of a part that is turned",
+        )
+        expected = "one of one part of a bar, as it was read"
+        raise AskError(ASK_TYPE.at(Source("beamcam"), name=name, found=found, expected=expected))
+    left = rest_of_part(posted, target)
+    return None if left is None else left[1]
+
+
 def verify(
     program: FileInput,
     parts: Part | Iterable[Part],

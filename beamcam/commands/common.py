@@ -293,10 +293,10 @@ OTHER = "Other"
 #: Heading -> the options below it, by the names of their values, in this order.
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
-        "output", "machine", "config_file", "trust", "job", "bar", "bars", "remnants",
-        "nest", "order", "turn", "style",
+        "output", "folder", "machine", "machines", "config_file", "trust", "job", "bar", "bars",
+        "remnants", "nest", "order", "turn", "style",
         "show", "to", "table", "quantity", "against", "mark_from", "first", "contour", "after",
-        "date", "frame", "size", "code", "profile", "solid",
+        "date", "frame", "rest_name", "rest_as", "size", "code", "profile", "solid",
     ),
     "Names and folders": ("name", "flat", "done", "refused", "samples"),
     "What may be left out": ("skips", "exit_left_out", "strict", "no_verify"),
@@ -320,8 +320,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 
 #: What matters most, in the order of use; `--help` of a command with many options shows these.
 FIRST = (
-    "output", "to", "machine", "against", "bar", "bars", "quantity", "sheet_size", "marks",
-    "thickness", "colours", "skips", "as_json",
+    "output", "to", "machine", "machines", "folder", "against", "bar", "bars", "quantity",
+    "sheet_size", "marks", "thickness", "colours", "skips", "as_json",
 )  # fmt: skip
 MOST_SHOWN = 20  #: options of a command whose help shows all of them
 

@@ -21,9 +21,12 @@ def coping_lines(plan: CopePlan, time: WorkTime, machine: Machine) -> Iterator[s
     """The plan of a coped part as text."""
     (piece,) = plan.pieces
     yield f"machine {machine.name}: {machine.title}"
+    comes = f"from a bar of {plan.bar:.3f} mm at least"
+    if piece.part.made is not None:
+        comes = "cut to length by another machine"
     yield (
-        f"part {piece.part.mark} of {plan.profile.name}, {piece.part.length:.3f} mm, from a bar of "
-        f"{plan.bar:.3f} mm at least, its x 0 at X {piece.start:.3f}"
+        f"part {piece.part.mark} of {plan.profile.name}, {piece.part.length:.3f} mm, {comes}, "
+        f"its x 0 at X {piece.start:.3f}"
     )
     for number, (cut, seconds) in enumerate(zip(plan.operations, time.operations, strict=True), 1):
         x, y = cut.path[0]

@@ -8,7 +8,7 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
-from beamcam.commands import options
+from beamcam.commands import options, rest
 from beamcam.commands.common import STANDARD, Grouped, Voice, keep_apart, keep_refused, write
 from beamcam.commands.kinds import program
 from beamcam.commands.parts import part_options, read_parts, request_of
@@ -49,6 +49,8 @@ from beamcam.pipeline import (
 from beamcam.planning.coping.rules import ROUNDED
 from beamcam.planning.left_out import by_hand_sources, left_out_sources
 
+FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (EN 10058)
+
 
 @click.command("post", cls=Grouped)
 @options.inputs
@@ -71,6 +73,7 @@ from beamcam.planning.left_out import by_hand_sources, left_out_sources
     metavar="FILE",
     help="Write a program too that leads the head round the work, its tool off.",
 )
+@rest.option
 @from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
 @part_options
 @options.no_verify
@@ -86,6 +89,7 @@ def command(
     first: int | None,
     contour: int | None,
     frame: str | None,
+    rest_name: str | None,
     no_verify: bool,
     exit_left_out: int | None,
     as_json: bool,
@@ -107,6 +111,8 @@ def command(
     state the machine has to be, and it is read back as the continuation of what was done. So does
     --from-contour for a sheet: what is cut stays cut, marks are left out.
 
+    --rest writes what the program leaves of its part for the next machine, as DSTV or JSON.
+
     \b
     beamcam post gasket.dxf -o gasket.ngc --map blue=cut --thickness 3
     beamcam post M58.nc1 -o job.gcode
@@ -115,6 +121,7 @@ def command(
     beamcam post M74.nc1 M58.nc1 --quantity file --bar 12000 -o job.gcode
     beamcam post model.ifc --mark B12 -o b12.gcode
     beamcam post M58.nc1 --from-operation 7 -o rest.gcode
+    beamcam post M58.nc1 --allow-skips cope --rest left.nc1 -o M58.gcode
     beamcam post gasket.dxf --thickness 3 --from-contour 4 -o rest.ngc
     beamcam post gasket.dxf --thickness 3 -o gasket.ngc --frame frame.ngc
     """
@@ -149,7 +156,12 @@ def command(
         made = [(name, finished(each, stage)) for name, each in begun]
         if first is not None or contour is not None:
             made = [(output, _rest(made, first, contour))]
-        frames = [] if frame is None else _frames(made, frame)
+        beside = [] if frame is None else _frames(made, frame)
+        if rest_name is not None:
+            rest.check_rest(rest_name, [each for _, each in made])
+            text, told = rest.rest_file(rest_name, made[0][1])
+            beside += [] if text is None else [(rest_name, text)]
+            said += (told,)
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
         voice.stop((*said, *error.diagnostics, *kept))
@@ -164,7 +176,7 @@ def command(
 
         ways = tuple(ways_to_read(error.diagnostics, read_file, strict))
         voice.stop((*said, *error.diagnostics, *ways))
-    _write(made, frames, files_read(config, inputs), voice)
+    _write(made, beside, files_read(config, inputs), voice)
     voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
     if not (voice.quiet or voice.as_json):
         for name, each in made:
@@ -185,6 +197,8 @@ def _way_out(
     known = {machine.name for machine in tried}
     others = [machine_asked(name, config) for name in shipped() if name not in known]
     stocks = {tried[0].stock, stock_of(request.parts)}
+    if all(p.profile.code == "B" and p.profile.height <= FLAT for p in request.parts):
+        stocks.add("beam")
     if "beam" in stocks:
         stocks.add("profile")
     alike = [one for one in others if one is not None and one.stock in stocks]
@@ -213,28 +227,31 @@ def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | 
     return rest_of(made[0][1], first)
 
 
-def _frames(made: Sequence[tuple[str, Posted]], name: str) -> list[tuple[str, Posted]]:
+def _frames(made: Sequence[tuple[str, Posted]], name: str) -> list[tuple[str, str]]:
     """The frame of each program, by the name of its file. Raises RefusedProgram."""
     from beamcam.frame import frame_of
 
     return [
-        (path, frame_of(posted))
+        (path, frame_of(posted).text)
         for path, (_, posted) in zip(program_names(name, len(made)), made, strict=True)
     ]
 
 
 def _write(
     made: Sequence[tuple[str, Posted]],
-    frames: Sequence[tuple[str, Posted]],
+    beside: Sequence[tuple[str, str]],
     read: FilesRead,
     voice: Voice,
 ) -> None:
-    """Write programs, lists of manual work and frames, none if one would be written over."""
+    """Write programs, lists of manual work and what else goes with them by the names of `beside`.
+
+    None is written if one would be written over.
+    """
     files = [
         (name, posted, tuple(outputs(posted, posted.job.machine, name))) for name, posted in made
     ]
     paths = [path for _, _, pieces in files for path, _ in pieces]
-    keep_apart((*paths, *(path for path, _ in frames)), read, voice)
+    keep_apart((*paths, *(path for path, _ in beside)), read, voice)
     for name, posted, pieces in files:
         if voice.verbose:
             from beamcam.report.run import ledger_of
@@ -243,8 +260,8 @@ def _write(
         write_list(posted, name, voice, read)
         for path, content in pieces:
             write(path, content, voice, read)
-    for path, posted in frames:
-        write(path, posted.text.encode(), voice, read)
+    for path, text in beside:
+        write(path, text.encode(), voice, read)
 
 
 # --- what is said of a program that is written ----------------------------------------------------
@@ -278,7 +295,8 @@ def _made(plan: AnyPlan, comes_cut: bool) -> Iterator[str]:
         return
     if isinstance(plan, CopePlan):
         yield _counted(len(plan.operations), "cut")
-        yield f"{round(plan.bar, 3):g} mm of bar"
+        begun = plan.pieces[0].part.made is not None
+        yield f"1 part of {round(plan.bar, 3):g}" if begun else f"{round(plan.bar, 3):g} mm of bar"
         return
     kinds = Counter[str]()
     for outcome in plan.outcomes:

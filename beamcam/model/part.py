@@ -244,6 +244,9 @@ class Part(Struct, frozen=True):
     info: tuple[tuple[str, str], ...] = ()  #: word and text (IN)
     comments: tuple[Comment, ...] = ()
     guid: str | None = None  #: IFC GlobalId
+    #: Of a part that another machine has begun: the features that are there, and so are its ends.
+    #: None of a whole part, to be made from stock.
+    made: tuple[Feature, ...] | None = None
     #: Of a drawing: what was seen and is not a feature, and so makes no difference between parts.
     measures: Measures | None = None
     #: Of the file, where the angles of `cuts` stand, in their order; None where they have no lines.

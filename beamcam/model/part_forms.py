@@ -217,6 +217,18 @@ class PlaneForm(Located, frozen=True, kw_only=True):
     along_y: Vector
 
 
+class FeatureLists(Keys, frozen=True, kw_only=True):
+    """Features by their kinds."""
+
+    holes: tuple[HoleForm, ...] = ()
+    slots: tuple[SlotForm, ...] = ()
+    contours: tuple[ContourForm, ...] = ()
+    texts: tuple[TextForm, ...] = ()
+    bends: tuple[BendForm, ...] = ()
+    end_planes: tuple[EndPlaneForm, ...] = ()
+    cambers: tuple[CamberForm, ...] = ()
+
+
 class PartForm(Keys, frozen=True, kw_only=True):
     """A part in the form `beamcam/part/1`."""
 
@@ -240,6 +252,8 @@ class PartForm(Keys, frozen=True, kw_only=True):
     bends: tuple[BendForm, ...] = ()
     end_planes: tuple[EndPlaneForm, ...] = ()
     cambers: tuple[CamberForm, ...] = ()
+    #: of a part that another machine has begun: the features that are there, and so are its ends
+    made: FeatureLists | None = None
     planes: tuple[PlaneForm, ...] = ()
     weight: Number = 0.0  #: kg/m, of a plate kg/m2
     surface: Number = 0.0  #: paint, m2/m, of a plate m2/m2

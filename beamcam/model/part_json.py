@@ -5,6 +5,7 @@ kind; the key `feature` says which place each has among all, since comments name
 `bbox` and `path_length` are written for those who read the file and ignored on reading.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 from msgspec import Struct
@@ -33,11 +34,7 @@ _LISTS: dict[type[Feature], str] = {
 def part_to_json(part: Part) -> Json:
     """The JSON form of `part`, of values that `json.dumps` takes."""
     file = part.source.file
-    lists: dict[str, list[Json]] = {name: [] for name in _LISTS.values()}
-    for i, feature in enumerate(part.features):
-        fields = _contour(feature) if isinstance(feature, Contour) else _fields(feature)
-        own = {**fields, "feature": i, **_place(feature.source, file)}
-        lists[_LISTS[type(feature)]].append(own)
+    made = {} if part.made is None else {"made": _lists(part.made, file)}
     return {
         "mark": part.mark,
         "drawing": part.drawing,
@@ -50,7 +47,8 @@ def part_to_json(part: Part) -> Json:
         "saw_length": part.saw_length,
         "cuts": asdict(part.cuts),
         "cut_lines": part.cut_lines,
-        **lists,
+        **_lists(part.features, file),
+        **made,
         "planes": [{**_fields(plane), **_place(plane.source, file)} for plane in part.planes],
         "weight": part.weight,
         "surface": part.surface,
@@ -63,6 +61,16 @@ def part_to_json(part: Part) -> Json:
         "source": {"file": file, **_place(part.source, file)},
         **_sums(part),
     }
+
+
+def _lists(features: Iterable[Feature], file: str) -> dict[str, list[Json]]:
+    """Features in lists by their kinds, each with its place among all."""
+    lists: dict[str, list[Json]] = {name: [] for name in _LISTS.values()}
+    for i, feature in enumerate(features):
+        fields = _contour(feature) if isinstance(feature, Contour) else _fields(feature)
+        own = {**fields, "feature": i, **_place(feature.source, file)}
+        lists[_LISTS[type(feature)]].append(own)
+    return lists
 
 
 def _place(source: Source, file: str) -> Json:

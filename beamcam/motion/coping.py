@@ -41,6 +41,12 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     coper = machine.needed(machine.coper, "coper")
     torch = _Torch(plan, coper) if coper.turns == "torch" else _Bar(plan, coper)
     commands: list[Command] = [StartProfile(plan.profile.height, plan.profile.width)]
+    for piece in plan.pieces:
+        if piece.part.made is not None:
+            commands += map(Comment, (
+                f"COMES CUT: ITS X 0 END AT X {piece.start:g}, FACE V UP, FACE U AT Y 0",
+                "WHAT ITS FILE CALLS MADE IS THERE",
+            ))  # fmt: skip
     for cut in plan.operations:
         commands += torch.make(cut)
     commands += torch.home()

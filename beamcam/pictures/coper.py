@@ -152,7 +152,7 @@ def _view(part: Part, face: Face, strokes: Sequence[Stroke], is_tube: bool) -> V
     if is_tube:
         high = pi * unrolled_pipe(part).profile.height
         title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
-    box = (min(0.0, *xs, 0.0), min(0.0, *ys, 0.0), max(part.length, *xs, 1.0), max(high, *ys))
+    box = (min(0.0, *xs, 0.0), min(0.0, *ys, 0.0), max(part.length, *xs, 1.0), max(high, *ys, 0.0))
     ends = {round(end, 1) for s in strokes if s.face == face
             for xs in ([x for x, _ in s.points],) for end in (min(xs), max(xs))}  # fmt: skip
     rises = {round(end, 1) for s in strokes if s.face == face

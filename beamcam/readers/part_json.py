@@ -38,6 +38,7 @@ from beamcam.model.part_forms import (
     ContourForm,
     EndPlaneForm,
     Featured,
+    FeatureLists,
     HoleForm,
     Located,
     PartForm,
@@ -92,6 +93,8 @@ def part_from_json(value: object, file: str) -> Part:
         Plane(plane.name, plane.origin, plane.along_x, plane.along_y, of_file(plane, place))
         for plane, place in _each(form.planes, top.at("planes"))
     )
+    names = tuple(plane.name for plane in planes)
+    made = None if form.made is None else _features(form.made, top.at("made"), of_file, names)
     return Part(
         form.mark,
         Profile(**asdict(form.profile)),
@@ -104,7 +107,7 @@ def part_from_json(value: object, file: str) -> Part:
         form.phase,
         form.grade,
         form.cuts,
-        _features(form, top, of_file, tuple(plane.name for plane in planes)),
+        _features(form, top, of_file, names),
         planes,
         form.weight,
         form.surface,
@@ -114,6 +117,7 @@ def part_from_json(value: object, file: str) -> Part:
         form.info,
         form.comments,
         form.guid,
+        made,
         cut_lines=form.cut_lines,
     )
 
@@ -130,14 +134,15 @@ def _without_computed(value: object) -> object:
     if not isinstance(value, dict):
         return value
     kept = {key: item for key, item in value.items() if key not in _COMPUTED}
-    contours = kept.get("contours")
-    if isinstance(contours, list):
-        kept["contours"] = [
-            {key: item for key, item in one.items() if key not in _COMPUTED_OF_CONTOUR}
-            if isinstance(one, dict)
-            else one
-            for one in contours
-        ]
+    for holder in (kept, kept.get("made")):
+        contours = holder.get("contours") if isinstance(holder, dict) else None
+        if isinstance(holder, dict) and isinstance(contours, list):
+            holder["contours"] = [
+                {key: item for key, item in one.items() if key not in _COMPUTED_OF_CONTOUR}
+                if isinstance(one, dict)
+                else one
+                for one in contours
+            ]
     return kept
 
 
@@ -154,7 +159,7 @@ def _source(form: Located, place: Place, file: str) -> Source:
 
 
 def _features(
-    form: PartForm, top: Place, source: SourceOf, planes: tuple[str, ...]
+    form: PartForm | FeatureLists, top: Place, source: SourceOf, planes: tuple[str, ...]
 ) -> tuple[Feature, ...]:
     """All features in the order of their key `feature`; those without it follow as they stand."""
     numbered: list[tuple[float, Feature]] = []

@@ -1,6 +1,7 @@
 """The list of manual work: what a program leaves to the operator.
 
-Marks that are not made, holes of which only the centre is marked, edges that are cut square.
+Marks that are not made, holes of which only the centre is marked, edges that are cut square, and
+what --allow-skips let be missing; of that `why` is the code by which the machine refused it.
 """
 
 import csv
@@ -10,7 +11,7 @@ from pathlib import PurePath
 from typing import TypedDict
 
 from beamcam.errors import Source
-from beamcam.model.part import Contour, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.part import Bend, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import AnyPlan, Plan, unfinished
 from beamcam.plain_text import harmless_cell
 
@@ -51,17 +52,20 @@ LIST_BEGIN = (",".join(HEAD) + "\n").encode()  #: of every list that was written
 
 
 def hand_rows(plan: AnyPlan) -> list[HandRow]:
-    """A row for each mark that is left for manual work; pieces of one part share theirs."""
+    """A row for each feature that is left for manual work; pieces of one part share theirs."""
     rows: dict[tuple[int, int], list[HandRow]] = {}
     least = 0.0 if isinstance(plan, Plan) else plan.min_bevel
     for outcome in unfinished(plan.outcomes):
-        if not outcome.by_hand:
+        why = outcome.by_hand
+        if outcome.how == "skipped" and _is_code(outcome.by):
+            why = outcome.by
+        if not why:
             continue
         piece, index = outcome.feature
         part = plan.pieces[piece].part
         known = rows.get((id(part), index))
         if known is None:
-            rows[id(part), index] = list(_rows(part, part.features[index], outcome.by_hand, least))
+            rows[id(part), index] = list(_rows(part, part.features[index], why, least))
         for row in known or ():
             row["pieces"] += 1
     return [row for some in rows.values() for row in some]
@@ -69,7 +73,8 @@ def hand_rows(plan: AnyPlan) -> list[HandRow]:
 
 def _rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[HandRow]:
     """A row for a feature; of a contour one for each of its bevelled edges."""
-    if not (isinstance(feature, Contour) and feature.process == "cut" and feature.bevels):
+    is_cut = isinstance(feature, Contour) and feature.process == "cut"
+    if not isinstance(feature, Contour) or not (is_cut and feature.bevels) or _is_code(why):
         yield _row(part, feature, why)
         return
     for bevel in feature.bevels:
@@ -79,6 +84,11 @@ def _rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[
             (row["x"], row["y"]), row["length"] = curve.start, curve.length
             row["path"] = _path((curve.start, curve.end))
             yield row
+
+
+def _is_code(why: str) -> bool:
+    """Whether a machine refuses a feature by a code; what is too small to be cut nobody makes."""
+    return why.startswith("plan-") and why != "plan-tiny"
 
 
 def _row(part: Part, feature: Feature, why: str) -> HandRow:
@@ -107,7 +117,12 @@ def _row(part: Part, feature: Feature, why: str) -> HandRow:
         case Contour():
             corners = [feature.curves[0].start, *(curve.end for curve in feature.curves)]
             row["kind"], (row["x"], row["y"]) = "line", corners[0]
+            if feature.process == "cut":
+                row["kind"] = "outline" if feature.kind == "outer" else "cut-out"
             row["path"] = _path(corners)
+        case Bend():
+            row["kind"], row["angle"] = "bend", feature.angle
+            (row["x"], row["y"]), row["path"] = feature.start, _path((feature.start, feature.end))
     return row
 
 

@@ -178,6 +178,8 @@ def _stock(part: Part) -> Iterator[str]:
     yield f"  quantity  {part.quantity}"
     if part.grade:
         yield f"  grade     {part.grade}"
+    if part.made is not None:
+        yield f"  made      its ends and {len(part.made)} feature(s), by another machine"
     if part.saw_length is not None:
         yield f"  saw       {part.saw_length:g} mm"
     c = part.cuts

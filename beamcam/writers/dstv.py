@@ -3,6 +3,7 @@
 import re
 
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.errors import BeamcamError, Source
 from beamcam.model.anchors import plane_positions
@@ -41,6 +42,9 @@ _CONTOUR_CODES = {
     ("open", "powder"): "PU",
     ("inner", "powder"): "PU",
 }
+#: What stands before the rows of features that are there, so that no reader has them made again.
+MADE = "**BEAMCAM MADE "
+MADE_ENDS = "ENDS"
 _TEXT_LINES = 4  #: free texts at the end of the header
 
 
@@ -49,6 +53,7 @@ def write(part: Part, tolerance: float | None = None) -> str:
 
     Numbers are rounded to 6 decimals. Curves that DSTV does not have are refused, or written as
     polylines no further than `tolerance` (mm) from them. Arcs beyond 180 degrees become several.
+    Features that are there already stand in comments.
     Layers, colours and a GlobalId have no place in the format and are left out.
     Raises BeamcamError for what the format cannot hold.
     """
@@ -67,6 +72,10 @@ def write(part: Part, tolerance: float | None = None) -> str:
     for i, (word, text) in enumerate(part.info):
         sheet.row("IN", f"info:{i}", _info_row(word, text, part.source))
     sheet.comments_at("end")
+    if part.made is not None:
+        there = _Sheet(replace(part, features=part.made, comments=()))
+        _write_features(there.part, there, tolerance)
+        sheet.lines += [MADE + line for line in (MADE_ENDS, *there.lines)]
     sheet.lines.append("EN")
     sheet.comments_at("after-end")
     sheet.finish()

@@ -12,13 +12,15 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beamcam.budget import LimitError, Limits, set_limits
 from beamcam.cli import main
 from beamcam.errors import PlanError, Source
+from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.stations import Drill
-from beamcam.model.part import Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.operations import hole_pairs, slot
 from beamcam.planning.operations.hole_pairs import (
@@ -29,7 +31,7 @@ from beamcam.planning.operations.hole_pairs import (
     drop_duplicates,
 )
 from beamcam.planning.orientation import MOST_TRIED
-from beamcam.ways_out import ways_out
+from beamcam.ways_out import MOST_CURVES, ways_out
 from tests.conftest import ROOT, examples
 
 SOURCE = Source("test")
@@ -175,6 +177,10 @@ def test_ways_out_are_tried_for_parts_that_a_shop_has() -> None:
     tried = (MACHINE,)
     assert ways_out(Request((part_of(many),), MACHINE), tried, ()).code == "plan-ways-untried"
     assert ways_out(Request((part_of(few),), MACHINE), tried, ()).code != "plan-ways-untried"
+    count = MOST_CURVES + 1
+    long = Contour("v", "inner", (Line((0.0, 0.0), (1.0, 0.0)),) * count, SOURCE)
+    said = ways_out(Request((replace(part_of(few), features=(long,)),), MACHINE), tried, ())
+    assert said.message.startswith(f"found {count} curves, looked for no way out")
 
 
 def test_slots_are_read_back_however_many() -> None:

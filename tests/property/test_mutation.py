@@ -29,7 +29,7 @@ from benchmarks.order_faults import SEEN_BY_PARTS
 from benchmarks.sheet_faults import told as faults_of_tables
 from tests.conftest import examples
 
-MUTANTS = 2000
+MUTANTS = 1000
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_what_a_smaller_machine_cannot_run_is_refused(programs: list[Case]) -> N
 
 def test_faults_of_tables_are_refused() -> None:
     """Of each class: order, state, limits, leads, direction, heights, what is switched."""
-    result = faults_of_tables(1, 7)
+    result = faults_of_tables(1, 13)
     assert result.missed == []
     classes = {kind.split(" ")[0] for kind in result.made}
     assert classes == {*sheet_faults.BY_CLASS, "direction"}

@@ -27,7 +27,34 @@ LEADS = (1.0, 0.75, 0.5, 0.25, 0.0)  #: shares of the lead that are tried
 STARTS = 12  #: stretches of a closed path on which a start is looked for
 SLACK = 0.005  #: mm that paths round corners may be nearer than half a kerf
 
-End = Literal["low", "high", ""]  #: the border of the reach at which a path ends; "": it is closed
+#: The border at which a path ends: of the torch's reach, or an end of a piece; "": it is closed.
+End = Literal["low", "high", "near", "far", ""]
+OF_PIECE: tuple[End, End] = ("near", "far")
+
+
+class Border(Struct, frozen=True):
+    """A line that a path is followed to: inside is where nx x + ny y is at most its limit."""
+
+    name: End
+    nx: float
+    ny: float
+    limit: float
+
+    def beyond(self, place: Point) -> float:
+        """How far a place lies outside; negative inside."""
+        return self.nx * place[0] + self.ny * place[1] - self.limit
+
+
+def borders_of(wall: Wall, low: float, high: float, over: float) -> list[Border]:
+    """The borders at two y of a wall; of a piece that comes cut its ends too, `over` outwards."""
+    found = [Border("low", 0.0, -1.0, -low), Border("high", 0.0, 1.0, high)]
+    if wall.ends is not None:
+        for name, side, end in zip(OF_PIECE, (-1.0, 1.0), wall.ends, strict=True):
+            long = hypot(1.0, end.slope)
+            found.append(
+                Border(name, side / long, -side * end.slope / long, side * end.at / long + over)
+            )
+    return found
 
 
 class Chain(Struct, frozen=True):
@@ -51,9 +78,10 @@ class RequiredPath(Struct, frozen=True):
 def paths_of(shape: Shape, half_kerf: float, wall: Wall) -> Shape:
     """The region whose border a torch follows: round the part's corners at half a kerf.
 
-    Where a contour ends at a free edge the path goes straight on beyond that edge.
+    Where a contour ends at a free edge, or at the end of a piece, the path goes straight on beyond
+    that edge.
     """
-    from shapely import box, union_all
+    from shapely import Polygon, box, union_all
 
     round_corners = next(
         (found for sides in (ROUND, ROUND + 1, ROUND + 3)
@@ -61,12 +89,20 @@ def paths_of(shape: Shape, half_kerf: float, wall: Wall) -> Shape:
         shape.buffer(half_kerf, ROUND),
     )  # fmt: skip
     straight = shape.buffer(half_kerf, join_style="mitre", mitre_limit=MITRE)
-    left, _, right, _ = straight.bounds
+    left, bottom, right, top = straight.bounds
     edges = [
         box(left, edge - side * half_kerf, right, edge + side * MITRE * half_kerf)
         for border, edge, side in ((wall.low, 0.0, -1.0), (wall.high, wall.width, 1.0))
         if abs(border) == inf
     ]
+    for side, end in zip((-1.0, 1.0), wall.ends or (), strict=False):
+        ways = (-side * half_kerf, side * MITRE * half_kerf)
+        edges.append(
+            Polygon(
+                [(end.x(y) + way, y) for way, ys in zip(ways, ((bottom, top), (top, bottom)),
+                 strict=True) for y in ys]
+            )
+        )  # fmt: skip
     return union_all([round_corners, *(straight.intersection(edge) for edge in edges)])
 
 
@@ -81,50 +117,56 @@ def rings_of(shape: Shape) -> Iterator[list[Point]]:
                 yield [(x, y) for x, y in ring.coords[:-1]]
 
 
-def chains_of(shape: Shape, low: float, high: float) -> Iterator[Chain]:
-    """The stretches of a region's rings at y between two borders; whole rings where they lie so."""
+def chains_of(shape: Shape, borders: Sequence[Border]) -> Iterator[Chain]:
+    """The stretches of a region's rings within borders; whole rings where they lie so."""
     for ring in rings_of(shape):
-        yield from _clipped(ring, low, high)
+        outside = [any(border.beyond(place) > 0.0 for border in borders) for place in ring]
+        if not any(outside):
+            yield Chain((*ring, ring[0]))
+            continue
+        first = outside.index(True)
+        points: list[Point] = []
+        start: End = ""
+        for a, b in pairwise((*ring[first:], *ring[: first + 1])):
+            for p, q, entered, left in _pieces(a, b, borders):
+                if entered or not points:
+                    points, start = [p], entered or start
+                points.append(q)
+                if left:
+                    yield Chain(tuple(points), start, left)
+                    points, start = [], ""
 
 
-def _clipped(ring: Sequence[Point], low: float, high: float) -> Iterator[Chain]:
-    inside = [low <= y <= high for _, y in ring]
-    if all(inside):
-        yield Chain((*ring, ring[0]))
+def _pieces(
+    a: Point, b: Point, borders: Sequence[Border]
+) -> Iterator[tuple[Point, Point, End, End]]:
+    """The stretch of a line within borders, and at which of them it enters and leaves.
+
+    Source: Cyrus and Beck, Generalized two- and three-dimensional clipping, 1978.
+    """
+    first, last = 0.0, 1.0
+    entered: Border | None = None
+    left: Border | None = None
+    for border in borders:
+        begin, end = border.beyond(a), border.beyond(b)
+        if begin > 0.0 and end > 0.0:
+            return
+        if begin > 0.0 and begin / (begin - end) >= first:
+            first, entered = begin / (begin - end), border
+        elif end > 0.0 and begin / (begin - end) <= last:
+            last, left = begin / (begin - end), border
+    if first > last or (first == last and entered and left):
         return
-    if not any(inside) and not _crosses(ring, low, high):
-        return
-    first = next(k for k, within in enumerate(inside) if not within)
-    points: list[Point] = []
-    start: End = ""
-    for a, b in pairwise((*ring[first:], *ring[: first + 1])):
-        for p, q, entered, left in _pieces(a, b, low, high):
-            if entered or not points:
-                points, start = [p], entered or start
-            points.append(q)
-            if left:
-                yield Chain(tuple(points), start, left)
-                points, start = [], ""
-
-
-def _crosses(ring: Sequence[Point], low: float, high: float) -> bool:
-    return min(y for _, y in ring) < low and max(y for _, y in ring) > high
-
-
-def _pieces(a: Point, b: Point, low: float, high: float) -> Iterator[tuple[Point, Point, End, End]]:
-    """The stretch of a line between two borders, and at which of them it enters and leaves."""
     (xa, ya), (xb, yb) = a, b
-    if max(ya, yb) < low or min(ya, yb) > high or (ya == yb and not low <= ya <= high):
-        return
-    entered: End = "low" if ya < low else "high" if ya > high else ""
-    left: End = "low" if yb < low else "high" if yb > high else ""
 
-    def at(y: float) -> Point:
-        return xa + (xb - xa) * (y - ya) / (yb - ya), y
+    def at(share: float, border: Border | None, otherwise: Point) -> Point:
+        if border is None:
+            return otherwise
+        x, y = xa + (xb - xa) * share, ya + (yb - ya) * share
+        return (x, y) if border.nx else (x, border.ny * border.limit)
 
-    p = at(low) if entered == "low" else at(high) if entered == "high" else a
-    q = at(low) if left == "low" else at(high) if left == "high" else b
-    yield p, q, entered, left
+    p, q = at(first, entered, a), at(last, left, b)
+    yield p, q, entered.name if entered else "", left.name if left else ""
 
 
 def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> RequiredPath | None:
@@ -134,7 +176,7 @@ def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> 
     """
     if not chain.start:
         return _closed(chain, shape, row, coper)
-    free = {"low": wall.low == -inf, "high": wall.high == inf}
+    free = {"low": wall.low == -inf, "high": wall.high == inf, "near": True, "far": True}
     if free[chain.end] and (
         not free[chain.start] or (chain.start == "low" and len(wall.roots) == 1)
     ):
@@ -196,21 +238,30 @@ def _from_edge(
 
     It meets the contour's path just beyond the edge, so that no wedge is left in the corner.
     """
-    edge = 0.0 if chain.start == "low" else wall.width
+    edge = _edge_of(chain.start, wall)
     first = chain.points[0]
-    (xa, ya), (xb, yb) = next(
-        (p, q) for p, q in pairwise(chain.points) if (p[1] - edge) * (q[1] - edge) <= 0.0
-    )
-    x = xa + (xb - xa) * (edge - ya) / (yb - ya) if ya != yb else xa
-    for share in LEADS[:-1]:
+    a, b = next((p, q) for p, q in pairwise(chain.points) if edge.beyond(p) * edge.beyond(q) <= 0.0)
+    begin, end = edge.beyond(a), edge.beyond(b)
+    share = begin / (begin - end) if begin != end else 0.0
+    x, y = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share
+    for part_of in LEADS[:-1]:
         for side in (1.0, -1.0):
-            start = x + side * share * coper.lead, edge
+            way = side * part_of * coper.lead
+            start = x + way * edge.ny, y - way * edge.nx
+            if edge.nx == 0.0:
+                start = x + way, edge.limit * edge.ny
             if (
-                shape.distance(_line(start, first)) >= half_kerf - SLACK
+                (wall.ends is None or wall.holds(start))
+                and shape.distance(_line(start, first)) >= half_kerf - SLACK
                 and shape.distance(_place(start)) > half_kerf + EDGE
             ):
                 return RequiredPath((start, *chain.points), 1)
     return None
+
+
+def _edge_of(name: End, wall: Wall) -> Border:
+    """The edge of a wall, or the end of a piece, at which a path begins."""
+    return next(b for b in borders_of(wall, 0.0, wall.width, 0.0) if b.name == name)
 
 
 def _length(a: Point, b: Point) -> float:

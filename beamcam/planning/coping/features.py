@@ -71,9 +71,6 @@ def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | N
     wall = profile.thickness(feature.face) or profile.flange_thickness
     least = max(coper.min_hole, coper.min_hole_share * wall)
     if isinstance(feature, Contour):
-        steep = [b.angle for b in feature.bevels if abs(b.angle) >= coper.min_bevel]
-        if steep and coper.turns == "torch":
-            return rules.BEVEL.at(feature.source, found=f"{steep[0]:g}", face=feature.face)
         if feature.process != "cut" or feature.kind == "open" or not feature.closed:
             return bar_rules.OTHER.at(feature.source, found="an open line to cut")
         boxes = [curve.bbox for curve in feature.curves]

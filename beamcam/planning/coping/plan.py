@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
+from math import inf
 from typing import Literal
 
 from msgspec.structs import replace
@@ -16,13 +17,13 @@ from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import SHARE_OVER, Chain, chains_of, led, paths_of
+from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, led, paths_of
 from beamcam.planning.coping.features import Sorted, sorted_features
 from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.regions import Region, features_on, region_of
 from beamcam.planning.coping.roots import root_faults
 from beamcam.planning.coping.tube import outcomes_of, plan_tube
-from beamcam.planning.coping.walls import EDGE, Wall, walls_of
+from beamcam.planning.coping.walls import EDGE, Wall, ends_on, walls_of
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
 #: piece from the bar begins where the near end was left.
@@ -64,6 +65,8 @@ def plan_coping(
         raise PlanError(refusals)
     chart = Chart(part, coper)
     walls = walls_of(part.profile, coper, chart.cut_height)
+    if part.made is not None:
+        walls = {f: replace(wall, ends=ends_on(f, part)) for f, wall in walls.items()}
     regions, said = _regions(part, walls, found, coper)
     if not errors_in(said):
         said += root_faults(regions, chart.depth(walls["u"].root_depth), coper, part.source)
@@ -73,13 +76,20 @@ def plan_coping(
     said += more
     if errors_in(said):
         raise PlanError(errors_in(said))
-    needed = part.length + 2 * coper.trim
-    said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
+    if not cuts:
+        raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
+    needed = part.length
+    if part.made is None:
+        needed += 2 * coper.trim
+        said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
+    else:
+        said.append(rules.PIECE.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
         said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
     plan = CopePlan(
         part.profile, (Piece(part, coper.trim),), needed, tuple(cuts),
         tuple(outcomes_of(part, found, coper.min_bevel)), tuple(said),
+        min_bevel=coper.min_bevel,
     )  # fmt: skip
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")
@@ -124,6 +134,9 @@ def _stock_faults(
 
 
 def _end_faults(part: Part) -> Iterator[Diagnostic]:
+    """Errors for skew ends in the header, but of a piece that comes cut."""
+    if part.made is not None:
+        return
     kinds: tuple[Literal["web", "flange"], ...] = ("web", "flange")
     ends: tuple[Literal["start", "end"], ...] = ("start", "end")
     for kind, at in product(kinds, ends):
@@ -201,7 +214,8 @@ def _chains(region: Region, chart: Chart) -> Iterator[tuple[Chain, TorchRow | No
         half = row.kerf / 2 if row else EDGE
         over = SHARE_OVER * half
         low, high = max(wall.low, -over), min(wall.high, wall.width + over)
-        for chain in chains_of(paths_of(region.shape, half, wall), low, high):
+        borders = borders_of(wall, low, high, over)
+        for chain in chains_of(paths_of(region.shape, half, wall), borders):
             rooted = _is_rooted(chain, wall)
             if rooted == (thickness == deep) or shallow == deep:
                 yield chain, row, thickness, rooted and bool(wall.root_depth)
@@ -215,7 +229,7 @@ def _is_rooted(chain: Chain, wall: Wall) -> bool:
         ys = [y for _, y in chain.points]
         return min(ys) <= low and max(ys) >= high
     edges = {"low": wall.low, "high": wall.high}
-    return any(end and abs(edges[end]) < 1e9 for end in (chain.start, chain.end))
+    return any(abs(edges.get(end, inf)) < inf for end in (chain.start, chain.end))
 
 
 def _kind(chain: Chain, region: Region) -> CopeKind:
@@ -224,6 +238,6 @@ def _kind(chain: Chain, region: Region) -> CopeKind:
         return "inner"
     low, _, high, _ = region.shape.bounds
     xs = [x for x, _ in chain.points]
-    if max(xs) >= high:
+    if max(xs) >= high or "far" in (chain.start, chain.end):
         return "far"
-    return "near" if min(xs) <= low else "notch"
+    return "near" if min(xs) <= low or "near" in (chain.start, chain.end) else "notch"

@@ -41,16 +41,24 @@ def region_of(
     wall: Wall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[Region, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
-    from shapely import box, make_valid, union_all
+    from shapely import Polygon, box, make_valid, union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
-    strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
-    whole: Shape = box(0.0, 0.0, part.length, wall.width)
-    if outer:
-        whole = union_all([on_edges(shape_of(c.curves), wall) for c in outer]).intersection(strip)
     said: list[Diagnostic] = []
+    whole: Shape = box(0.0, 0.0, part.length, wall.width)
+    strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
+    if wall.ends is not None:
+        start, end = wall.ends
+        whole = strip = Polygon(
+            [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wall.width), wall.width),
+             (start.x(wall.width), wall.width)]
+        )  # fmt: skip
+    if outer:
+        drawn = union_all([on_edges(shape_of(c.curves), wall) for c in outer])
+        said += _beyond(drawn, strip, wall, outer[0])
+        whole = drawn.intersection(strip)
     shape = whole
     for feature in taken:
         gone = shape_of(curves_of(feature))
@@ -63,6 +71,26 @@ def region_of(
         return Region(wall, shape, 0), said
     corners = [p for c in (*outer, *taken) if isinstance(c, Contour) for p in sharp_corners(c)]
     return rounded(wall, shape, corners, part, coper, said)
+
+
+def _beyond(drawn: Shape, piece: Shape, wall: Wall, outline: Contour) -> Iterator[Diagnostic]:
+    """An error where an outline goes on beyond the ends of a piece that comes cut."""
+    from shapely import box
+
+    if wall.ends is None:
+        return
+    within = drawn.intersection(box(-BEYOND, 0.0, BEYOND, wall.width))
+    over = within.difference(piece.buffer(OUTLINE_NOISE))
+    if not over.is_empty:
+        far = max(piece.distance(place) for place in _corners_of(over))
+        yield rules.SHORT.at(outline.source, face=wall.face, found=f"{far:.3g}")
+
+
+def _corners_of(shape: Shape) -> Iterator[Any]:
+    from shapely import Point as Place
+    from shapely import get_coordinates
+
+    return map(Place, get_coordinates(shape))
 
 
 def rounded(
@@ -116,14 +144,18 @@ def _polygons(shape: Shape) -> Iterator[Shape]:
 
 
 def on_edges(shape: Shape, wall: Wall) -> Shape:
-    """An outline whose places near an edge of the wall lie on it."""
+    """An outline whose places near an edge of the wall, or an end of a piece, lie on it."""
     from shapely import make_valid, transform
 
     def moved(points: Any) -> Any:
         points = points.copy()
-        y = points[:, 1]
+        x, y = points[:, 0], points[:, 1]
         y[abs(y) <= OUTLINE_NOISE] = 0.0
         y[abs(y - wall.width) <= OUTLINE_NOISE] = wall.width
+        for end in wall.ends or ():
+            there = end.at + end.slope * y
+            near = abs(x - there) <= OUTLINE_NOISE + end.play
+            x[near] = there[near]
         return points
 
     return make_valid(transform(shape, moved))

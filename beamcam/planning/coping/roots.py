@@ -13,7 +13,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.cuts import chains_of
+from beamcam.planning.coping.cuts import borders_of, chains_of
 from beamcam.planning.coping.regions import Region
 from beamcam.planning.coping.walls import EDGE, Root, Wall
 
@@ -63,7 +63,7 @@ def crossings(
     """The cuts through a band of a wall, along x, and where it is cut otherwise."""
     found: list[Crossing] = []
     wrong: list[float] = []
-    for chain in chains_of(region.shape, *band):
+    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
         xs = [x for x, _ in chain.points]
         whole = {chain.start, chain.end} == {"low", "high"}
         if not whole or max(xs) - min(xs) > SHARE * coper.tolerance:

@@ -12,10 +12,6 @@ END = error("plan-coping-end",
     "found a {kind} cut of {found} degrees at the {end}; expected none, the torch does not tilt",
     "An end that is skew to a wall leaves a bevel on it, which a torch square to the wall cannot "
     "cut. A saw that tilts makes it.")
-BEVEL = error("plan-coping-bevel",
-    "found a bevel of {found} degrees on face {face}; expected none, the torch does not tilt",
-    "A weld preparation needs a torch that tilts in the plane of the cut. `coper.min_bevel` says "
-    "from which angle on a bevel is meant.")
 ROOT = error("plan-coping-root",
     "found {what} at x {x} on face {face}; expected {expected}",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
@@ -31,6 +27,11 @@ NARROW = error("plan-coping-narrow",
 OFF = error("plan-coping-off",
     "found {what}, where nothing is left of the part; expected it in steel that stays",
     "A hole in scrap is a mistake in the drawing.")
+SHORT = error("plan-coping-short",
+    "found an outline on face {face} that goes on {found} mm beyond the end of the piece; expected "
+    "it within the piece, which comes cut",
+    "What the machine before has cut off cannot be made again. The ends of a piece stand in the "
+    "header of its file.")
 DEEP = error("plan-coping-deep",
     "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
     "The torch is slim only from its tip to its holder (`coper.torch_length`).")
@@ -45,6 +46,11 @@ ROUNDED = note("plan-coping-rounded",
 BAR = note("plan-coping-bar",
     "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
     "Leads and pierces of both ends lie in the scrap before and behind the part.")
+PIECE = note("plan-coping-piece",
+    "the part comes cut to {found} mm with finished ends; its x 0 end lies at X {trim}, face v up, "
+    "face u at Y 0",
+    "Another machine has made its ends, and what its file has as made. The program begins with the "
+    "same words for the operator.")
 PIPE = note("plan-coping-pipe",
     "found a plate {found} {height} mm wide; it is the unrolled surface of a pipe {diameter} mm in "
     "diameter, and is cut as that pipe",
@@ -54,4 +60,5 @@ NO_PIPE = error("plan-coping-no-pipe",
     "found a plate {found} {height} mm wide; expected {expected} mm, the circumference of a pipe "
     "{diameter} mm in diameter",
     "Name and width of an unrolled pipe contradict each other, and only one can be right.")
-RULES = (PIPE, NO_PIPE, ALONE, END, BEVEL, ROOT, K_AREA, NARROW, OFF, DEEP, THICK, ROUNDED, BAR)
+RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, DEEP, THICK, ROUNDED, BAR,
+    PIECE)

@@ -20,7 +20,7 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import BEVEL
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import ROUND, Chain, chains_of, led
+from beamcam.planning.coping.cuts import ROUND, Chain, borders_of, chains_of, led
 from beamcam.planning.coping.features import Sorted, sorted_features
 from beamcam.planning.coping.regions import (
     CHORD,
@@ -179,7 +179,7 @@ def _cuts(
 
 def _whole(paths: Shape, wall: Wall) -> Iterator[Chain]:
     """The rings of cut-outs, each once: those that begin in the second turn."""
-    for chain in chains_of(paths, -CHORD, 3 * wall.width + CHORD):
+    for chain in chains_of(paths, borders_of(wall, -CHORD, 3 * wall.width + CHORD, 0.0)):
         low = min(u for _, u in chain.points)
         if not chain.start and wall.width <= low < 2 * wall.width:
             yield chain
@@ -187,6 +187,6 @@ def _whole(paths: Shape, wall: Wall) -> Iterator[Chain]:
 
 def _ends(paths: Shape, seam: float, wall: Wall) -> Iterator[Chain]:
     """The paths that go all round, from the seam of the second turn to that of the third."""
-    for chain in chains_of(paths, seam, seam + wall.width):
+    for chain in chains_of(paths, borders_of(wall, seam, seam + wall.width, 0.0)):
         if {chain.start, chain.end} == {"low", "high"}:
             yield chain

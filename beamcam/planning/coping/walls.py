@@ -7,12 +7,14 @@ ___|___
    u
 """
 
-from math import inf, sqrt
+from math import inf, radians, sqrt, tan
 
 from msgspec import Struct
 
+from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Face, Profile
+from beamcam.model.part import Face, Part, Profile
+from beamcam.model.section import corners
 
 EDGE = 0.05  #: mm; what lies so near to an edge of a wall is that edge
 
@@ -26,6 +28,17 @@ class Root(Struct, frozen=True):
     inner: float = 0.0  #: on a web the y of the flange's inner surface
 
 
+class EndLine(Struct, frozen=True):
+    """Where a wall of a piece ends that comes cut: x = at + slope y, at its outermost."""
+
+    at: float
+    slope: float
+    play: float = 0.0  #: how much farther in it may be drawn, through the thickness of the wall
+
+    def x(self, y: float) -> float:
+        return self.at + self.slope * y
+
+
 class Wall(Struct, frozen=True):
     """The wall that a face looks at."""
 
@@ -37,6 +50,15 @@ class Wall(Struct, frozen=True):
     roots: tuple[Root, ...]  #: along rising y
     root_depth: float = 0.0  #: of a cut from outside through a root, with what it is cut deeper
     fillets: float = 0.0  #: how much thicker the wall is at `low` and `high` by its fillets
+    #: Of a piece that comes cut, its start and its end; None of a bar.
+    ends: tuple[EndLine, EndLine] | None = None
+
+    def holds(self, place: Point) -> bool:
+        """Whether there is steel of the bar or piece at a place, and the torch comes to it."""
+        x, y = place
+        if not max(self.low, 0.0) <= y <= min(self.high, self.width):
+            return False
+        return self.ends is None or self.ends[0].x(y) <= x <= self.ends[1].x(y)
 
 
 def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wall]:
@@ -58,3 +80,27 @@ def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wa
     for face in ("u",) if profile.code == "L" else ("o", "u"):
         walls[face] = Wall(face, width, flange, -inf, inf, root, depth)
     return walls
+
+
+def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
+    """Where a wall of a piece ends by the header's cuts: x = c - y tan(web) - z tan(flange).
+
+    Either plane goes through the outermost corner of the section, at x 0 or at the length.
+    """
+    profile, cuts, found = part.profile, part.cuts, []
+    web = profile.web_thickness or 0.0
+    back = (profile.width - web) / 2 if profile.code == "I" else 0.0
+    edge = profile.height - profile.flange_thickness if face == "o" else 0.0
+    for side, web_deg, flange_deg in (
+        (-1.0, cuts.web_start, cuts.flange_start), (1.0, cuts.web_end, cuts.flange_end)
+    ):  # fmt: skip
+        by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
+        leans = [side * (y * by_y + z * by_z) for y, z in corners(profile, part.section)]
+        far = (0.0 if side < 0.0 else part.length) + side * min(leans)
+        slope, across = (by_y, by_z) if face == "v" else (by_z, by_y)
+        near = back if face == "v" else edge
+        thick = web if face == "v" else profile.flange_thickness
+        surfaces = [far - across * (near + k * thick) for k in (0.0, 1.0)]
+        at = min(surfaces) if side < 0.0 else max(surfaces)
+        found.append(EndLine(at, -slope, abs(across) * thick))
+    return found[0], found[1]

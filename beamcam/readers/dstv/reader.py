@@ -28,6 +28,8 @@ from beamcam.readers.dstv.rows import (
 )
 from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 
+#: What stands before the rows of features that are there, and what says that the ends are.
+MADE, MADE_ENDS = "**BEAMCAM MADE ", "ENDS"
 #: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
 _FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {
     "BO": (read_hole, rules.HOLE_FIELDS),
@@ -91,6 +93,11 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     header = read_header(head, Source(name, start), log)
     if header is None:
         return _refused(lines, log)
+    made = None
+    if any(text.startswith(MADE) for text in texts[head.end :]):
+        made = _made(texts, head.end, name)
+        body = ["" if text.startswith(MADE) else text for text in texts[head.end :]]
+        texts = [*texts[: head.end], *body]
     comments += [(0, f"header:{n}", text) for n, text in head.comments]
     blocks, loose, end = split_blocks(lines, texts, head.end, log)
     loose = head.trailing + loose
@@ -108,12 +115,29 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         section=tuple(content.section),
         info=tuple(content.info),
         comments=place_comments(comments, loose, blocks, end, features, content),
+        made=None if made is None else made.parts[0].features if made.parts else (),
     )
+    log.diagnostics += () if made is None else made.diagnostics
     check(part, content.contours, head.numbers, log)
     data_lines = [*head.numbers]
     for block in blocks:
         data_lines += block.numbers
     return _result(part, data_lines, log)
+
+
+def _made(texts: list[str], head: int, name: str) -> Reading:
+    """What stands in comments as made already: a file of its own below the same header.
+
+    Its rows keep their lines; what is said of the header, which ends at line `head`, is not
+    repeated.
+    """
+    rows = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
+    # A row of such a comment is no comment of its own.
+    rows = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in rows]
+    data = "\n".join([*texts[:head], *rows, "EN"]).encode()
+    reading, _ = read_with_account(data, name, "utf-8")
+    said = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
+    return replace(reading, diagnostics=said)
 
 
 def _result(part: Part, data_lines: list[int], log: Log) -> tuple[Reading, Account]:

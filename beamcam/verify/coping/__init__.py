@@ -32,6 +32,7 @@ def verify_coping(
     from beamcam.verify.coping.collisions import strike_faults
     from beamcam.verify.coping.compare import compare
     from beamcam.verify.coping.section import Section
+    from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
     from beamcam.verify.coping.tube import cut_square, tube_faults, unrolled_pipe
     from beamcam.verify.coping.wanted import may_be_left, wanted_on
@@ -50,11 +51,11 @@ def verify_coping(
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     left = may_be_left(part, machine, coper, skips)
+    hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
     if coper.turns == "bar":
         said += tube_faults(events, part, machine, coper, rows, left, name)
         if errors_in(said):
             return tuple(said)
-        hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
         return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))
     section = Section(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
@@ -62,7 +63,8 @@ def verify_coping(
     said = [*said, *torch.said, *strike_faults(torch.ways, section, coper, name)]
     if errors_in(said):
         return tuple(said)
-    wanted = {face: wanted_on(part, face, section, coper, left) for face in section.faces}
+    stock = stock_of(part, section, coper)
+    wanted = {face: wanted_on(part, face, section, coper, left, stock) for face in section.faces}
     step = machine.format.resolution
-    said += compare(torch.strokes, wanted, part, section, coper, rows, step, name)
-    return (*said, *left_to_hand(part, machine), *left_out(part, left))
+    said += compare(torch.strokes, wanted, stock, section, coper, rows, step, name)
+    return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))

@@ -14,9 +14,9 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Part
 from beamcam.verify.coping import rules
 from beamcam.verify.coping.section import ARC, Section, kerf_of, line_of, pieces_of
+from beamcam.verify.coping.stock import Stock
 from beamcam.verify.coping.strokes import Stroke
 from beamcam.verify.coping.wanted import FINE, Wanted
 
@@ -36,7 +36,7 @@ class Left(Struct, frozen=True):
 def compare(
     strokes: Sequence[Stroke],
     wanted: Mapping[str, Wanted],
-    part: Part,
+    stock: Stock,
     section: Section,
     coper: Coper,
     rows: Sequence[TorchRow],
@@ -47,19 +47,22 @@ def compare(
     slack = coper.tolerance + 2 * step + FINE
     left: dict[str, Left] = {}
     for face in section.faces:
+        if wanted[face].short:
+            yield rules.SHORT.at(Source(name), found=f"{wanted[face].short:.2f}", face=face)
         own = [stroke for stroke in strokes if stroke.face == face]
         gone = _gone(face, own, strokes, section)
         yield from _hurt(face, gone, wanted[face].cut, section, slack, name)
-        left[face] = _left(face, gone, wanted[face].drawn, part, section, coper, slack)
+        left[face] = _left(face, gone, wanted[face].drawn, stock, section, slack)
         yield from _standing(face, left[face], wanted[face].cut, slack, name)
         for stroke in own:
             yield from _stroke_faults(
-                stroke, strokes, wanted[face].cut, part.length, section, coper, rows, slack, name
+                stroke, strokes, wanted[face].cut, stock, section, coper, rows, slack, name
             )
         yield from _twice(face, own, name)
     for face in section.faces[1:]:
         yield from _holding(face, left, section, slack, name)
-    yield from _order_faults(strokes, wanted, name)
+    if not stock.is_piece:
+        yield from _order_faults(strokes, wanted, name)
 
 
 def _gone(
@@ -142,16 +145,15 @@ def _left(
     face: str,
     gone: Sequence[tuple[Shape, Shape]],
     drawn: Shape,
-    part: Part,
+    stock: Stock,
     section: Section,
-    coper: Coper,
     slack: float,
 ) -> Left:
-    """The pieces of a wall of the bar after all strokes."""
+    """The pieces of a wall of the bar, or of the piece, after all strokes."""
     from shapely import MultiPolygon, box, union_all
 
     low, high = section.extent(face)
-    bar = box(-coper.trim, low, part.length + coper.trim, high)
+    bar = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
     rest = bar.difference(union_all([surely for surely, _ in gone])) if gone else bar
     pieces = [p for p in pieces_of(rest) if p.area > SPECK]
     core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
@@ -216,7 +218,7 @@ def _stroke_faults(
     stroke: Stroke,
     strokes: Sequence[Stroke],
     wanted: Shape,
-    part_length: float,
+    stock: Stock,
     section: Section,
     coper: Coper,
     rows: Sequence[TorchRow],
@@ -224,6 +226,8 @@ def _stroke_faults(
     name: str,
 ) -> Iterator[Diagnostic]:
     """A stroke beside its wall, along no contour, or at the speed of another thickness."""
+    from shapely import box
+
     source = Source(name, stroke.line)
     low, high = section.extent(stroke.face)
     over = stroke.row.kerf / 2 + coper.over + slack
@@ -237,13 +241,15 @@ def _stroke_faults(
             source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
         )
         return
-    off = _off_contour(stroke, wanted, (low, high), slack)
+    steel = stock.wall(stroke.face).intersection(box(-1e6, low, 1e6, high))
+    off = _off_contour(stroke, wanted, steel, slack)
     if off is not None:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
-    is_over = -slack <= x + coper.trim <= part_length + 2 * coper.trim + slack
-    if not (is_over and low - slack <= y <= high + slack):
+    lost = _in_air(stroke, steel, coper.over)
+    if steel.distance(line_of([(x, y)])) > slack or lost is not None:
+        x, y = lost or (x, y)
         yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     least, most = _thickness(stroke, strokes, section, coper)
     rising = sorted(rows, key=lambda row: row.up_to)
@@ -254,6 +260,23 @@ def _stroke_faults(
             source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{least:.2f}",
             expected=expected,
         )  # fmt: skip
+
+
+def _in_air(stroke: Stroke, steel: Shape, over: float) -> tuple[float, float] | None:
+    """A place of a stroke in air, but just beyond the edges where it begins and ends; or None.
+
+    Where its lead begins on an edge it goes on beside that edge to the contour.
+    """
+    from shapely import Point
+
+    run = line_of(stroke.points[1:])
+    ends = [Point(stroke.points[1]), Point(stroke.points[-1])]
+    for air in pieces_of(run.difference(steel.buffer(stroke.row.kerf / 4))):
+        at_end = any(air.distance(end) <= SURE for end in ends)
+        if air.length > (over + 3 * stroke.row.kerf if at_end else stroke.row.kerf):
+            x, y = air.representative_point().coords[0]
+            return x, y
+    return None
 
 
 def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
@@ -272,17 +295,14 @@ def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
 
 
 def _off_contour(
-    stroke: Stroke, wanted: Shape, extent: tuple[float, float], slack: float
+    stroke: Stroke, wanted: Shape, steel: Shape, slack: float
 ) -> tuple[float, float] | None:
     """A place of a stroke that keeps no half a kerf off a contour; None if there is none.
 
     Its first stretch is the lead, and beyond the edges of the wall there is air.
     """
-    from shapely import box
-
     near = wanted.boundary.buffer(stroke.row.kerf / 2 + slack)
-    wall = box(-1e6, extent[0], 1e6, extent[1])
-    off = line_of(stroke.points[1:]).intersection(wall).difference(near)
+    off = line_of(stroke.points[1:]).intersection(steel).difference(near)
     if off.length <= slack:
         return None
     x, y = off.representative_point().coords[0]

@@ -28,9 +28,8 @@ PIERCE = error("verify-coping-pierce",
     "found a wait of {found} s to pierce; expected {expected} s",
     "A torch that moves before it is through leaves a cut that is not.")
 AIR = error("verify-coping-air",
-    "found the torch started at x {x}, y {y} of face {face}, where no steel is; expected it over "
-    "scrap",
-    "An arc does not start in air.")
+    "found the torch on at x {x}, y {y} of face {face}, where no steel is; expected it over scrap",
+    "An arc does not start in air, and goes out where a cut leaves the steel.")
 STRIKES = error("verify-coping-strikes",
     "found the torch {found} mm from the bar at A {a}, Y {y}, Z {z}; expected {expected} mm",
     "The torch and its holder must meet neither web nor flange, wherever they go.")
@@ -47,6 +46,10 @@ HURT = error("verify-coping-hurt",
 LEFT = error("verify-coping-left",
     "found {found} mm of scrap left on face {face} near x {x}, y {y}; expected it cut off",
     "The piece that falls off is larger than the part, or nothing falls off at all.")
+SHORT = error("verify-coping-short",
+    "found the piece {found} mm shorter on face {face} than what has to stay of it; expected it as "
+    "long",
+    "What the machine before has cut off cannot be made again.")
 GONE = error("verify-coping-gone",
     "found nothing of face {face} left; expected a wall of the part",
     "Each wall of the section is accounted for.")
@@ -63,5 +66,5 @@ ORDER = error("verify-coping-order",
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE, HURT, LEFT,
-    GONE, HOLDS, EXTRA, ORDER,
+    SHORT, GONE, HOLDS, EXTRA, ORDER,
 )  # fmt: skip

@@ -12,6 +12,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.coping.section import Section, pieces_of
+from beamcam.verify.coping.stock import DRAWN, Stock
 from beamcam.verify.left_out import is_by_hand
 
 Shape = Any  #: of shapely
@@ -28,13 +29,15 @@ class Wanted(Struct, frozen=True):
 
     drawn: Shape
     cut: Shape
+    short: float = 0.0  #: mm that a piece is too short for it
 
 
 def wanted_on(
-    part: Part, face: str, section: Section, coper: Coper, left: Collection[int]
+    part: Part, face: str, section: Section, coper: Coper, left: Collection[int], stock: Stock
 ) -> Wanted:
     """What has to stay of a wall; `left` are features that are not made."""
-    from shapely import Polygon, box, make_valid, union_all
+    from shapely import Point as Place
+    from shapely import Polygon, box, get_coordinates, make_valid, union_all
 
     wide = section.high if face == "v" else section.wide
     features = [
@@ -43,11 +46,18 @@ def wanted_on(
                               ("v", "h"))
     ]  # fmt: skip
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
-    drawn: Shape = box(0.0, 0.0, part.length, wide)
+    whole, short = stock.wall(face), 0.0
+    drawn: Shape = whole if stock.is_piece else box(0.0, 0.0, part.length, wide)
     if outlines:
-        rings = [[_at_edge(p, wide) for p in ring_of(one.curves)] for one in outlines]
+        rings = [
+            [stock.at_end(face, _at_edge(p, wide)) for p in ring_of(one.curves)] for one in outlines
+        ]
         drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
+        if stock.is_piece:
+            over = drawn.difference(whole)
+            short = max((whole.distance(p) for p in map(Place, get_coordinates(over))), default=0.0)
+            drawn = drawn.intersection(whole)
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     for feature in features:
         if isinstance(feature, Hole):
@@ -62,7 +72,8 @@ def wanted_on(
             continue
         gone = make_valid(Polygon(ring))
         drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
-    return Wanted(drawn, with_round_corners(drawn, corners, coper.corner_radius))
+    cut = with_round_corners(drawn, corners, coper.corner_radius)
+    return Wanted(drawn, cut, short if short > DRAWN else 0.0)
 
 
 def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:

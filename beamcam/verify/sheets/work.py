@@ -29,6 +29,7 @@ MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
 SHOWN = 5  #: of one kind of fault
 WINDING = 0.02  #: share by which stairs of steps are longer than their path, at most
 STAIRS = 20.0  #: tolerances of which the direction of stairs is told
+MOST_ROUNDS = 20  #: of a path that goes round an inside, repetitions of it by passes included
 
 
 class Traced(Struct):
@@ -58,13 +59,23 @@ class Traced(Struct):
     small: bool | None = False  #: whether it goes round a small hole; None: as good as either
 
     def inside(self) -> "Polygon | None":
-        """The polygon that it goes round; None of less than a triangle, or if another has it."""
+        """The polygon that it goes round; None of less than a triangle, or if another has it.
+
+        And of a path that runs round many times, which no contour does: parting it into rings
+        that do not meet would take gigabytes.
+        """
         import shapely
 
         if self.contour is not None or not self.ring:
             return self.contour
         points = np.concatenate([self.path.outline(a, b, self.fine) for a, b in self.ring])
-        return shapely.make_valid(shapely.Polygon(points)) if len(points) > 3 else None
+        if len(points) <= 3:
+            return None
+        steps = np.diff(points, axis=0)
+        ahead = np.unwrap(np.arctan2(*steps[np.any(steps != 0.0, axis=1)].T[::-1]))
+        if len(ahead) and abs(ahead[-1] - ahead[0]) > MOST_ROUNDS * 2 * np.pi:
+            return None
+        return shapely.make_valid(shapely.Polygon(points))
 
     def corners(self) -> Floats:
         """Places of the contour, (n, 2); chords between them are at most `fine` off."""

@@ -17,6 +17,7 @@ from beamcam.planning.coping.plan import ORDER, plan_coping
 from beamcam.planning.coping.regions import region_of
 from beamcam.planning.coping.rules import RULES
 from beamcam.planning.coping.walls import walls_of
+from beamcam.report.hand_list import hand_rows
 from tests.random_copes import random_cope
 from tests.unit.coping.samples import (
     AT,
@@ -27,6 +28,7 @@ from tests.unit.coping.samples import (
     UPN200,
     outline,
     part_of,
+    program_of,
     sample,
     with_keys,
 )
@@ -123,6 +125,13 @@ def test_marks_are_manual_work_and_every_feature_has_an_outcome() -> None:
     ]  # fmt: skip
 
 
+def test_bevels_are_cut_square_and_on_the_list_of_manual_work() -> None:
+    plan = planned(part_of(BEVELLED))
+    assert [(o.how, o.by_hand) for o in plan.outcomes] == [("made", "bevel")]
+    assert [(row["kind"], row["angle"]) for row in hand_rows(plan)] == [("bevel", 30.0)]
+    program_of(part_of(BEVELLED))
+
+
 def test_a_small_hole_is_left_out_where_that_is_allowed() -> None:
     part = part_of(Hole("v", 300.0, 100.0, 9.0, AT))
     plan = plan_coping((part,), COPER, skips=("tool",))
@@ -177,6 +186,7 @@ HEAVY = Profile("I", "HD260", 290.0, 268.0, 32.5, 18.0, 24.0)
 DEEP = Profile("I", "W", 300.0, 390.0, 20.0, 10.0, 15.0)
 HIGH = Profile("I", "W", 1100.0, 300.0, 20.0, 10.0, 15.0)
 
+LONG = [(0.0, 0.0), (603.0, 0.0), (603.0, 300.0), (0.0, 300.0)]
 REFUSED = [
     ("plan-no-parts", None, COPER),
     ("plan-stock", part_of(profile=Profile("T", "T80", 80.0, 80.0, 9.0, 9.0, 9.0)), COPER),
@@ -185,7 +195,7 @@ REFUSED = [
     ("plan-bar-long", part_of(length=12000.0), COPER),
     ("plan-coping-deep", part_of(profile=DEEP), COPER),
     ("plan-coping-end", replace(part_of(), cuts=EndCuts(web_start=15.0)), COPER),
-    ("plan-coping-bevel", part_of(BEVELLED), COPER),
+    ("plan-coping-short", replace(part_of(outline("v", LONG)), made=()), COPER),
     ("plan-coping-root", part_of(RAT_HOLE), COPER),
     ("plan-coping-root", part_of(BACK), COPER),
     ("plan-coping-root", part_of(Hole("v", 300.0, 30.0, 22.0, AT)), COPER),
@@ -234,5 +244,6 @@ def test_the_bar_is_told_and_a_quantity() -> None:
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in REFUSED}
     tested |= {"plan-coping-alone", "plan-coping-rounded", "plan-coping-bar"}
+    tested |= {"plan-coping-piece"}  # in test_pieces.py
     tested |= {"plan-coping-pipe", "plan-coping-no-pipe"}  # in test_tubes.py
     assert {rule.code for rule in RULES} <= tested

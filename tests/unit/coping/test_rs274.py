@@ -89,14 +89,14 @@ def slab(burn: Burn) -> Any:
     return body.transform(rows)
 
 
-def pieces(part: Part, strokes: list[Burn]) -> list[Any]:
-    """The pieces of the bar after all strokes, the heaviest first."""
+def pieces(part: Part, strokes: list[Burn], stock: Any = None) -> list[Any]:
+    """The pieces of the bar, or of what comes, after all strokes, the heaviest first."""
     m = kernel()
     section = outline(part)
     rings = [list(section.exterior.coords)[:-1], *(list(r.coords)[:-1] for r in section.interiors)]
     bar = m.Manifold.extrude(m.CrossSection(rings, m.FillRule.EvenOdd), part.length + 2 * START)
     along = ((0.0, 0.0, 1.0, -START), (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
-    left = bar.transform(along)
+    left = bar.transform(along) if stock is None else stock
     for burn in strokes:
         left = left - slab(burn)
     found = [one for one in left.decompose() if one.volume() > 1.0]
@@ -110,9 +110,12 @@ def corners(part: Part) -> int:
 
 def check(part: Part, folder: Path) -> None:
     """The heaviest piece is the part, but for the corners that are rounded and the tolerance."""
-    found = pieces(part, burns(written(part, folder)))
+    compare(part, pieces(part, burns(written(part, folder)))[0])
+
+
+def compare(part: Part, piece: Any) -> None:
+    """A piece is a part, but for the corners that are rounded and the tolerance."""
     wanted = part_solid(part)
-    piece = found[0]
     thick = max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
     # A rounded corner of 90 degrees keeps (1 - pi / 4) r^2 of steel, one of 45 degrees 1.63 r^2.
     more, less = (piece - wanted), (wanted - piece)

@@ -1,0 +1,64 @@
+"""A part as one machine leaves it to the next: what is to be made, and what is there.
+
+The ends are there, as the saw or torch of the first machine made them: the header says how.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, error
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Comment, EndCuts, Part
+from beamcam.model.plan import NOT_MADE, AnyPlan
+from beamcam.planning.operations.ends import ends_of
+
+BEGUN = error("plan-begun",
+    "found a part that another machine has begun; expected a whole one, {machine} makes its ends",
+    "What a machine leaves goes to one that takes pieces whose ends are there: a coper whose torch "
+    "turns, or a line without a saw.")  # fmt: skip
+RULES = (BEGUN,)
+
+
+def refuse_begun(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:
+    """An error for each part that another machine has begun, of a machine that makes the ends."""
+    is_coper = machine.coper is not None and machine.coper.turns == "torch"
+    if is_coper or (machine.stock == "beam" and machine.saw is None):
+        return
+    for part in parts:
+        if part.made is not None:
+            yield BEGUN.at(part.source, machine=machine.name)
+
+
+def begun_part(part: Part, plan: AnyPlan, machine: Machine) -> Part:
+    """The part as the next machine gets it, by the plan of a program that makes no other.
+
+    Its features are those that the plan leaves out or leaves for manual work, in their order.
+    Comments that stood before one that is made are left out. Raises PlanError as `ends_of` does.
+    """
+    left = [
+        outcome.feature[1]
+        for outcome in plan.outcomes
+        if outcome.feature[0] == 0 and outcome.how in NOT_MADE
+    ]
+    there = [f for k, f in enumerate(part.features) if k not in left]
+    cuts = part.cuts
+    if machine.saw is not None:
+        (start, end), _ = ends_of(part, machine.saw)
+        cuts = EndCuts(start.web_deg, end.web_deg, start.flange_deg, end.flange_deg)
+    return replace(
+        part, cuts=cuts, cut_lines=None, comments=tuple(_comments(part, left)),
+        features=tuple(part.features[k] for k in left), made=(*(part.made or ()), *there),
+    )  # fmt: skip
+
+
+def _comments(part: Part, left: Sequence[int]) -> Iterator[Comment]:
+    """The comments of the file, those of a feature before it at its new place."""
+    for comment in part.comments:
+        words = comment.before.split(":")
+        at = words.index("feature") + 1 if "feature" in words else 0
+        if not at:
+            yield comment
+        elif int(words[at]) in left:
+            words[at] = str(left.index(int(words[at])))
+            yield replace(comment, before=":".join(words))

@@ -1,0 +1,128 @@
+"""What a program leaves of its part, as the file that the next machine gets.
+
+    part  ->  program 1              what it leaves out, or leaves for manual work
+          ->  rest of the part  ->  program 2
+
+The rest is read again before it is written: program and rest together are the part.
+"""
+
+from collections.abc import Sequence
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam import readers
+from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
+from beamcam.machine.machine import Machine
+from beamcam.machine_chain import chain_of
+from beamcam.machine_choice import none_makes_it
+from beamcam.model.part import Feature, Part
+from beamcam.model.plan import NOT_MADE, unfinished
+from beamcam.model.request import Request
+from beamcam.pipeline import Posted, begin, finished
+from beamcam.planning.begun import begun_part
+from beamcam.verify.begun import rest_faults
+from beamcam.writers import Target
+
+REST = note("plan-rest",
+    "the rest of the part, {found} feature(s), is written; the piece that comes has finished ends",
+    "The next machine gets what this program does not make. In its file what is there stands in "
+    "comments, or under `made` in JSON.")  # fmt: skip
+NO_REST = note("plan-no-rest",
+    "found no rest of the part: the program makes all of it",
+    "Nothing is left for another machine, so no file of it is written.")  # fmt: skip
+SPLIT = note("plan-split",
+    "made by {found} program(s), on {machines}",
+    "Each machine gets what the one before leaves. The shortest chain is taken, in it first the "
+    "machine that leaves least.")  # fmt: skip
+RULES = (REST, NO_REST, SPLIT)
+
+
+def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:
+    """What a program leaves of its part, as it is read again, and its text; None if nothing.
+
+    Its features have their places in the file of the part.
+
+    The program has to be that of one part. Raises VerifyError where program and rest together are
+    not that part, BeamcamError for what the format cannot hold.
+    """
+    job = posted.job
+    (part,) = job.request.parts
+    # The read-back of the program has found these missing, and no others.
+    missing = {o.feature[1] for o in unfinished(posted.plan.outcomes) if o.how in NOT_MADE}
+    if not missing:
+        return None
+    begun = begun_part(part, posted.plan, job.machine)
+    text = target.write(begun)
+    rest = _read(text, target)
+    faults = tuple(rest_faults(_placed(_read(target.write(part), target), part), rest, missing))
+    if faults:
+        raise VerifyError(faults)
+    return _placed(rest, begun), text
+
+
+def _placed(again: Part, part: Part) -> Part:
+    """A part that was read again, its features where they stood in the file before."""
+
+    def placed(features: Sequence[Feature], of: Sequence[Feature]) -> tuple[Feature, ...]:
+        return tuple(replace(f, source=o.source) for f, o in zip(features, of, strict=True))
+
+    made = None if part.made is None else placed(again.made or (), part.made)
+    features = placed(again.features, part.features)
+    return replace(again, source=part.source, features=features, made=made)
+
+
+class Stage(Struct, frozen=True):
+    """A program of a chain of machines, and what it leaves to the next one."""
+
+    posted: Posted
+    rest: str = ""  #: the text of the file; "" of the last
+
+
+def split_part(
+    request: Request, machines: Sequence[Machine], target: Target
+) -> tuple[list[Stage], tuple[Diagnostic, ...]]:
+    """The programs that make the only part of a request on several machines, in order; a note.
+
+    Each part but the first is the rest that the program before leaves, as it is read again. Raises
+    PlanError where no chain of the machines makes it, and as `begin`, `finished` and
+    `rest_of_part` do.
+    """
+    (part,) = request.parts
+    chain = chain_of(request, machines)
+    if not chain:
+        raise PlanError(_refused(request, machines))
+    stages: list[Stage] = []
+    for k, link in enumerate(chain, 1):
+        asked = replace(request, parts=(part,), machine=link.machine, skips=link.skips)
+        (begun,) = begin(asked)
+        posted = finished(begun)
+        if k == len(chain):
+            stages.append(Stage(posted))
+            break
+        found = rest_of_part(posted, target)
+        if found is None:
+            raise AssertionError("a machine of a chain leaves nothing")
+        part, text = found
+        stages.append(Stage(posted, text))
+    names = ", then ".join(link.machine.name for link in chain)
+    return stages, (SPLIT.at(request.parts[0].source, found=len(chain), machines=names),)
+
+
+def _refused(request: Request, machines: Sequence[Machine]) -> tuple[Diagnostic, ...]:
+    """Why each machine by itself does not make a part."""
+    refused = []
+    for machine in machines:
+        try:
+            begin(replace(request, machine=machine))
+        except PlanError as error:
+            refused.append((machine, tuple(error.diagnostics)))
+    return none_makes_it(refused, request.parts[0].source)
+
+
+def _read(text: str, target: Target) -> Part:
+    """The part of a text that was written here. Raises ReadError."""
+    reading = readers.read(text.encode(), f"rest{target.suffixes[0]}")
+    if errors_in(reading.diagnostics) or len(reading.parts) != 1:
+        raise ReadError(reading.diagnostics)
+    return reading.parts[0]

@@ -1,0 +1,81 @@
+"""The steel that a program begins with: a bar with its trims, or a piece whose ends are there.
+
+Of a piece the header says the ends, as DSTV has them: x(y, z) = c - y tan(web) - z tan(flange),
+through the outermost corner of the section. A wall ends where either of its surfaces does, at the
+farthest; a drawing may have the other one.
+"""
+
+from math import radians, tan
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Part
+from beamcam.verify.coping.section import Section
+
+Shape = Any  #: of shapely
+DRAWN = 1.0  #: mm that a drawing may be off an end and mean it
+
+
+class Stock(Struct, frozen=True):
+    """The ends of each wall: x at y 0 and at y 1, and how far apart its two surfaces end."""
+
+    is_piece: bool
+    ends: dict[str, tuple[tuple[float, float, float], ...]]
+    widths: dict[str, float]
+
+    def wall(self, face: str) -> Shape:
+        """All steel of a wall, (x, y) of its face."""
+        from shapely import Polygon
+
+        (a0, a1, _), (b0, b1, _) = self.ends[face]
+        wide = self.widths[face]
+        return Polygon(
+            [(a0, 0.0), (b0, 0.0), (b0 + (b1 - b0) * wide, wide), (a0 + (a1 - a0) * wide, wide)]
+        )
+
+    def at_end(self, face: str, place: tuple[float, float]) -> tuple[float, float]:
+        """A place of a drawing; at the end of a piece, on that end."""
+        x, y = place
+        for at_0, at_1, apart in self.ends[face] if self.is_piece else ():
+            there = at_0 + (at_1 - at_0) * y
+            if abs(x - there) <= DRAWN + apart:
+                return there, y
+        return place
+
+
+def stock_of(part: Part, section: Section, coper: Coper) -> Stock:
+    """The bar that a part is cut from, or the piece that comes cut."""
+    widths = {face: section.high if face == "v" else section.wide for face in section.faces}
+    if part.made is None:
+        low, high = -coper.trim, part.length + coper.trim
+        square = ((low, low, 0.0), (high, high, 0.0))
+        return Stock(False, dict.fromkeys(section.faces, square), widths)
+    cuts = part.cuts
+    starts = _plane(section, cuts.web_start, cuts.flange_start, 0.0, max)
+    ends = _plane(section, cuts.web_end, cuts.flange_end, part.length, min)
+    return Stock(True, {face: (starts[face], ends[face]) for face in section.faces}, widths)
+
+
+def _plane(
+    section: Section, web_deg: float, flange_deg: float, outermost: float, pick: Any
+) -> dict[str, tuple[float, float, float]]:
+    """Where a plane ends each wall; `pick` takes of leaning corners the one at `outermost`."""
+    by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
+    c = outermost + pick(
+        y * by_y + z * by_z
+        for low_y, low_z, high_y, high_z in section.plates()
+        for y in (low_y, high_y) for z in (low_z, high_z)
+    )  # fmt: skip
+    outer = min if pick is max else max
+    found = {}
+    for face in section.faces:
+        if face == "v":
+            xs = [[c - y * by_y - z * by_z for z in (section.back, section.front)] for y in (0, 1)]
+        else:
+            inside = section.high - section.flange if face == "o" else 0.0
+            ys = (inside, inside + section.flange)
+            xs = [[c - y * by_y - z * by_z for y in ys] for z in (0, 1)]
+        found[face] = (outer(xs[0]), outer(xs[1]), abs(xs[0][0] - xs[0][1]))
+    return found
