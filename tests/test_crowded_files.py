@@ -76,6 +76,17 @@ def test_a_path_that_runs_round_many_times(tmp_path: Path) -> None:
     assert call("report", program, "-o", tmp_path / "r.html").exit_code in (0, 1)
 
 
+def test_a_stroke_that_is_there_many_times_is_machined_once(tmp_path: Path) -> None:
+    program, part = tmp_path / "a.gcode", SAMPLES / "dstv" / "channel.nc1"
+    call("post", part, "-o", program)
+    lines = program.read_text().splitlines(keepends=True)
+    at = next(k for k, line in enumerate(lines) if "G01" in line)
+    stroke = [re.sub(r"^N\d+ ", "", line) for line in lines[at : at + 2]]
+    program.write_text("".join([*lines[: at + 2], *stroke * 300, *lines[at + 2 :]]))
+    call("report", program, part, "-o", tmp_path / "r.html")
+    assert "solid" in (tmp_path / "r.html").read_text()
+
+
 def test_a_picture_of_no_part_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "none.ifc"
     text = (SAMPLES / "ifc" / "beam_openings.ifc").read_text()

@@ -289,8 +289,11 @@ def bar_pieces(
     points = points or {}
     body = prism(outline(part), 0.0, length, ALONG)
     reach = hypot(p.height, p.width, p.web_thickness or 0.0)
-    taken = [(sweep.line, _body(sweep, points, reach, chord)) for sweep in work.sweeps]
-    taken += [(slab.line, _slab_body(slab, over)) for slab in work.slabs]
+    # What is taken twice counts once, for the line that takes it first.
+    sweeps = {replace(one, line=0): one for one in reversed(work.sweeps)}.values()
+    slabs = {replace(one, line=0): one for one in reversed(work.slabs)}.values()
+    taken = [(sweep.line, _body(sweep, points, reach, chord)) for sweep in reversed(sweeps)]
+    taken += [(slab.line, _slab_body(slab, over)) for slab in reversed(slabs)]
     if lines is not None:
         taken = [(line, one.as_original()) for line, one in taken]
         lines |= {one.original_id(): line for line, one in taken}
