@@ -81,6 +81,7 @@ def ways_to_read(
 
 
 #: What is refused for its size or place, which a turn may help.
+_SKIPPED = frozenset(f"plan-{name}" for name in SKIP_NAMES)  #: what --allow-skips may help
 _OFF_SHEET = frozenset({"plan-sheet-size", "plan-sheet-place", "plan-sheet-full"})
 
 
@@ -113,12 +114,22 @@ def ways_out(
     touching = [one for one, codes in refused if SHARED.code in codes]
     too_large = [one for one, codes in refused if not codes.isdisjoint(_OFF_SHEET)]
     others = tuple(others)
+    fits = any(map(_keeps_size, tried))
+    answers = [
+        (one, _planned(one))
+        for one in (replace(request, machine=machine) for machine in others)
+        if one.machine.torch is None or _keeps_size(one.machine) >= fits
+    ]
     elsewhere = [
-        f"--machine {machine.name}"
-        for machine in others
-        if (machine.torch is None or _keeps_size(machine) >= any(map(_keeps_size, tried)))
-        and _made(replace(request, machine=machine)) is not None
-    ] or [*_by_splitting(request, (*tried, *others))]
+        f"--machine {one.machine.name}"
+        for one, plan in answers if not isinstance(plan, BeamcamError)
+    ] or [*_by_splitting(request, (*tried, *others))]  # fmt: skip
+    hopeless = [one for one, codes in refused if codes.isdisjoint(_SKIPPED)]
+    may_leave = [one for one in on if one not in hopeless]
+    may_leave_too = [
+        one for one, why in answers
+        if isinstance(why, BeamcamError) and any(d.code in _SKIPPED for d in why.diagnostics)
+    ]  # fmt: skip
     found = [*_first(map(_by_thickness, on))] or [
         *_first(map(_by_placing, on)),
         *elsewhere,
@@ -126,7 +137,7 @@ def ways_out(
         *_first(map(_by_common_cuts, touching)),
         *_first(map(_by_rotating, too_large)),
         *_first(map(_by_unrolling, (one for one, _ in refused))),
-        *(() if elsewhere else _by_leave(on, others)),
+        *(() if elsewhere else _by_leave(may_leave, may_leave_too)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),
         *_one_by_one(on),
@@ -268,14 +279,13 @@ def _by_splitting(request: Request, machines: Iterable[Machine]) -> Iterator[str
         yield f"`beamcam split --machines {names}` (a program for each machine)"
 
 
-def _by_leave(on: Sequence[Request], others: Iterable[Machine]) -> Iterator[str]:
+def _by_leave(on: Sequence[Request], others: Sequence[Request]) -> Iterator[str]:
     """The fewest kinds of features that have to be left out, on another machine if those are fewer.
 
     A kind that one of them makes is not named.
     """
     found: list[tuple[int, int, str]] = []
-    more = [replace(on[0], machine=machine) for machine in others] if on else []
-    for k, request in enumerate((*on, *more)):
+    for k, request in enumerate((*on, *others)):
         plan = _made(replace(request, skips=SKIP_NAMES))
         if plan is None:
             continue

@@ -37,6 +37,7 @@ CALLS = {
     "plot": "plot {i}.nc1 -o {i}.svg",
     "report": "report {i}.nc1 -o {i}.html",
     "profile": "profile --velocity 100 --time 2 -o {i}.csv",
+    "split": "split {i}.nc1 --machines beamline -o chain",
     "batch": "batch {i}.nc1 -o out --force",
     "watch": "watch . -o out --once --settle 0",
     "list": "list {i}.nc1 -o {i}.list.csv",
@@ -46,7 +47,7 @@ CALLS = {
 }
 #: Those whose --json is about messages, on standard error, and those that print their result so.
 _SECONDS = re.compile(r'"seconds":[^,]*,')  #: a batch tells how long each file took
-JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover", "plot", "report"), (
+JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover", "plot", "report", "split"), (
     "plan", "inspect", "verify", "diff", "check", "batch", "watch",
 )  # fmt: skip
 
@@ -124,7 +125,7 @@ def test_messages_and_account_are_one_json_list(good: str, command: str) -> None
     assert [m for m in verbose if m["code"] != "account"] == plain
     assert len(verbose) > len(plain)
     assert quiet == []
-    if command != "simulate":
+    if command not in ("simulate", "split"):
         assert {m["severity"] for m in plain} == {"warning"}
 
 

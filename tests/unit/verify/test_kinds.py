@@ -293,7 +293,7 @@ def test_a_line_is_scribed_along_its_curves() -> None:
     ("compound", "angle", "tilt", "said"),
     [
         (True, 80, 20, None),
-        (True, 80, 50, "found the tilt of the blade, turned to 80, at 50; expected 0 to 45"),
+        (True, 80, 70, "found the tilt of the blade, turned to 80, at 70; expected -65 to 65"),
         (False, 90, 20, None),
         (False, 89.96, 20, None),
         (False, 80, 0, None),
