@@ -47,7 +47,8 @@ CALLS = {
 }
 #: Those whose --json is about messages, on standard error, and those that print their result so.
 _SECONDS = re.compile(r'"seconds":[^,]*,')  #: a batch tells how long each file took
-JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover", "plot", "report", "split"), (
+JSON_MESSAGES, JSON_RESULT = ("post", "convert", "simulate", "recover", "plot", "report",
+                              "split"), (
     "plan", "inspect", "verify", "diff", "check", "batch", "watch",
 )  # fmt: skip
 
