@@ -20,7 +20,7 @@ from beamcam.readers.content import Reading
 
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to meet
-MOST_CURVES = 5_000  #: of a drawing for which ways out are looked for
+MOST_CURVES = 2_000  #: of a drawing for which ways out are looked for
 ROTATED_DEG = 15  #: from one turn that is tried to the next
 UNITS = ("mm", "in")  #: that drawings are made in
 
