@@ -39,14 +39,20 @@ class Pool(Generic[Given, Made]):
     PER_WORKER = 2  #: tasks that each worker has at most, so that it finds the next one at once
 
     def __init__(
-        self, work: Callable[[Given], Made], workers: int, begin: Callable[[], object] | None = None
+        self,
+        work: Callable[[Given], Made],
+        workers: int,
+        begin: Callable[[], object] | None = None,
+        most_s: float = 0.0,
     ) -> None:
         """Each worker calls `begin` once, and `work` for each task.
 
+        One that takes more than `most_s` of the processor for a task, where that is above 0, dies:
+        a library that never comes back hears of nothing else.
         A forked worker has both as they are here. One that is started afresh gets them pickled.
         """
         self.at_once = max_workers(workers)
-        self._begun_with = (work, begin)
+        self._begun_with = (work, begin, most_s)
         self._executor: ProcessPoolExecutor | None = None
         self._given: dict[Future[Made], Given] = {}
         self._again: deque[Given] = deque()  #: lost with a worker
@@ -122,13 +128,25 @@ class Pool(Generic[Given, Made]):
             self._given[self._executor.submit(_call, given)] = given
 
 
-def _begin(work: Callable[[Any], Any], begin: Callable[[], object] | None) -> None:
+def _begin(work: Callable[[Any], Any], begin: Callable[[], object] | None, most_s: float) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started it
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    _work[:] = [work]
+    _work[:] = [_timed(work, most_s) if most_s and hasattr(signal, "setitimer") else work]
     if begin is not None:
         begin()
+
+
+def _timed(work: Callable[[Any], Any], most_s: float) -> Callable[[Any], Any]:
+    def timed(given: Any) -> Any:
+        signal.setitimer(signal.ITIMER_PROF, most_s)
+        try:
+            return work(given)
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)
+    return timed
 
 
 def _end_with_parent() -> None:

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 from msgspec.structs import replace
 
+from beamcam.budget import limits
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot, TextMark
 from beamcam.processes import Died, Pool
@@ -61,7 +62,8 @@ def shares(
     if not workers:
         yield from map(share, todo)
         return
-    pool = Pool[range, T](share, min(workers, len(todo)))
+    most_s = (size + 4) * limits().member_s  # the kernel does not look at the clock
+    pool = Pool[range, T](share, min(workers, len(todo)), most_s=most_s)
     made: dict[int, tuple[int, T]] = {}
     place = 0
     try:

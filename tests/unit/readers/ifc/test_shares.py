@@ -8,6 +8,7 @@ from random import Random
 import pytest
 
 from beamcam import processes
+from beamcam.budget import Limits
 from beamcam.errors import Severity
 from beamcam.readers.ifc import Options, Selection, member, read, reader
 from beamcam.readers.ifc.reader import SHARE, WORTH, workers_for
@@ -67,6 +68,24 @@ def test_only_the_member_that_kills_is_lost(fatal: int) -> None:
 
     assert [n for share in given for n in share] == [
         -n if n == fatal else n * n for n in range(3 * SHARE)
+    ]
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timers here")
+def test_a_member_at_which_the_kernel_never_comes_back_is_lost_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The processor's time ends its process: a library does not look whether it is interrupted."""
+    monkeypatch.setattr(reader, "limits", lambda: Limits(member_s=0.02))
+
+    def endless(stretch: range) -> list[int]:
+        while SHARE in stretch:
+            pass
+        return squares(stretch)
+
+    given = list(shared_out(endless, dead, 2 * SHARE, 2, False))
+    assert [n for share in given for n in share] == [
+        -n if n == SHARE else n * n for n in range(2 * SHARE)
     ]
 
 
