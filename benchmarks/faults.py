@@ -40,9 +40,14 @@ def _feed_times(factor: float) -> Fault:
 
 
 def feed_removed(lines: list[str], rng: random.Random) -> list[str] | None:
-    """Along a path the feed goes on."""
-    led = [i for i in range(1, len(lines)) if " G01 " in lines[i - 1] and " G01 " in lines[i]]
-    at = _picked(["" if i in led else line for i, line in enumerate(lines)], rng, _FEED.pattern)
+    """That behind a rapid: along a path, and back out of a thread, the feed goes on."""
+    first = list(lines)
+    feeds = False
+    for i, line in enumerate(lines):
+        if feeds and " G01 " in line:
+            first[i] = ""
+        feeds = " G00 " not in line and (feeds or " G01 " in line)
+    at = _picked(first, rng, _FEED.pattern)
     return None if at is None else [*lines[:at], _FEED.sub("", lines[at]), *lines[at + 1 :]]
 
 
@@ -66,7 +71,9 @@ def stopped_at_the_bottom(lines: list[str], rng: random.Random) -> list[str] | N
 
 def retract_removed(lines: list[str], rng: random.Random) -> list[str] | None:
     at = _stroke(lines, rng)
-    return None if at is None else [*lines[: at + 1], *lines[at + 2 :]]
+    if at is None or " G00 " not in lines[at + 1]:  # a mill goes on along its path
+        return None
+    return [*lines[: at + 1], *lines[at + 2 :]]
 
 
 def rapid_into_steel(lines: list[str], rng: random.Random) -> list[str] | None:

@@ -24,7 +24,7 @@ from beamcam.verify import rules
 from beamcam.verify.bars.ability import FeatureRef, skippable
 from beamcam.verify.bars.cell import Cell
 from beamcam.verify.bars.compare import Asked, Comparison
-from beamcam.verify.bars.machine_limits import bar_faults
+from beamcam.verify.bars.machine_limits import bar_faults, reach_faults, size_faults
 from beamcam.verify.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.verify.bars.stations import Choice, choices_of
@@ -152,9 +152,15 @@ def verify(
     known = _known_of(machine)
     if not parts:
         alone = run(text, machine, None, name)
+        # How large the section is, the program says itself.
+        section = section_said(alone.events, alone.dialect, machine)
+        large = (
+            *size_faults(section, machine, name),
+            *reach_faults(alone.made.cuts, section, machine, name),
+        )
         unseen = (rules.UNSEEN.at(Source(name), found=face) for face in alone.unseen)
         grade = [rules.UNKNOWN_STEEL.at(Source(name))] if known.depends_on_grade else []
-        return (*alone.diagnostics, *unseen, *grade)
+        return (*alone.diagnostics, *large, *unseen, *grade)
     grades = tuple(dict.fromkeys(part.grade for part in parts))
     profile = parts[0].profile
     done = run(text, machine, profile, name, grades)

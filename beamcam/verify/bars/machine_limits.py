@@ -67,6 +67,11 @@ def section_faults(profile: Profile, machine: Machine, name: str) -> Iterator[Di
     if taken and not (profile.code in taken and profile.code in machine.sections):
         expected = f"one of {', '.join(taken)}"
         yield rules.STOCK.at(Source(name), found=profile.code, expected=expected)
+    yield from size_faults(profile, machine, name)
+
+
+def size_faults(profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """A section that is larger than a station of the machine."""
     for what, station in (("saw", machine.saw), ("drill", machine.drill)):
         if station is None:
             continue

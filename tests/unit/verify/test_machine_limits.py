@@ -3,10 +3,12 @@
 The planner's own checks are silenced one by one, and the program goes through the pipeline.
 """
 
+import re
+
 import pytest
 from msgspec.structs import replace
 
-from beamcam.errors import PlanError, VerifyError
+from beamcam.errors import PlanError, Severity, VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
@@ -149,6 +151,24 @@ def test_a_turned_blade_reaches_less_far(
     monkeypatch.setattr(saw_cut, "_reach_at", lambda *_: None)
     found = refused(part(profile=profile, mitre=mitre))
     assert found == [] if not said else said in found[0]
+
+
+@pytest.mark.parametrize(
+    ("section", "angle", "code"),
+    [
+        ("K220 L600", "K30", ""), ("K220 L1300", "K0", "verify-stock"),
+        ("K700 L300", "K0", "verify-stock"), ("K220 L600", "K55", "verify-saw-reach"),
+        ("K150 L300", "K55", ""),
+    ],
+)  # fmt: skip
+def test_what_a_program_says_of_its_section_is_held_against_the_stations(
+    section: str, angle: str, code: str
+) -> None:
+    """Without the parts too, of which nothing but the words of the program is known."""
+    text = re.sub(r"M44 K\S+ L\S+", f"M44 {section}", PROGRAM)
+    text = re.sub(r"M42 K\S+", f"M42 {angle}", text)
+    found = {d.code for d in verify(text, (), BEAM) if d.severity is Severity.ERROR}
+    assert (code in found) if code else not found & {"verify-stock", "verify-saw-reach"}
 
 
 def test_a_tool_that_nobody_has_is_refused_without_the_parts_too() -> None:
