@@ -6,9 +6,10 @@ red into #ed3237 and black into #1f1a17, so a table that says "red" is matched b
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from colorsys import rgb_to_hsv
+from colorsys import hls_to_rgb, rgb_to_hsv
+from contextlib import suppress
 from itertools import takewhile
-from math import inf
+from math import inf, pi
 
 from beamcam.machine.torch import OTHERS
 from beamcam.model.part import Contour, Process
@@ -74,26 +75,54 @@ HUE_CHROMA = 0.30
 BLACK_VALUE = 0.30
 WHITE_VALUE = 0.90
 
-_HEX = re.compile(r"#([0-9a-f]{3}|[0-9a-f]{6})\Z", re.IGNORECASE)
-_RGB = re.compile(r"rgba?\(([^()]*)\)\Z", re.IGNORECASE)
+_HEX = re.compile(r"#([0-9a-f]{3,4}|[0-9a-f]{6}|[0-9a-f]{8})\Z", re.IGNORECASE)
+_FUNCTION = re.compile(r"(rgb|hsl)a?\(([^()]*)\)\Z", re.IGNORECASE)
+_DEGREES = {"deg": 1.0, "grad": 0.9, "rad": 180.0 / pi, "turn": 360.0, "": 1.0}  #: of each unit
+_ANGLE = re.compile(r"([-+]?[\d.]+(?:e[-+]?\d+)?)(deg|grad|rad|turn|)\Z", re.IGNORECASE)
 
 
 def parse_colour(text: str) -> str:
-    """The colour of "#RGB", "#RRGGBB", "rgb(255, 0, 0)", "rgb(100%, 0%, 0%)" or a CSS name.
+    """The colour of "#RGB", "#RRGGBBAA", "rgb(255, 0, 0)", "hsl(0 100% 50%)" or a CSS name.
 
-    Raises ValueError for anything else.
+    How much shows through it is not looked at: `is_transparent`. Raises ValueError for anything
+    else.
     """
     word = text.strip()
     if _HEX.match(word):
         digits = word[1:].lower()
-        return "#" + (digits if len(digits) == 6 else "".join(d + d for d in digits))
+        return "#" + (digits[:6] if len(digits) >= 6 else "".join(d + d for d in digits[:3]))
     if word.lower() in NAMES:
         return NAMES[word.lower()]
-    if found := _RGB.match(word):
-        channels = [c for c in re.split(r"[\s,/]+", found[1].strip()) if c][:3]
-        if len(channels) == 3:
-            return _hex(tuple(_channel(c) for c in channels))
+    kind, numbers = _numbers(word)
+    if kind == "rgb" and len(numbers) >= 3:
+        return _hex(tuple(_channel(c) for c in numbers[:3]))
+    if kind == "hsl" and len(numbers) >= 3 and (angle := _ANGLE.match(numbers[0])):
+        hue = float(angle[1]) * _DEGREES[angle[2].lower()] / 360.0
+        saturation, lightness = (
+            min(max(float(c.rstrip("%")) / 100, 0.0), 1.0) for c in numbers[1:3]
+        )
+        return _hex(tuple(round(c, 9) for c in hls_to_rgb(hue % 1.0, lightness, saturation)))
     raise ValueError(f"found {text!r}, expected #RRGGBB, rgb(r, g, b) or the name of a colour")
+
+
+def is_transparent(text: str) -> bool:
+    """Whether nothing shows of a colour: "transparent", or one whose alpha is 0."""
+    word = text.strip().lower()
+    if _HEX.match(word):
+        digits = word[1:]
+        return len(digits) in (4, 8) and int(digits[3 if len(digits) == 4 else 6 :], 16) == 0
+    _, numbers = _numbers(word)
+    with suppress(ValueError):
+        return word == "transparent" or (len(numbers) > 3 and float(numbers[3].rstrip("%")) <= 0.0)
+    return False
+
+
+def _numbers(word: str) -> tuple[str, list[str]]:
+    """The function that a colour is, rgb or hsl, and its numbers."""
+    found = _FUNCTION.match(word)
+    if found is None:
+        return "", []
+    return found[1].lower(), [c for c in re.split(r"[\s,/]+", found[2].strip()) if c]
 
 
 def _channel(text: str) -> float:

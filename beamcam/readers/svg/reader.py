@@ -49,6 +49,7 @@ def read(
     unit = "of the page" if units is None and width is None else None
     said = (
         *page.remarks,
+        *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
         *unknown_layers(sorted(walk.found.layers - {""}), layers, source),
         *walk.found.said,

@@ -50,6 +50,11 @@ NUMBER = error("svg-number",
 TRANSFORM = error("svg-transform",
     "found transform {found!r}, expected {expected}",
     "The shape would lie in another place.")
+HIDING = error("svg-css-hides",
+    "found the style rule {found!r}, which hides what it names; expected element, .class, #id, or "
+    "one of these below another",
+    "What a browser does not show would be cut. Save the drawing as plain SVG, with attributes in "
+    "place of style rules, or take the rule out.")
 SELECTOR = warning("svg-css-selector",
     "found the style rule {found!r}, expected element, .class or #id; the rule is ignored",
     "Strokes that only this rule sets are not read.")

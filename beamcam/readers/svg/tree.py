@@ -2,11 +2,13 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
 from xml.parsers import expat
 
 from msgspec import Struct, field
 
 from beamcam.errors import ReadError, Source
+from beamcam.model.colour import is_transparent
 from beamcam.readers.svg import rules
 
 SVG = "http://www.w3.org/2000/svg"
@@ -22,6 +24,7 @@ class Element(Struct):
     attributes: dict[str, str]
     line: int
     children: "list[Element]" = field(default_factory=list)
+    parent: "Element | None" = None  #: where it stands in the file
 
     def get(self, name: str) -> str | None:
         return self.attributes.get(name)
@@ -103,6 +106,7 @@ class _Builder:
         element = Element(tag, attributes, self.parser.CurrentLineNumber)
         if self.open:
             self.open[-1].children.append(element)
+            element.parent = self.open[-1]
         elif self.root is None:
             self.root = element
         if len(self.open) >= MOST_DEEP:
@@ -128,8 +132,10 @@ class _Builder:
 
 # Style sheets as drawing programs write them, and the style of one element below another.
 #
-# Selectors are element names, classes and ids, also joined (`rect.fil0`) and in lists; rules with
-# others (`g > path`, `:hover`) are named and left out.
+# Selectors are element names, classes and ids, also joined (`rect.fil0`), in lists, and below
+# others (`g path`, `g > path`). What holds under a pointer alone (`:hover`) is named and left out;
+# any other rule (`path[id]`, `:not(.cut)`) too, unless it could hide a contour: then the file is
+# refused.
 
 
 #: Properties that this reader looks at and that an element passes on to its content.
@@ -143,7 +149,7 @@ INHERITED = (
     "color",
     "visibility",
 )
-OWN = ("display", "clip-path", "mask")
+OWN = ("display", "opacity", "clip-path", "mask")
 
 #: Default values. Source: SVG 1.1, property index.
 INITIAL: Mapping[str, str] = {
@@ -164,22 +170,59 @@ Style = Mapping[str, str]
 _STATEMENT = re.compile(r"@(?:import|charset|namespace)")
 _STATEMENT_END = re.compile(r"[;{]")
 _BRACE = re.compile(r"([{}])")
+#: Of an element that is pointed at, or of a part of a text: no drawing lies so.
+_PASSING = re.compile(r"::|:(hover|active|focus|visited|link|target|selection)\b")
 _SELECTOR = re.compile(r"(\*|[A-Za-z][\w-]*)?((?:[.#][^\s.#:>+~\[\]*]+)*)\Z")
+
+
+class Compound(Struct, frozen=True):
+    """What a selector asks of one element."""
+
+    tag: str  #: "" for any
+    identity: str
+    classes: tuple[str, ...]  #: as often as they are written, which is how much they weigh
+
+    def fits(self, element: Element) -> bool:
+        """Whether an element has all of it."""
+        return (
+            self.tag in ("", element.tag)
+            and self.identity in ("", element.get("id"))
+            and {*self.classes}.issubset((element.get("class") or "").split())
+        )
 
 
 class CssRule(Struct, frozen=True):
     """One selector and what it sets."""
 
-    tag: str  #: "" for any
-    identity: str
-    classes: frozenset[str]
+    compounds: tuple[Compound, ...]  #: the outermost first, the element's own last
+    is_child: tuple[bool, ...]  #: whether each but the first stands right in the one before
     order: int
     style: tuple[tuple[str, str, bool], ...]  #: property, value, important
 
     @property
-    def weight(self) -> tuple[bool, int, bool, int]:
+    def weight(self) -> tuple[int, int, int, int]:
         """Order of precedence: ids before classes before names, later ones before earlier."""
-        return bool(self.identity), len(self.classes), bool(self.tag), self.order
+        return (
+            sum(bool(c.identity) for c in self.compounds),
+            sum(len(c.classes) for c in self.compounds),
+            sum(bool(c.tag) for c in self.compounds), self.order,
+        )  # fmt: skip
+
+    def fits(self, element: Element) -> bool:
+        """Whether an element is one that the selector names."""
+        if not self.compounds[-1].fits(element):
+            return False
+        above: list[Element] = []
+        while element.parent is not None:
+            element = element.parent
+            above.append(element)
+        places = {-1}  #: in `above`, of what may stand for the compound before
+        for compound, is_child in zip(self.compounds[-2::-1], self.is_child[::-1], strict=True):
+            after = {k + 1 for k in places} if is_child else range(min(places) + 1, len(above))
+            places = {k for k in after if k < len(above) and compound.fits(above[k])}
+            if not places:
+                return False
+        return True
 
 
 class StyleSheet(Struct):
@@ -187,6 +230,7 @@ class StyleSheet(Struct):
 
     by_key: dict[str, list[CssRule]] = field(default_factory=dict)
     ignored: list[str] = field(default_factory=list)  #: selectors that are not understood
+    hiding: list[str] = field(default_factory=list)  #: such ones that could hide a contour
     _count: int = 0
 
     def add(self, text: str) -> None:
@@ -199,19 +243,23 @@ class StyleSheet(Struct):
                 self._add_rule(selector.strip(), style)
 
     def _add_rule(self, selector: str, style: tuple[tuple[str, str, bool], ...]) -> None:
-        found = _SELECTOR.match(selector)
-        if not selector or found is None:
-            if any(name in INHERITED or name in OWN for name, _, _ in style):
-                self.ignored.append(selector)
+        steps = re.sub(r"\s*>\s*", " > ", selector).split()
+        compounds = [c for c in map(_compound, (s for s in steps if s != ">")) if c is not None]
+        places = [k for k, step in enumerate(steps) if step != ">"]
+        lone = any(b - a > 2 for a, b in pairwise(places)) or places[:1] != [0]
+        if lone or len(compounds) < len(places) or steps[-1] == ">":
+            if _PASSING.search(selector) or not any(_hides(*one) for one in style):
+                if any(name in INHERITED or name in OWN for name, _, _ in style):
+                    self.ignored.append(selector)
+            else:
+                self.hiding.append(selector)
             return
-        tag = "" if found[1] in (None, "*") else found[1]
-        parts = re.findall(r"([.#])([^.#]+)", found[2])
-        classes = frozenset(name for mark, name in parts if mark == ".")
-        identity = next((name for mark, name in parts if mark == "#"), "")
         self._count += 1
-        rule = CssRule(tag, identity, classes, self._count, style)
-        key = f"#{identity}" if identity else f".{min(classes)}" if classes else tag
-        self.by_key.setdefault(key, []).append(rule)
+        is_child = tuple(b - a == 2 for a, b in pairwise(places))
+        rule = CssRule(tuple(compounds), is_child, self._count, style)
+        own = compounds[-1]
+        key = f".{min(own.classes)}" if own.classes else own.tag
+        self.by_key.setdefault(f"#{own.identity}" if own.identity else key, []).append(rule)
 
     def rules_for(self, element: Element) -> list[CssRule]:
         """The rules that fit `element`, the weightiest last."""
@@ -221,11 +269,36 @@ class StyleSheet(Struct):
             rule
             for key in dict.fromkeys(keys)
             for rule in self.by_key.get(key, ())
-            if rule.tag in ("", element.tag)
-            and rule.identity in ("", element.get("id"))
-            and rule.classes.issubset(classes)
+            if rule.fits(element)
         ]
         return sorted(found, key=lambda rule: rule.weight)
+
+
+def _compound(text: str) -> Compound | None:
+    """What a selector without spaces asks for; None of one that is not understood."""
+    found = _SELECTOR.match(text)
+    if not text or found is None:
+        return None
+    parts = re.findall(r"([.#])([^.#]+)", found[2])
+    classes = tuple(name for mark, name in parts if mark == ".")
+    identity = next((name for mark, name in parts if mark == "#"), "")
+    return Compound("" if found[1] in (None, "*") else found[1], identity, classes)
+
+
+def _hides(name: str, value: str, important: bool) -> bool:
+    """Whether a declaration takes what has a stroke out of sight."""
+    if name in ("opacity", "stroke-opacity"):
+        return is_nothing(value)
+    gone = {"display": ("none",), "visibility": ("hidden", "collapse"), "stroke": ("none",)}
+    return value.lower() in gone.get(name, ()) or (name == "stroke" and is_transparent(value))
+
+
+def is_nothing(opacity: str) -> bool:
+    """Whether nothing shows at an opacity: 0, 0.0, 0%. A value that browsers ignore is none."""
+    try:
+        return float(opacity.strip().rstrip("%")) <= 0.0
+    except ValueError:
+        return False
 
 
 def _without_comments(text: str) -> str:

@@ -18,7 +18,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, ReadError, Rule, Source
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import MAX_COORDINATE, Matrix
-from beamcam.model.colour import parse_colour
+from beamcam.model.colour import is_transparent, parse_colour
 from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour, is_in_bounds, split_length
 from beamcam.readers.svg import rules
@@ -34,7 +34,15 @@ from beamcam.readers.svg.path import (
     view_box,
 )
 from beamcam.readers.svg.transform import fit_of, parse_transform, product, scale, shift
-from beamcam.readers.svg.tree import MOST_DEEP, Document, Element, Style, StyleSheet, style_of
+from beamcam.readers.svg.tree import (
+    MOST_DEEP,
+    Document,
+    Element,
+    Style,
+    StyleSheet,
+    is_nothing,
+    style_of,
+)
 
 # --- layers ---------------------------------------------------------------------------------------
 
@@ -165,6 +173,7 @@ class Walk(Struct):
             return None
         layer = layer_of(element, context.depth) if element.tag == "g" else None
         hidden = context.hidden or style.get("display") == "none"
+        hidden = hidden or is_nothing(style.get("opacity", "1"))
         for name in ("clip-path", "mask"):
             if style.get(name, "none") != "none":
                 self.found.counts["clipped"] += 1
@@ -326,12 +335,15 @@ def _chosen(switch: Element) -> list[Element]:
 
 
 def _is_hidden(style: Style) -> bool:
-    return style.get("display") == "none" or style["visibility"] in ("hidden", "collapse")
+    return (
+        style.get("display") == "none" or style["visibility"] in ("hidden", "collapse")
+        or is_nothing(style.get("opacity", "1"))
+    )  # fmt: skip
 
 
 def _is_painted(style: Style, paint: str) -> bool:
     """Whether a stroke or a fill shows; a width of 0 is a hairline and does."""
-    if style[paint].lower() in ("none", "transparent", ""):
+    if style[paint].lower() in ("none", "") or is_transparent(style[paint]):
         return False
     try:
         opacity = split_length(style[f"{paint}-opacity"])[0]

@@ -149,12 +149,30 @@ def test_style_sheets(css: str, shape: str, colour: str) -> None:
 
 
 def test_selectors_that_are_not_understood_are_named() -> None:
-    body = sheet("g > line, line {stroke:blue} a:hover {stroke:lime}", '<line x2="5"/>')
+    body = sheet("g + line, line {stroke:blue} a:hover {stroke:lime}", '<line x2="5"/>')
     assert [d.message for d in read(body).diagnostics] == [
-        "found the style rule 'g > line', expected element, .class or #id; the rule is ignored",
+        "found the style rule 'g + line', expected element, .class or #id; the rule is ignored",
         "found the style rule 'a:hover', expected element, .class or #id; the rule is ignored",
     ]
     assert colours(body) == ["#0000ff"]
+
+
+@pytest.mark.parametrize("style", [
+    "display:none", "visibility:hidden", "opacity:0", "stroke:none", "stroke:#f000",
+    "stroke-opacity:0%", "stroke:rgb(0 0 0 / 0)",
+])  # fmt: skip
+@pytest.mark.parametrize(
+    "selector", ["line[id]", "g + line", "line:not(.a)", "> line", "g > > line"]
+)
+def test_a_rule_that_is_not_understood_and_hides_is_refused(selector: str, style: str) -> None:
+    (said,) = read(sheet(f"{selector} {{{style}}}", '<line x2="5" stroke="red"/>')).diagnostics
+    assert (said.code, said.severity.value) == ("svg-css-hides", "error")
+
+
+def test_what_hides_under_a_pointer_alone_hides_nothing() -> None:
+    body = sheet("line:hover {display:none}", '<line x2="5" stroke="red"/>')
+    assert [d.code for d in read(body).diagnostics] == ["svg-css-selector"]
+    assert colours(body) == ["#ff0000"]
 
 
 def test_a_stroke_that_is_no_colour_is_read_and_said() -> None:
