@@ -20,15 +20,15 @@ from beamcam.posts import post_of
 LONGEST = 3  #: machines of a chain
 
 
-class Stage(Struct, frozen=True):
-    """What one machine of a chain makes."""
+class Link(Struct, frozen=True):
+    """A machine of a chain, and what it is asked for."""
 
     machine: Machine
-    part: Part  #: as it comes to the machine
+    part: Part  #: as this machine gets it
     skips: tuple[str, ...]  #: kinds that it leaves to the next one; of the last, those asked for
 
 
-def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Stage, ...]:
+def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Link, ...]:
     """The shortest chain that makes the only part of a request, of 3 machines at most, or none.
 
     The last one leaves out only what the request allows. Of machines that leave equally many
@@ -44,7 +44,7 @@ def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Stage, ...]
 
 def _chains(
     request: Request, part: Part, machines: Sequence[Machine], count: int
-) -> Iterator[tuple[Stage, ...]]:
+) -> Iterator[tuple[Link, ...]]:
     """The chains of so many machines."""
     plans: list[tuple[int, Machine, AnyPlan]] = []
     for machine in machines:
@@ -56,7 +56,7 @@ def _chains(
     plans.sort(key=lambda one: one[0])
     for left, machine, plan in plans:
         if count == 1:
-            yield (Stage(machine, part, request.skips),)
+            yield (Link(machine, part, request.skips),)
             continue
         kinds = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
         skips = tuple(sorted(kinds & {*SKIP_NAMES}))
@@ -65,7 +65,7 @@ def _chains(
             continue
         others = [one for one in machines if one is not machine]
         for rest in _chains(request, begun_part(part, plan, machine), others, count - 1):
-            yield (Stage(machine, part, skips), *rest)
+            yield (Link(machine, part, skips), *rest)
 
 
 def _planned(

@@ -134,16 +134,16 @@ def ways_out(
         *_first(map(_by_placing, on)),
         *elsewhere,
         *_first(map(_by_gap, open_ones)),
-        *_first(map(_by_common_cuts, touching)),
+        *_by_switch(touching, "common_cuts"),
         *_first(map(_by_rotating, too_large)),
-        *_first(map(_by_unrolling, (one for one, _ in refused))),
+        *_by_switch((one for one, _ in refused), "unrolled"),
         *(() if elsewhere else _by_leave(may_leave, may_leave_too)),
         *_first(map(_by_bar, on)),
         *_first(map(_by_turning, on)),
         *_one_by_one(on),
     ]
     if not found:
-        found = [*_first(map(_by_opening, open_ones))]
+        found = [*_by_switch(open_ones, "allow_open")]
     if not found and read is not None:
         found = [*_by_units(on, read)]
     return WAYS_OUT.at(source, found=" or ".join(found)) if found else NO_WAY_OUT.at(source)
@@ -198,22 +198,15 @@ def _by_gap(request: Request) -> Iterator[str]:
             return
 
 
-def _by_common_cuts(request: Request) -> Iterator[str]:
-    """Parts that touch, a kerf apart."""
-    torch = request.machine.torch
-    if torch is None or torch.common_cuts:
-        return
-    if _made(_with_torch(request, replace(torch, common_cuts=True))) is not None:
-        yield "--common-cuts"
-
-
-def _by_opening(request: Request) -> Iterator[str]:
-    """Open lines cut on their line, where no gap joins their ends."""
-    torch = request.machine.torch
-    if torch is None or torch.allow_open:
-        return
-    if _made(_with_torch(request, replace(torch, allow_open=True))) is not None:
-        yield "--allow-open"
+def _by_switch(requests: Iterable[Request], key: str) -> Iterator[str]:
+    """An option that is on or off, turned on, on the first machine where that helps."""
+    for request in requests:
+        torch = request.machine.torch
+        if torch is None or getattr(torch, key):
+            continue
+        if _made(_with_torch(request, replace(torch, **{key: True}))) is not None:
+            yield f"--{key.replace('_', '-')}"
+            return
 
 
 def _by_rotating(request: Request) -> Iterator[str]:
@@ -226,15 +219,6 @@ def _by_rotating(request: Request) -> Iterator[str]:
         if _made(turned) is not None:
             yield f"--rotate {angle}"
             return
-
-
-def _by_unrolling(request: Request) -> Iterator[str]:
-    """A pipe that is written as a plate, cut flat."""
-    torch = request.machine.torch
-    if torch is None or torch.unrolled:
-        return
-    if _made(_with_torch(request, replace(torch, unrolled=True))) is not None:
-        yield "--unrolled"
 
 
 def _by_units(on: Sequence[Request], read: Callable[..., Reading]) -> Iterator[str]:

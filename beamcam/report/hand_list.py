@@ -87,7 +87,7 @@ def _rows(part: Part, feature: Feature, why: str, min_bevel: float) -> Iterator[
 
 
 def _is_code(why: str) -> bool:
-    """Whether a machine refuses a feature by a code; what is too small to be cut nobody makes."""
+    """Whether a code says that a machine cannot make a feature; one too small to cut is no work."""
     return why.startswith("plan-") and why != "plan-tiny"
 
 
