@@ -125,7 +125,9 @@ def _reach(spindle: Spindle, machine: Machine, profile: Profile, wall: Wall) -> 
     )  # fmt: skip
 
 
-BEYOND = 500.0  #: mm of bar behind the last event, where its length is not known
+#: mm of bar behind the last event, where its length is not known: longer than any part, so that the
+#: rest is taken for none.
+BEYOND = 20_000.0
 REMOVING = ("drill", "countersink", "mill")  #: tools whose work a solid shows
 DUST = 1.0  #: mm3; smaller pieces are chips
 

@@ -10,9 +10,10 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile
 from beamcam.model.request import Request
-from beamcam.pipeline import post
+from beamcam.pipeline import parts_of, post, read_file
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
+from tests.conftest import ROOT
 from tests.unit.solid.programs import ODD, SRC, codes, mirrored, posted, sample, told
 
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
@@ -28,6 +29,12 @@ BARS = [
 def test_sound_programs_agree(names: str, machine: str) -> None:
     parts = sample(*names.split())
     assert codes(posted(parts, machine), parts, machine, skips=("all",)) == []
+
+
+@pytest.mark.parametrize("name", ["trimmer", "coped", "header"])
+def test_the_rest_of_a_bar_is_not_taken_for_a_part_whose_copes_are_left_out(name: str) -> None:
+    parts, _ = parts_of([read_file(str(ROOT / "samples" / "coping" / f"{name}.nc1"))])
+    assert codes(posted(parts, "beamline"), parts, "beamline", skips=("all",)) == []
 
 
 @pytest.mark.parametrize("machine", ["beamline", "beamline-pusher"])
