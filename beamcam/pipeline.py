@@ -330,7 +330,7 @@ def plan_share(request: Request, share: Share) -> Planned:
 
     def planned(job: Job) -> Planned:
         plan = post_of(job.machine).plan(job)
-        remarks_on(plan, request.strict)
+        remarks_on(plan, job.machine, request.strict)
         return Planned(job, plan)
 
     return _on_shortest(request, share, planned)
@@ -357,7 +357,7 @@ def posting(job: Job) -> Generator[str, None, Posted]:
     kind = post_of(job.machine)
     plan = kind.plan(job)
     yield f"planned {len(plan.operations)} operation(s)"
-    remarks = remarks_on(plan, request.strict)
+    remarks = remarks_on(plan, job.machine, request.strict)
     program = kind.motion(plan, job.machine, request.name)
     by_hand = sum(1 for _ in by_hand_sources(plan))
     head = head_lines(job, plan, left_out_kinds(plan), by_hand)
@@ -379,9 +379,9 @@ def posting(job: Job) -> Generator[str, None, Posted]:
     return Posted(written, plan, (*remarks, *said), program, job)
 
 
-def remarks_on(plan: AnyPlan, strict: bool) -> tuple[Diagnostic, ...]:
+def remarks_on(plan: AnyPlan, machine: Machine, strict: bool) -> tuple[Diagnostic, ...]:
     """All that is said of a plan. Raises StrictError under `strict` if there is a warning."""
-    remarks = (*plan.remarks, *told(plan))
+    remarks = (*plan.remarks, *told(plan, machine.torch))
     if strict:
         refuse_warnings(remarks)
     return remarks

@@ -3,7 +3,7 @@
 import difflib
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ BEAM_CELL = THIRD_PARTY / "reference" / "beam-cell"
 
 
 #: The same few examples on every run, so that a failure is the change's; HYPOTHESIS_PROFILE=random
-#: looks for new ones, three times as many. A busy machine is slow at either.
+#: looks for new ones, four times as many. A busy machine is slow at either.
 PROFILE = os.environ.get("HYPOTHESIS_PROFILE", "same")
 _PATIENT: dict[str, Any] = {
     "deadline": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow],
@@ -30,7 +30,18 @@ _PATIENT: dict[str, Any] = {
 
 def examples(thorough: int) -> int:
     """How many examples of a law are tried, of so many that are under HYPOTHESIS_PROFILE=random."""
-    return thorough if PROFILE == "random" else -(-thorough // 3)
+    return thorough if PROFILE == "random" else -(-thorough // 4)
+
+
+def sampled(cases: Iterable[Any], every: int) -> list[Any]:
+    """Cases of a test, of which every so many-th is tried; the exhaustive tests try the others."""
+    return [
+        pytest.param(
+            *(case if isinstance(case, tuple) else (case,)),
+            marks=[pytest.mark.exhaustive] * (k % every > 0),
+        )
+        for k, case in enumerate(cases)
+    ]
 
 
 settings.register_profile("same", derandomize=True, max_examples=examples(100), **_PATIENT)

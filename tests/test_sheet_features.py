@@ -18,13 +18,14 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
+from tests.conftest import sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing
 
 PAGE = Path(__file__).parent.parent / "docs" / "lasers.md"
 PART = drawing(
     contour(box(10, 10, 50, 40), line=1),
-    contour(circle(20, 20, 8), "#00ff00", line=2),
-    contour(circle(48, 38, 6), "#ff00ff", line=3),
+    contour(circle(22, 22, 12), "#00ff00", line=2),
+    contour(circle(50, 40, 12), "#ff00ff", line=3),
     contour(box(34, 14, 9, 6), "#0000ff", line=4),
     thickness=3.0,
 )
@@ -112,7 +113,7 @@ def test_the_table_has_every_feature_and_every_machine_of_sheets() -> None:
     assert all(set(row) == machines for _, row in TABLE)
 
 
-@pytest.mark.parametrize(("feature", "name", "cell"), CELLS)
+@pytest.mark.parametrize(("feature", "name", "cell"), sampled(CELLS, 2))
 def test_a_cell_is_as_the_page_says(feature: str, name: str, cell: str) -> None:
     wanted = FEATURES[feature]
     if cell != "yes":

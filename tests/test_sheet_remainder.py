@@ -13,7 +13,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import Posted, post
 from beamcam.sheet_remainder import faults_of_sheet_rest, rest_of_sheet
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
 GASKET = SAMPLES / "dxf" / "gasket-inch.dxf"
@@ -37,7 +37,7 @@ def blocks(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("torch", [{}, {"tabs": 2}, {"overcut": 1.0}], ids=str)
-@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize("name", sampled(TABLES, 2))
 def test_each_rest_is_the_end_of_the_whole(name: str, torch: dict[str, object]) -> None:
     posted = whole(name, **torch)
     assert isinstance(posted.plan, SheetPlan)

@@ -242,7 +242,7 @@ def plan(
         parts_asked(parts), loaded, named_skips(skips), order=order, turn=turn, strict=strict
     )
     made = post_of(loaded).plan(whole_job(request, bar))
-    remarks_on(made, strict)
+    remarks_on(made, loaded, strict)
     return made
 
 

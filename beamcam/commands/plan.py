@@ -72,7 +72,7 @@ def command(
         (job, plan), choice = first_that_makes(request, machines, _planned)
         machine = job.machine
         voice.remark(choice)
-        remarks = (*said, *remarks_on(plan, config.strict))
+        remarks = (*said, *remarks_on(plan, machine, config.strict))
         read = files_read(config, inputs)
         if not isinstance(plan, Plan):
             kind = post_of(machine)

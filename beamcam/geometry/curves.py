@@ -5,6 +5,9 @@ Every curve is an immutable record with `start`, `end`, `length`, `bbox`, `point
 needs numpy; many points at once are `sampling`'s.
 """
 
+from collections.abc import Sequence
+from math import dist
+
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.bspline import BSpline
 from beamcam.geometry.conics import Arc, EllipseArc, Line, arc_through, segment_area
@@ -26,6 +29,7 @@ __all__ = [
     "Point",
     "arc_through",
     "bezier_pieces",
+    "circle_of",
     "join_boxes",
     "signed_area",
     "unit_vector",
@@ -41,6 +45,19 @@ def bezier_pieces(curve: Bezier | BSpline | NewtonCurve) -> tuple[Bezier, ...]:
             return curve.pieces()
         case NewtonCurve():
             return (curve.as_bezier(),)
+
+
+def circle_of(curves: Sequence[Curve]) -> tuple[Point, float] | None:
+    """Centre and radius of a chain that is a whole circle."""
+    if not curves or not all(isinstance(curve, Arc) for curve in curves):
+        return None
+    arcs = [curve for curve in curves if isinstance(curve, Arc)]
+    first = arcs[0]
+    same = all(
+        dist(a.centre, first.centre) < 1e-6 and abs(a.radius - first.radius) < 1e-6 for a in arcs
+    )
+    is_whole = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < 1e-6
+    return (first.centre, first.radius) if same and is_whole else None
 
 
 def signed_area(curves: tuple[Curve, ...]) -> float:

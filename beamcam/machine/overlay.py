@@ -56,6 +56,7 @@ def with_torch(
             **{k: v for k, v in colours.items() if k == OTHERS},  # what none of them names
             **{k: v for k, v in torch.colours.items() if k not in colours},
         }
+        given["settled"] = (*torch.settled, *(k for k in colours if k not in torch.settled))
         kept = {k: v for k, v in torch.settings.items() if k not in colours}
         given["settings"] = {**(settings or {}), **kept}
     if kerf is not None:

@@ -79,6 +79,10 @@ def _look_faults(machine: Machine) -> Iterator[Fault]:
         if name not in torch.colours:
             known = ", ".join(torch.colours)
             yield f"torch.settings.{name}", name, f"a key of torch.colours: {known}"
+    for name in torch.settled:
+        if name not in torch.colours:
+            known = ", ".join(torch.colours)
+            yield "torch.settled", name, f"a key of torch.colours: {known}"
 
 
 # --- name faults ----------------------------------------------------------------------------------

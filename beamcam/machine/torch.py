@@ -98,6 +98,9 @@ class Torch(Keys, frozen=True):
     rows: tuple[TorchRow, ...]
     #: of lines, or their layers; "*" is all that no key before it names
     colours: Mapping[str, Literal["cut", "mark", "engrave", "ignore"]]
+    #: keys of `colours` that are certain: of others it is asked whether lines with gaps are cuts,
+    #: and marks that close are none; names of layers are, and what a job maps itself
+    settled: tuple[str, ...] = ()
     more_rows: tuple[TorchRow, ...] = ()  #: added to the rows of a base, by their thickness
     settings: Mapping[str, LookSettings] = field(default_factory=dict)  #: by keys of `colours`
     thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to

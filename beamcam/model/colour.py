@@ -12,6 +12,7 @@ from itertools import takewhile
 from math import inf, pi
 
 from beamcam.machine.torch import OTHERS
+from beamcam.model.drawing import Dashed
 from beamcam.model.part import Contour, Process
 
 # --- colour names ---------------------------------------------------------------------------------
@@ -206,27 +207,27 @@ def process_of(contour: Contour, table: Mapping[str, Process]) -> Process | None
     return None if key is None else table[key]
 
 
-def key_of(contour: Contour, table: Collection[str]) -> str | None:
-    """The key of `table` that stands for `contour`; None if there is none.
+def key_of(lines: Contour | Dashed, table: Collection[str]) -> str | None:
+    """The key of `table` that stands for lines of a drawing by their look; None if there is none.
 
     The keys are layer names (any case) and colours ("red", "#0000FF"). The layer decides before
     the colour, an equal colour before one that is only near in hue. `OTHERS` stands for what none
     of the keys before it does, so that no key behind it counts.
     """
     named = list(takewhile(lambda key: key != OTHERS, table))
-    found = _named(contour, named)
+    found = _named(lines, named)
     return OTHERS if found is None and OTHERS in table else found
 
 
-def _named(contour: Contour, table: Sequence[str]) -> str | None:
-    if contour.layer is not None:
-        wanted = contour.layer.casefold()
+def _named(lines: Contour | Dashed, table: Sequence[str]) -> str | None:
+    if lines.layer is not None:
+        wanted = lines.layer.casefold()
         for key in table:
             if key.casefold() == wanted:
                 return key
-    if contour.colour is None:
+    if lines.colour is None:
         return None
-    return nearest_colour(contour.colour, [key for key in table if _is_colour(key)])
+    return nearest_colour(lines.colour, [key for key in table if _is_colour(key)])
 
 
 def _is_colour(key: str) -> bool:

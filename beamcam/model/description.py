@@ -6,6 +6,7 @@ from typing import Literal
 
 from msgspec.structs import replace
 
+from beamcam.geometry.curves import circle_of
 from beamcam.machine.marking import Marks, Policy
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
 
@@ -21,6 +22,9 @@ def description(feature: Feature) -> str:
             return f"slot {size} {_at(feature)}"
         case Contour():
             cut = feature.process == "cut"
+            if cut and (circle := circle_of(feature.curves)) is not None:
+                (x, y), radius = circle
+                return f"circle {2 * radius:g} on face {feature.face} at x {x:g}, y {y:g}"
             what = f"{feature.kind} contour" if cut else f"line to {feature.process}"
             return f"{what} of {len(feature.curves)} curve(s) on face {feature.face}"
         case TextMark():

@@ -8,9 +8,20 @@ from collections.abc import Iterable
 
 from msgspec import Struct
 
+from beamcam.errors import Source
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Box
 from beamcam.model.lengths import total_length
+
+
+class Dashed(Struct, frozen=True):
+    """Curves of one look that are drawn with gaps, as centre lines and hidden edges are."""
+
+    layer: str | None
+    colour: str | None
+    line_type: str  #: its name in the drawing
+    count: int  #: of chains
+    source: Source  #: of the first
 
 
 class Measures(Struct, frozen=True):
@@ -21,6 +32,7 @@ class Measures(Struct, frozen=True):
     not_cut: tuple[tuple[str, int], ...] = ()  #: entities that are not curves, by name: how many
     grid: float | None = None  #: what coordinates are rounded to, if the file shows it
     lettered: tuple[tuple[str, int], ...] = ()  #: layers whose texts are marked, and how many
+    dashed: tuple[Dashed, ...] = ()
 
     @property
     def filled_length(self) -> float:

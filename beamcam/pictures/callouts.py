@@ -14,7 +14,7 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.curves import Arc, Curve, Line, circle_of
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -148,21 +148,6 @@ def _contour_sizes(contour: Contour) -> Iterator[tuple[Pieces, Place, bool]]:
         far = " of the far side" if bevel.angle < 0 else ""
         words_of: Pieces = (f"bevel {_degrees(abs(bevel.angle))}{far}", *land)
         yield words_of, Place(_middle(curves[bevel.curve])), False
-
-
-def circle_of(curves: Sequence[Curve]) -> tuple[Point, float] | None:
-    """Centre and radius of a chain that is a whole circle."""
-    if not curves or not all(isinstance(curve, Arc) for curve in curves):
-        return None
-    arcs = [curve for curve in curves if isinstance(curve, Arc)]
-    first = arcs[0]
-    same = all(
-        hypot(a.centre[0] - first.centre[0], a.centre[1] - first.centre[1]) < 1e-6
-        and abs(a.radius - first.radius) < 1e-6
-        for a in arcs
-    )
-    is_whole = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < 1e-6
-    return (first.centre, first.radius) if same and is_whole else None
 
 
 def _is_rectangle(curves: Sequence[Curve]) -> bool:

@@ -12,7 +12,7 @@ from pathlib import PurePath
 
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import join_boxes
+from beamcam.geometry.curves import circle_of, join_boxes
 from beamcam.model.colour import process_of
 from beamcam.model.part import (
     Bend,
@@ -32,7 +32,6 @@ from beamcam.pictures import features as shapes
 from beamcam.pictures.callouts import (
     Callouts,
     callouts,
-    circle_of,
     size_letters,
     sizes_on,
 )  # fmt: skip

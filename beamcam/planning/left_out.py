@@ -9,9 +9,11 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from beamcam.errors import Diagnostic, Source, error, note, warning
-from beamcam.machine.torch import OTHERS
+from beamcam.geometry.plane import Box, join_boxes
+from beamcam.machine.torch import OTHERS, Torch
 from beamcam.model.colour import colour_name, key_of
 from beamcam.model.description import description
+from beamcam.model.drawing import Dashed
 from beamcam.model.part import Contour, Part
 from beamcam.model.plan import HATCH, AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.planning.by_hand import REASONS
@@ -31,19 +33,37 @@ NOT_CUT = note("plan-not-cut",
     "A colour or a layer that is mapped to mark, engrave or ignore leaves no cut in the "
     "sheet.")  # fmt: skip
 
+CLOSED_MARK = warning("plan-closed-mark",
+    "found {count} closed contour(s) {look} within what is cut; the map has them {how}, and no "
+    "opening is cut there; expected --map '{key}=cut' for openings, '{key}={process}' for marks",
+    "Drawing programs give holes and marks colours of their own, and which are which is a matter "
+    "of custom. A key of the map, or `settled` in the machine file, says so.")  # fmt: skip
+DASHED = warning("plan-dashed",
+    "found {count} contour(s) {look} in the line type {line_type!r}, which are cut as whole lines; "
+    "expected centre lines and hidden edges on a layer with --map '{key}=ignore', or '{key}=cut' "
+    "if these are cuts",
+    "A line with gaps mostly shows an axis, a bend or an edge that is hidden, and is not to be "
+    "cut. Where it shares its layer with cuts, it needs one of its own in the drawing. A key of "
+    "the map, or `settled` in the machine file, says what it is.")  # fmt: skip
+
 MAPPED_AWAY = {"map-ignore": "ignored", "mark": "marked", "engrave": "engraved"}
 
 
-def told(plan: AnyPlan) -> Iterator[Diagnostic]:
-    """A warning for each feature that was left out, and a note for each look that is not cut."""
+def told(plan: AnyPlan, torch: Torch | None) -> Iterator[Diagnostic]:
+    """A warning for each feature that was left out, and remarks on each look that is not cut.
+
+    Nor is it taken for granted that lines with gaps are to be cut, and closed contours not.
+    """
     left = unfinished(plan.outcomes)
     skipped = [outcome for outcome in left if _is_by_name(outcome)]
     # A part that is on the bar several times is reported once.
     yield from dict.fromkeys(_left_out(plan, outcome) for outcome in skipped)
     listed = [outcome for outcome in left if outcome.by_hand]
     yield from dict.fromkeys(_by_hand(plan, outcome) for outcome in listed)
-    if isinstance(plan, SheetPlan):
-        yield from _not_cut(plan)
+    if isinstance(plan, SheetPlan) and torch is not None:
+        yield from _not_cut(plan, torch)
+        for part in {id(piece.part): piece.part for piece in plan.pieces}.values():
+            yield from _dashed(part, torch)
 
 
 def left_out_sources(plan: AnyPlan) -> Iterator[Source]:
@@ -89,10 +109,12 @@ def _by_hand(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
     return BY_HAND.at(feature.source, what=description(feature), why=REASONS[outcome.by_hand])
 
 
-def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
+def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
     """The curves by colour and layer that the map takes away from cutting."""
     curves: Counter[tuple[str | None, str | None, str]] = Counter()
-    first: dict[tuple[str | None, str | None, str], Source] = {}
+    inside: Counter[tuple[str | None, str | None, str]] = Counter()
+    first: dict[tuple[str | None, str | None, str], Contour] = {}
+    rings = _boxes_cut(plan)
     for outcome in plan.outcomes:
         piece, index = outcome.feature
         feature = plan.pieces[piece].part.features[index]
@@ -103,9 +125,61 @@ def _not_cut(plan: SheetPlan) -> Iterator[Diagnostic]:
         look = feature.layer, feature.colour, outcome.by
         if look[:2] != (None, None):
             curves[look] += len(feature.curves)
-            first.setdefault(look, feature.source)
+            first.setdefault(look, feature)
+            inside[look] += feature.closed and _is_within(feature, rings)
     for look, count in curves.items():
-        yield NOT_CUT.at(first[look], count=count, look=_named(*look[:2]), how=MAPPED_AWAY[look[2]])
+        contour, process, named = first[look], look[2], _named(*look[:2])
+        if process == "mark" and inside[look] and not _is_settled(contour, torch):
+            yield CLOSED_MARK.at(
+                contour.source, count=inside[look], look=named, how=MAPPED_AWAY[process],
+                key=_key(contour, [piece.part for piece in plan.pieces]), process=process,
+            )  # fmt: skip
+        else:
+            yield NOT_CUT.at(contour.source, count=count, look=named, how=MAPPED_AWAY[process])
+
+
+def _boxes_cut(plan: SheetPlan) -> list[Box]:
+    """The boxes of the closed contours that are cut, as they are drawn."""
+    found = []
+    for op in plan.operations:
+        if op.closed and op.row.process == "cut":
+            drawn = [plan.pieces[piece].part.features[k] for piece, k in op.features]
+            curves = [c for f in drawn if isinstance(f, Contour) for c in f.curves]
+            if (box := join_boxes([curve.bbox for curve in curves])) is not None:
+                found.append(box)
+    return found
+
+
+def _is_within(contour: Contour, boxes: Sequence[Box]) -> bool:
+    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in contour.curves]) or (0.0,) * 4
+    return any(a < x0 and b < y0 and x1 < c and y1 < d for a, b, c, d in boxes)
+
+
+def _dashed(part: Part, torch: Torch) -> Iterator[Diagnostic]:
+    """Lines of a drawing with gaps that are cut, by their look and line type."""
+    for lines in part.measures.dashed if part.measures is not None else ():
+        key = key_of(lines, torch.colours)
+        if key is not None and torch.colours[key] == "cut" and not _is_settled(lines, torch):
+            yield DASHED.at(
+                lines.source, count=lines.count, look=_named(lines.layer, lines.colour),
+                line_type=lines.line_type, key=_key(lines, [part]),
+            )  # fmt: skip
+
+
+def _is_settled(lines: Contour | Dashed, torch: Torch) -> bool:
+    """Whether somebody has said what lines of a look are for, and not custom alone."""
+    key = key_of(lines, torch.colours)
+    by_layer = lines.layer is not None and (key or "").casefold() == lines.layer.casefold()
+    return by_layer or key in torch.settled
+
+
+def _key(lines: Contour | Dashed, parts: Iterable[Part]) -> str:
+    """The key of the map for lines of a look: their layer, unless that has other colours too."""
+    if lines.layer is not None:
+        drawn = (f for part in parts for f in part.contours if f.layer == lines.layer)
+        if all(contour.colour == lines.colour for contour in drawn):
+            return lines.layer
+    return colour_name(lines.colour or "")
 
 
 def _named(layer: str | None, colour: str | None) -> str:
@@ -172,4 +246,4 @@ def _looks(parts: Iterable[Part]) -> list[str]:
     return [*sorted(layers), *sorted(colours)]
 
 
-RULES = (LEFT_OUT, BY_HAND, NOT_CUT, UNMATCHED, IDLE)
+RULES = (LEFT_OUT, BY_HAND, NOT_CUT, CLOSED_MARK, DASHED, UNMATCHED, IDLE)

@@ -25,7 +25,12 @@ from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import BEVEL
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.assign_process import OUTLINE, Assigned, assign_processes
+from beamcam.planning.contours.assign_process import (
+    OUTLINE,
+    Assigned,
+    assign_processes,
+    drill_small_circles,
+)
 from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
 from beamcam.planning.contours.join import Joined, join
 from beamcam.planning.contours.look_settings import (
@@ -63,7 +68,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
     assigned = assign_processes(part, torch, machine, skips)
     material = Material(part, torch, machine.stepper is not None)
-    _refuse_work(part, assigned, material, machine, torch)
+    _refuse_work(part, assigned, {w.process for w in assigned.wanted}, material, machine, torch)
     remarks = [*material.remarks, *assigned.remarks]
     curves = CurveTable([w.curve for w in assigned.wanted])
     refuse_copies(assigned.wanted, curves)
@@ -75,6 +80,8 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if machine.words.arc_cw:
         joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
     shapes, said = _nested(joined, assigned, torch, kerf)
+    shapes = drill_small_circles(shapes, part, torch, skips, assigned)
+    _refuse_work(part, assigned, {s.process for s in shapes}, material, machine, torch)
     shapes += _spots(part, assigned)
     remarks += [*joined.remarks, *said]
     if not shapes:
@@ -97,15 +104,16 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
 
 
 def _refuse_work(
-    part: Part, assigned: Assigned, material: Material, machine: Machine, torch: Torch
-) -> None:
+    part: Part, assigned: Assigned, processes: set[TorchProcess], material: Material,
+    machine: Machine, torch: Torch,
+) -> None:  # fmt: skip
     """Raises PlanError for what the machine cannot make of the curves, and where there are none."""
     refusals = [*assigned.refusals, *refuse_settings(assigned.wanted, torch, machine)]
     refusals += refuse_overcuts(assigned.wanted, torch) if torch.settings else ()
     spots: set[TorchProcess] = {"spot"} if assigned.spots else set()
-    refusals += material.refusals({w.process for w in assigned.wanted} | spots)
+    refusals += material.refusals(processes | spots)
     if machine.triggers is not None and machine.triggers.z is not None:
-        refusals += material.unlifted({w.process for w in assigned.wanted}, machine.triggers.z)
+        refusals += material.unlifted(processes, machine.triggers.z)
     if refusals:
         raise PlanError(refusals)
     if not assigned.wanted:

@@ -11,6 +11,7 @@ from pathlib import PurePath
 from typing import TypedDict
 
 from beamcam.errors import Source
+from beamcam.geometry.curves import circle_of
 from beamcam.model.part import Bend, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import AnyPlan, Plan, unfinished
 from beamcam.plain_text import harmless_cell
@@ -99,6 +100,7 @@ def _row(part: Part, feature: Feature, why: str) -> HandRow:
         "path": "", "why": why, "source": _where(feature.source),
         "size": "", "land": 0.0, "length": 0.0,
     }  # fmt: skip
+    is_cut = isinstance(feature, Contour) and feature.process == "cut"
     match feature:
         case TextMark():
             row["kind"], row["text"], row["height"] = "text", feature.text, feature.height
@@ -114,10 +116,13 @@ def _row(part: Part, feature: Feature, why: str) -> HandRow:
             row["angle"] = feature.angle
             size = feature.length + feature.diameter, feature.height + feature.diameter
             row["size"] = f"{size[0]:g} x {size[1]:g}"
+        case Contour() if is_cut and (circle := circle_of(feature.curves)) is not None:
+            row["kind"], row["size"] = "hole", f"{2 * circle[1]:g}"
+            row["x"], row["y"] = circle[0]
         case Contour():
             corners = [feature.curves[0].start, *(curve.end for curve in feature.curves)]
             row["kind"], (row["x"], row["y"]) = "line", corners[0]
-            if feature.process == "cut":
+            if is_cut:
                 row["kind"] = "outline" if feature.kind == "outer" else "cut-out"
             row["path"] = _path(corners)
         case Bend():

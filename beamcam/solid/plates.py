@@ -9,7 +9,7 @@ does one that is asked for mirrored. What may differ follows from the machine's 
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import hypot
+from math import hypot, pi
 from typing import TYPE_CHECKING, Any, cast
 
 from msgspec import Struct
@@ -71,10 +71,10 @@ def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
     thickness = thickness_of(part, torch)
     rows = rows_for(torch, thickness, material_said(part.grade, torch.material))
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
-    whole, slits = _outlines(part, torch)
-    left: list[tuple[Feature, Shape]] = []
     may_lack = torch.drilled != "refuse" or "all" in skips or not {*SKIPS}.isdisjoint(skips)
     least = max(torch.min_hole, torch.min_hole_share * thickness)
+    left: list[tuple[Feature, Shape]] = []
+    whole, slits = _outlines(part, torch, least if may_lack else 0.0, left)
     for feature, shape, width in _holes(part):
         made = feature.kind == "through" and feature.depth is None and width >= least
         if made or not may_lack:
@@ -103,13 +103,17 @@ def _holes(part: Part) -> Iterator[tuple[Hole | Slot, Shape, float]]:
             yield f, slot_shape(f), min(f.length, f.height) + f.diameter
 
 
-def _outlines(part: Part, torch: Torch) -> tuple[Shape, Shape]:
-    """What a part's contours enclose, and its slits."""
+def _outlines(
+    part: Part, torch: Torch, least: float, left: list[tuple[Feature, Shape]]
+) -> tuple[Shape, Shape]:
+    """What a part's contours enclose, and its slits; round openings below `least` are `left`."""
     from shapely import LineString, Polygon, union_all
 
     cut = [c for c in part.contours if c.face in ("v", "h") and _is_cut(c, torch)]
     closed = [c for c in cut if c.closed and c.kind != "open"]
-    shapes = [(shape_of(c.curves), c.kind) for c in closed]
+    shapes: list[tuple[Shape, str, Contour | None]] = [
+        (shape_of(c.curves), c.kind, c) for c in closed
+    ]
     lines = {
         k: LineString(polylines(c.curves, CHORD).points)
         for k, c in enumerate(cut)
@@ -118,15 +122,32 @@ def _outlines(part: Part, torch: Torch) -> tuple[Shape, Shape]:
     faces, slits = _enclosed([lines[k] for k in sorted(lines)], torch.gap)
     drawn = part.measures is not None  # a drawing does not say which side of a contour is steel
     whole: Shape = Polygon()
-    if not drawn and not any(kind == "outer" for _, kind in shapes):
+    if not drawn and not any(kind == "outer" for _, kind, _ in shapes):
         whole = _rectangle(part)
-    shapes += [(face, "outer") for face in faces]
-    for shape, kind in sorted(shapes, key=lambda s: -s[0].area):
-        if kind == "outer" and not (drawn and whole.contains(shape.representative_point())):
+    shapes += [(face, "outer", None) for face in faces]
+    for shape, kind, contour in sorted(shapes, key=lambda s: -s[0].area):
+        if contour is not None and _is_drilled(shape, whole, least, left):
+            if not any(shape.within(other) for _, other in left):
+                left.append((contour, shape))
+        elif kind == "outer" and not (drawn and whole.contains(shape.representative_point())):
             whole = whole.union(shape)
         else:
             whole = whole.difference(shape)
     return whole, union_all(slits)
+
+
+def _is_drilled(
+    shape: Shape, whole: Shape, least: float, left: Sequence[tuple[Feature, Shape]]
+) -> bool:
+    """Whether a contour is a round opening that is smaller than the torch can cut."""
+    x0, y0, x1, y1 = shape.bounds
+    is_round = (
+        abs((x1 - x0) - (y1 - y0)) < 2 * CHORD
+        and abs(shape.area - pi * (x1 - x0) * (y1 - y0) / 4) < CHORD * shape.length
+    )
+    middle = shape.representative_point()
+    is_opening = whole.contains(middle) or any(hole.contains(middle) for _, hole in left)
+    return is_round and x1 - x0 < least and is_opening
 
 
 def _enclosed(lines: list[Shape], gap: float) -> tuple[list[Shape], list[Shape]]:

@@ -16,6 +16,7 @@ from beamcam.pipeline import read_file
 from beamcam.simulate.program import simulate_program
 from beamcam.simulate.trace import Trace
 from tests.browser.conftest import Browser
+from tests.conftest import sampled
 from tests.runs import wait_until
 
 DSTV = Path(__file__).resolve().parents[2] / "samples" / "dstv"
@@ -72,7 +73,7 @@ def scrub(browser: Browser, time: float) -> None:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", JOBS)
+@pytest.mark.parametrize("name", sampled(JOBS, 3))
 def test_a_page_moves_as_the_simulator_says(browser: Browser, folder: Path, name: str) -> None:
     browser.open(folder / f"{name}.html")
     trace = trace_of(folder, name)

@@ -1,7 +1,7 @@
 """The curves of a part to cut and mark, exact, each with its process and its feature."""
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise, product
 from typing import Literal, cast
 
@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
-from beamcam.geometry.plane import Point, join_boxes
+from beamcam.geometry.plane import Point, between, distance, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
@@ -36,8 +36,9 @@ from beamcam.planning.by_hand import (
     refuse_mark,
 )
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.ability import is_drilled, refusal
+from beamcam.planning.contours.ability import is_drilled, min_hole, refusal
 from beamcam.planning.contours.layout import outline_of
+from beamcam.planning.contours.outline import Shape, points_of
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
 
@@ -101,7 +102,7 @@ def assign_processes(
             else:
                 _follow(index, feature, meaning, meanings.key(feature), found)
         elif torch.drilled == "spot" and cast("Hole | Slot", feature).kind == "mark":
-            _spot(cast("Hole | Slot", feature), index, found)
+            _spot(centres_of(cast("Hole | Slot", feature)), [index], found)
         else:
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
@@ -137,7 +138,7 @@ def _is_out(
         hole = cast("Hole | Slot", feature)
         found.listed[index] = DRILL
         if torch.drilled == "spot":
-            _spot(hole, index, found)
+            _spot(centres_of(hole), [index], found)
             return True
         found.wanted += [
             AssignedCurve(curve, "mark", index, feature.source)
@@ -160,10 +161,70 @@ def _is_out(
     return True
 
 
-def _spot(hole: Hole | Slot, index: int, found: Assigned) -> None:
-    """Have the centres of a feature spotted, each place once."""
-    for x, y in centres_of(hole):
-        found.spots.setdefault((round(x, 6), round(y, 6)), []).append(index)
+def drill_small_circles(
+    shapes: Sequence[Shape], part: Part, torch: Torch, skips: Collection[str], found: Assigned
+) -> list[Shape]:
+    """The shapes but for openings of a drawing that are round and too small for the torch.
+
+    They are what such a hole of a part is: their centres are marked for the drill and they are
+    listed, or they are refused, or left out; `found` records it. A circle within one is its
+    countersink or its thread, and goes with it.
+    """
+    thickness = part.profile.web_thickness or torch.thickness or 0.0
+    least = min_hole(torch, thickness)
+    kept, small = list[Shape](), set[int]()
+    for k in sorted(range(len(shapes)), key=lambda k: shapes[k].depth):
+        shape = shapes[k]
+        circle = _circle(shape, torch.tolerance) if shape.closed and shape.features else None
+        if circle is None or circle[1] >= least:
+            continue
+        if shape.process != "cut" or not (shape.is_hole or shape.parent in small):
+            continue
+        small.add(k)
+        centre, diameter = circle
+        said = bar_rules.NO_TOOL.at(
+            shape.source, kind="through", found=f"{diameter:.4g}", face="v",
+            expected=f"at least {least:g} in a sheet of {thickness:g} mm",
+        )  # fmt: skip
+        if torch.drilled != "refuse":
+            found.listed.update(dict.fromkeys(shape.features, DRILL))
+            if torch.drilled == "spot":
+                _spot([centre], shape.features, found)
+            else:
+                kept += (
+                    Shape("mark", (line,), False, shape.features, shape.source)
+                    for line in _cross(centre, torch.cross)
+                )
+        elif "tool" in skips:
+            found.skipped.update(dict.fromkeys(shape.features, said.code))
+        else:
+            found.refusals.append(said)
+    return [*_without(shapes, small), *kept]
+
+
+def _circle(shape: Shape, tolerance: float) -> tuple[Point, float] | None:
+    """Middle and diameter of a contour that is a circle, whatever curves draw it."""
+    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in shape.curves]) or (0.0,) * 4
+    if abs((x1 - x0) - (y1 - y0)) > 2 * tolerance:
+        return None
+    middle, radius = ((x0 + x1) / 2, (y0 + y1) / 2), (x1 - x0 + y1 - y0) / 4
+    corners = points_of([shape.curves], tolerance / 4)[0].tolist()
+    places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
+    off = max(abs(distance(middle, place) - radius) for place in places)
+    return (middle, 2 * radius) if off <= tolerance else None
+
+
+def _without(shapes: Sequence[Shape], some: Collection[int]) -> list[Shape]:
+    """The shapes but for some, each parent by its new index."""
+    left = [k for k in range(len(shapes)) if k not in some]
+    place = {k: number for number, k in enumerate(left)}
+    return [replace(shapes[k], parent=place.get(shapes[k].parent, -1)) for k in left]
+
+
+def _spot(places: Iterable[Point], features: Iterable[int], found: Assigned) -> None:
+    """Have places spotted for features, each place once."""
+    for x, y in places:
+        found.spots.setdefault((round(x, 6), round(y, 6)), []).extend(features)
 
 
 def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:

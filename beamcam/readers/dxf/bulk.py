@@ -19,6 +19,7 @@ from beamcam.readers.dxf.plain import (
     SUBCLASS,
     UNSAID,
     Codes,
+    Says,
     ValuePlaces,
     Values,
     attributes_from,
@@ -149,7 +150,7 @@ class _Taker:
         self.odd = False  #: whether a plain entity is where none is allowed
         self.owners: set[str] = set()
         self._spans: list[tuple[int, int]] = []  #: first row of each run, and the row behind it
-        self._attributes: dict[tuple[str, str, str, str], Attributes] = {}
+        self._attributes: dict[Says, Attributes] = {}
 
     def take(self, entities: Iterable[int]) -> None:
         """Take those of the entities that are plain."""

@@ -8,6 +8,9 @@ Document = Any  #: of ezdxf, which publishes no types that mypy can follow
 
 # Values of group 62. Source: Autodesk DXF reference, "Common group codes for entities".
 BYBLOCK, BYLAYER = 0, 256
+#: Line types without gaps, and those that are another's (group 6), in upper case.
+CONTINUOUS = ("", "CONTINUOUS")
+TYPE_BY_BLOCK, TYPE_BY_LAYER = "BYBLOCK", "BYLAYER"
 
 #: The colour of what says none anywhere: number 7, white on a dark screen.
 WHITE = "#ffffff"
@@ -20,6 +23,7 @@ class Attributes(Struct, frozen=True):
     colour: int = BYLAYER  #: number in AutoCAD's palette, or one of the two above
     true_colour: int | None = None  #: 0xrrggbb
     invisible: bool = False  #: group 60
+    line_type: str = TYPE_BY_LAYER
 
 
 class Look(Struct, frozen=True):
@@ -28,12 +32,14 @@ class Look(Struct, frozen=True):
     layer: str = "0"
     colour: str = WHITE  #: "#rrggbb"
     invisible: bool = False  #: switched off itself (group 60), or in an insert that is
+    line_type: str = ""  #: one with gaps, as a centre line has it; empty for a line without
 
 
 class _Layer(Struct, frozen=True):
     """What a layer gives the entities on it."""
 
     colour: str
+    line_type: str
     hidden: bool  #: off, frozen, not plotting, or Defpoints
 
 
@@ -50,10 +56,14 @@ class Layers(Struct):
     def look(self, said: Attributes, above: Look, inside: bool) -> Look:
         """How what says `said` shows below `above`; `inside` tells whether it stands in a block.
 
-        In a block, layer 0 stands for the layer of the insert, and BYBLOCK for its colour.
+        In a block, layer 0 stands for the layer of the insert, and BYBLOCK for its colour and its
+        line type.
         """
         layer = above.layer if inside and said.layer == "0" else said.layer
-        return Look(layer, self._colour(said, layer, above), above.invisible or said.invisible)
+        return Look(
+            layer, self._colour(said, layer, above), above.invisible or said.invisible,
+            self._line_type(said, layer, above),
+        )  # fmt: skip
 
     def hides(self, look: Look) -> bool:
         """Whether what looks so is not read: off, frozen, not plotting, Defpoints, not chosen."""
@@ -73,12 +83,13 @@ class Layers(Struct):
         """A layer as the table has it; white and visible if an entity names one that it has not."""
         hidden = name.lower() == "defpoints"
         if not self.document.layers.has_entry(name):
-            return _Layer(WHITE, hidden)
+            return _Layer(WHITE, "", hidden)
         layer = self.document.layers.get(name)
         true_colour = layer.dxf.get("true_color")
         number = abs(layer.dxf.get("color", 7))
         return _Layer(
             _hex(true_colour) if true_colour is not None else colour_of_number(number),
+            self._with_gaps(str(layer.dxf.get("linetype", ""))),
             bool(hidden or layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)),
         )
 
@@ -92,13 +103,30 @@ class Layers(Struct):
             return self._layer(layer).colour
         return colour_of_number(number)
 
+    def _line_type(self, said: Attributes, layer: str, above: Look) -> str:
+        name = said.line_type.upper()
+        if name == TYPE_BY_BLOCK:
+            return above.line_type
+        return self._layer(layer).line_type if name == TYPE_BY_LAYER else self._with_gaps(name)
+
+    def _with_gaps(self, name: str) -> str:
+        """A line type if it has gaps, by the table or, where that lacks it, by its name."""
+        if name.upper() in (*CONTINUOUS, TYPE_BY_BLOCK, TYPE_BY_LAYER):
+            return ""
+        table = self.document.linetypes
+        if not table.has_entry(name):
+            return name
+        dashes = [tag for tag in table.get(name).pattern_tags.tags if tag.code == 49]
+        return name if dashes else ""
+
 
 def attributes_of(entity: Any) -> Attributes:
     """Display attributes of an ezdxf entity."""
     dxf = entity.dxf
     return Attributes(
-        dxf.layer, dxf.get("color", BYLAYER), dxf.get("true_color"), bool(dxf.get("invisible", 0))
-    )
+        dxf.layer, dxf.get("color", BYLAYER), dxf.get("true_color"),
+        bool(dxf.get("invisible", 0)), str(dxf.get("linetype", TYPE_BY_LAYER)),
+    )  # fmt: skip
 
 
 def colour_of_number(number: int) -> str:

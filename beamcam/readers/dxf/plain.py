@@ -20,11 +20,13 @@ from typing import Any
 from msgspec import Struct, field
 
 from beamcam.readers.dxf.curves import Vertex
-from beamcam.readers.dxf.layers import BYLAYER, Attributes
+from beamcam.readers.dxf.layers import BYLAYER, TYPE_BY_LAYER, Attributes
 
 Codes = tuple[int, ...]
 Values = tuple[Any, ...]  #: what the function of `curves` for the kind of entity takes
 
+#: Layer, colour, true colour, whether it is hidden, line type.
+Says = tuple[str, str, str, str, str]
 #: The values of an entity, one a row, and `BEYOND` behind them.
 Row = list[str]
 
@@ -58,7 +60,7 @@ class ValuePlaces(Struct, frozen=True):
 
     handle: int
     owner: int
-    attributes: Callable[[Row], tuple[str, str, str, str]]  #: layer, colour, true colour, hidden
+    attributes: Callable[[Row], Says]
     values: Callable[[Row], Values]
     reals: tuple[int, ...]  #: numbers that are not used here, but have to be some
     wholes: tuple[int, ...]
@@ -79,7 +81,9 @@ class ValuePlaces(Struct, frozen=True):
         return self.values(row)
 
 
-def attributes_from(layer: str, colour: str, true_colour: str, invisible: str) -> Attributes:
+def attributes_from(
+    layer: str, colour: str, true_colour: str, invisible: str, line_type: str
+) -> Attributes:
     """Display attributes of an entity, `UNSAID` where it has none.
 
     Raises ValueError where a number is expected and not found.
@@ -89,6 +93,7 @@ def attributes_from(layer: str, colour: str, true_colour: str, invisible: str) -
         BYLAYER if colour == UNSAID else int(colour),
         None if true_colour == UNSAID else int(true_colour),
         invisible != UNSAID and int(invisible) != 0,
+        TYPE_BY_LAYER if line_type == UNSAID else line_type,
     )
 
 
@@ -160,7 +165,7 @@ def plan_of(kind: str, codes: Codes, r12: bool) -> ValuePlaces | None:
     return ValuePlaces(
         rows.first(HANDLE, NOT_SAID),
         owner,
-        itemgetter(*(rows.first(code, NOT_SAID) for code in (8, 62, 420, 60))),
+        itemgetter(*(rows.first(code, NOT_SAID) for code in (8, 62, 420, 60, 6))),
         values,
         tuple(k for k, code in unread if code in _REAL),
         tuple(k for k, code in unread if code in _WHOLE),

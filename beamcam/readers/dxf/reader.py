@@ -74,7 +74,8 @@ def _part(name: str, found: Collected, fit: Sequence[str]) -> tuple[Part, tuple[
     """The part of a drawing, polylines on the layers of `fit` as polynomials; what is said."""
     not_cut = tuple(sorted(found.not_cut.items()))
     lettered = tuple(sorted(found.lettered.items()))
-    measures = Measures((), tuple(found.hidden), not_cut, lettered=lettered)
+    dashed = tuple(found.dashed.values())
+    measures = Measures((), tuple(found.hidden), not_cut, lettered=lettered, dashed=dashed)
     part, fitted = fit_newton(drawing_part(name, tuple(found.contours), measures), fit)
     return replace(part, features=(*part.features, *found.texts)), fitted
 

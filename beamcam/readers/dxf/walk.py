@@ -6,11 +6,13 @@ from math import atan2, cos, degrees, hypot, radians, sin
 from typing import Any
 
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.budget import DEPTH, limits
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.lettering import glyph_of, spelled
+from beamcam.model.drawing import Dashed
 from beamcam.model.part import Contour, TextMark
 from beamcam.readers.drawing import as_contour
 from beamcam.readers.dxf import curves, rules
@@ -202,6 +204,7 @@ class Collected(Struct):
     empty: Counter[str] = field(default_factory=Counter)
     edge_on: Counter[str] = field(default_factory=Counter)
     heights: Heights = field(default_factory=list)
+    dashed: dict[tuple[str, str, str], Dashed] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
 
 
@@ -334,6 +337,10 @@ class Walk(Struct):
             return False
         for chain in chains:
             found.contours.append(as_contour(chain, source, look.layer, look.colour))
+        if chains and look.line_type:
+            key = look.layer, look.colour, look.line_type
+            before = found.dashed.get(key) or Dashed(*key, 0, source)
+            found.dashed[key] = replace(before, count=before.count + len(chains))
         return bool(chains)
 
     def _insert(

@@ -33,7 +33,7 @@ from beamcam.verify.coping import verify_coping
 from beamcam.verify.coping.section import Section
 from beamcam.verify.coping.stock import stock_of
 from beamcam.writers import TARGETS
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, examples
 from tests.random_copes import random_cope
 from tests.rs274 import needs_rs274
 from tests.unit.coping.samples import (
@@ -189,7 +189,7 @@ def test_ends_of_walls_worked_by_hand() -> None:
 
 
 @given(st.floats(-40.0, 40.0), st.floats(-40.0, 40.0), st.floats(-40.0, 40.0))
-@settings(max_examples=50)
+@settings(max_examples=examples(50))
 def test_planner_and_read_back_see_the_same_ends(web: float, flange: float, other: float) -> None:
     part = begun(cuts=EndCuts(web, other, flange, -flange))
     assert COPER.coper is not None
@@ -273,7 +273,7 @@ def test_the_part_falls_out_of_what_both_programs_cut(name: str, tmp_path: Path)
 
 
 @given(st.integers(0, 3000))
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 def test_what_a_saw_leaves_of_a_random_part_is_made_by_the_torch(seed: int) -> None:
     part = random_cope(seed)
     try:

@@ -15,7 +15,7 @@ from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
-from tests.conftest import examples
+from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
 TABLES = ("plate-linuxcnc", "plate-oxyfuel", "plate-codesys", "laser-grbl")
@@ -167,7 +167,7 @@ def mutants(text: str) -> list[str]:
 @pytest.mark.parametrize("values", [
     {}, {"corner_share": 1.0}, {"hole_feed_share": 1.0}, {"corner_distance": 1.0},
 ])  # fmt: skip
-@pytest.mark.parametrize("every", [5, pytest.param(1, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("every", [9, pytest.param(1, marks=pytest.mark.exhaustive)])
 def test_every_wrong_feed_is_refused(every: int, values: dict[str, float]) -> None:
     """And none that leaves the feed of every move as it is."""
     machine = slowed(**values)
@@ -193,7 +193,7 @@ def test_every_wrong_feed_is_refused(every: int, values: dict[str, float]) -> No
     ({"corner_distance": 5.5}, "verify-sheet-feed"),
     ({"corner_angle": 100.0}, "verify-sheet-feed"),
 ])  # fmt: skip
-@pytest.mark.parametrize("name", ["plate-linuxcnc", "plate-codesys"])
+@pytest.mark.parametrize("name", sampled(["plate-linuxcnc", "plate-codesys"], 2))
 def test_a_program_of_other_shares_is_refused(
     name: str, other: dict[str, float], code: str
 ) -> None:

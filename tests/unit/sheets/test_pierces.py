@@ -14,6 +14,7 @@ from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.planning.contours import kerf
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
 WINDOW = drawing(contour(box(0, 0, 200, 100)), contour(box(60, 30, 40, 30), line=2))
@@ -87,7 +88,7 @@ def test_a_wider_pierce_asks_for_more_room() -> None:
         assert (diameter / 2 - dist(place, (50.0, 50.0)) >= 4.0) == room
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(diameter=st.floats(1.52, 8.0), lead_in=st.floats(0.3, 8.0), lead_out=st.floats(0.0, 4.0))
 def test_a_lead_round_the_middle_of_a_hole_is_no_lead(
     diameter: float, lead_in: float, lead_out: float

@@ -178,6 +178,9 @@ TWICE_ROUND = BSpline(3, tuple(OCTAGON[k % 8] for k in range(19)), tuple(range(2
 SPIKED = contour(lines((0, 0), (40, 0), (40, 50), (40, 40), (0, 40)))
 NOTCHED = contour(lines((0, 0), (40, 0), (40, 40), (23, 40), (20, 31), (17, 40), (0, 40)))
 CENTRE = Hole("v", 50, 40, 0.0, S, kind="mark")
+#: A torch that cuts holes of any size.
+ANY_HOLE: dict[str, object] = {"min_hole": 0.0, "min_hole_share": 0.0}
+
 OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((), {}, "plan-sheet-parts", "found 0 parts"),
     ((NESTED, replace(NESTED, grade="S355")), {}, "plan-sheet-mixed", "of 6 mm S355; exp"),
@@ -224,7 +227,7 @@ OTHERS: list[tuple[tuple[Part, ...], dict[str, object], str, str]] = [
     ((drawing(*(contour((c,), line=k) for k, c in enumerate((*box(0, 0, 9, 9), DIAGONAL)))),), {},
      "plan-junction-kerf", "3 curves that meet at x 0.000, y 0.000, with line 3, line 4"),
     ((drawing(SPECK),), {}, "plan-sheet-empty", "1 curves no larger than 0.05 mm"),
-    ((drawing(SQUARE, contour(circle(25, 25, 1.2))),), {}, "plan-kerf", "1.2 x"),
+    ((drawing(SQUARE, contour(circle(25, 25, 1.2))),), ANY_HOLE, "plan-kerf", "1.2 x"),
     ((drawing(SLOTTED),), {}, "plan-narrow", "0.600 mm wide at x 20.300, y 39.998, 19.939 mm of"),
     ((drawing(contour(box(-9, -9, 50, 50)), WAISTED),), {},
      "plan-narrow", "a place 1.000 mm wide at x 10.00"),
@@ -309,7 +312,7 @@ REMARKS: list[tuple[Part, dict[str, object], set[str]]] = [
      {"plan-common-edge"}),
     (drawing(*(contour(box(9.0 * k, 9.0 * k, 10, 10)) for k in range(23))), {"kerf_by": "none"},
      {"plan-crossing-on-line", "plan-crossings-on-line"}),
-    (drawing(SQUARE, contour(circle(25, 25, 4.0))), {}, {"plan-lead"}),
+    (drawing(SQUARE, contour(circle(25, 25, 4.0))), ANY_HOLE, {"plan-lead"}),
     (drawing(NEARLY), {"gap": 0.3}, {"plan-gaps-closed"}),
 ]  # fmt: skip
 

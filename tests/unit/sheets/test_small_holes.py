@@ -15,6 +15,7 @@ from beamcam.machine.faults import torch_faults
 from beamcam.pipeline import post
 from beamcam.planning.contours import kerf
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
 HALF_KERF = 0.75  #: of the row for 6 mm
@@ -89,7 +90,7 @@ def test_a_part_in_the_middle_of_a_hole_leaves_the_usual_lead() -> None:
 @pytest.mark.parametrize(
     "name", ["plate-linuxcnc", "plate-oxyfuel", "plate-codesys", "plate-mach3"]
 )
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(
     diameter=st.one_of(st.floats(1.9, 4.0), st.floats(4.0, 40.0)), over=st.floats(0.0, 9.0),
     usual=st.sampled_from([0.0, 1.5]), widest=st.floats(0.0, 45.0),

@@ -16,6 +16,7 @@ from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import post
 from beamcam.recovery import recover
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import examples
 from tests.unit.sheets.parts import S, plate
 
 SPOTTED = re.compile(r"G0 X(\S+) Y(\S+)\nM3 \$2 S1\nF2300\nG1 X(\S+) Y(\S+)\nM5 \$2\n")
@@ -109,7 +110,7 @@ def test_a_spot_in_the_place_of_a_cross_is_refused() -> None:
         ]  # fmt: skip
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     places=st.lists(st.tuples(st.floats(5, 195), st.floats(5, 95)), max_size=12),
     gap=st.sampled_from([0.01, 0.5]), tolerance=st.sampled_from([0.005, 0.01, 0.1]),

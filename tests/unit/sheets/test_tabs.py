@@ -18,7 +18,7 @@ from beamcam.pipeline import post, whole_job
 from beamcam.planning.contours.direction import stretch
 from beamcam.posts import post_of
 from beamcam.verify.sheets import verify_sheet
-from tests.conftest import examples
+from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
 GRBL = load("laser-grbl")
@@ -200,7 +200,7 @@ def test_what_is_cut_is_no_bridge(lines_cut: tuple[Curve, ...], overcut: float) 
     assert not verify_sheet(text, (part,), machine)
 
 
-@pytest.mark.parametrize("overcut", [0.3, 0.6, 1.0])
+@pytest.mark.parametrize("overcut", sampled([0.6, 0.3, 1.0], 3))
 @pytest.mark.parametrize("tabs", [0, 1, 2])
 @pytest.mark.parametrize("radius", [0.7, 1.1, 3.0])
 def test_overcut_of_a_ring_of_cubics(radius: float, tabs: int, overcut: float) -> None:

@@ -18,7 +18,7 @@ from beamcam.verify.sheets.toolpaths import Toolpaths
 
 from .parts import box, circle, contour, drawing, lines, table
 
-MACHINE = table(kerf=1.2, thickness=3.0)
+MACHINE = table(kerf=1.2, thickness=3.0, min_hole=0.0, min_hole_share=0.0)
 TOLERANCE = 0.02
 
 #: A quarter of a circle as a spline with a weight.
