@@ -24,7 +24,12 @@ from beamcam.verify import rules
 from beamcam.verify.bars.ability import FeatureRef, skippable
 from beamcam.verify.bars.cell import Cell
 from beamcam.verify.bars.compare import Asked, Comparison
-from beamcam.verify.bars.machine_limits import bar_faults, reach_faults, size_faults
+from beamcam.verify.bars.machine_limits import (
+    bar_faults,
+    bore_faults,
+    reach_faults,
+    size_faults,
+)
 from beamcam.verify.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.verify.bars.stations import Choice, choices_of
@@ -157,6 +162,7 @@ def verify(
         large = (
             *size_faults(section, machine, name),
             *reach_faults(alone.made.cuts, section, machine, name),
+            *bore_faults(alone.made, section, machine, name),
         )
         unseen = (rules.UNSEEN.at(Source(name), found=face) for face in alone.unseen)
         grade = [rules.UNKNOWN_STEEL.at(Source(name))] if known.depends_on_grade else []

@@ -19,7 +19,7 @@ from beamcam.model.part import Face, Hole, Part, Profile, Slot
 from beamcam.model.section import walls_beside
 from beamcam.verify import rules as rules
 from beamcam.verify.bars.cuts import End
-from beamcam.verify.bars.machined_features import Cut
+from beamcam.verify.bars.machined_features import Cut, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.pieces import LaidPart
 from beamcam.verify.bars.stations import limits_of
 from beamcam.verify.bars.targets import PLAIN_KINDS, THREADS, Pocket, Round, Target, slot_corners
@@ -116,6 +116,44 @@ def steel_faults(
         )
         if found:
             yield _said(shape, part, found, "steel all round it")
+    for one, other in _overlapping(shapes, machine, step):
+        yield _said(other, part, *_apart(one, other))
+
+
+def bore_faults(
+    made: MachinedFeatures, section: Profile, machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """Holes of a program that have no steel all round, on a section as far as that says it.
+
+    How thick the walls are a program does not say; a hole over the middle of one is in it. Holes
+    that a mill joins are a slot.
+    """
+    step = machine.format.resolution + TANGENT
+    shapes = [
+        Shape(
+            k, bore.face, f"hole of {bore.diameter:g}", ((bore.x, bore.y),),
+            bore.diameter / 2, False,
+            Hole(bore.face, bore.x, bore.y, bore.diameter, Source(name, bore.line)),
+        )
+        for k, bore in enumerate(made.bores) if bore.kind == "drill"
+    ]  # fmt: skip
+    for shape in shapes:
+        found = section.face_width(shape.face) and _beyond_edge(shape, section, step)
+        for wall in walls_beside(section, shape.face):
+            middle = (wall.least + wall.greatest) / 2
+            if abs(shape.centres[0][1] - middle) < shape.radius - step and not found:
+                found = f"over the wall at y {middle:g}"
+        if found:
+            yield _of_bar(shape, found, "steel all round it")
+    for one, other in _overlapping(shapes, machine, step):
+        if not any(_joins(path, (one, other), step) for path in made.paths):
+            yield _of_bar(other, *_apart(one, other))
+
+
+def _overlapping(
+    shapes: Sequence[Shape], machine: Machine, step: float
+) -> Iterator[tuple[Shape, Shape]]:
+    """Holes that meet, of two that are not one work about one middle."""
     near = machine.drill.merge_tolerance if machine.drill else 0.0
     for one, other in _side_by_side(shapes):
         if one.hole is None or other.hole is None:
@@ -124,9 +162,32 @@ def steel_faults(
         if apart < one.radius + other.radius - step and not (
             apart <= near + 1e-9 and _is_one_work(one.hole, other.hole)
         ):
-            found = f"{apart:.3g} mm from the {one.what}"
-            expected = f"at least {one.radius + other.radius:g} mm between their middles"
-            yield _said(other, part, found, expected)
+            yield one, other
+
+
+def _apart(one: Shape, other: Shape) -> tuple[str, str]:
+    """How far two holes are apart, and how far they have to be."""
+    apart = dist(one.centres[0], other.centres[0])
+    expected = f"at least {one.radius + other.radius:g} mm between their middles"
+    return f"{apart:.3g} mm from the {one.what}", expected
+
+
+def _joins(path: MachinedPath, holes: Iterable[Shape], step: float) -> bool:
+    """Whether a path comes by the middles of holes."""
+    return all(
+        hole.face == path.face
+        and min(dist(point, hole.centres[0]) for point in path.points) <= hole.radius + step
+        for hole in holes
+    )
+
+
+def _of_bar(shape: Shape, found: str, expected: str) -> Diagnostic:
+    x, y = shape.centres[0]
+    source = shape.hole.source if shape.hole is not None else Source("")
+    return rules.HOLE_STEEL.at(
+        source, what=shape.what, face=shape.face, mark="the bar", x=f"{x:g}", y=f"{y:g}",
+        found=found, expected=expected,
+    )  # fmt: skip
 
 
 def _side_by_side(shapes: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:

@@ -3,7 +3,9 @@
 The planner's own checks are silenced one by one, and the program goes through the pipeline.
 """
 
+import random
 import re
+from contextlib import suppress
 
 import pytest
 from msgspec.structs import replace
@@ -11,12 +13,15 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError, Severity, VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot
-from beamcam.pipeline import post
+from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning import beam
 from beamcam.planning.operations import hole as hole_kind
 from beamcam.planning.operations import saw_cut, slot
 from beamcam.planning.operations.finished_part import FinishedPart
+from beamcam.readers import read
 from beamcam.verify.bars import verify
+from tests.conftest import GOLDEN, SAMPLES, examples
+from tests.random_bars import random_bar
 from tests.unit.verify.programs import BEAM, PROGRAM, SOURCE
 
 IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
@@ -175,3 +180,36 @@ def test_a_tool_that_nobody_has_is_refused_without_the_parts_too() -> None:
     wrong = PROGRAM.replace("M40 K2 L22", "M40 K2 L22.2")
     said = "found a drill 22.2 chosen; expected a tool that the shop has, the nearest is 22"
     assert [d.message for d in verify(wrong, (), BEAM) if d.code == "verify-no-tool"] == [said]
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (("Z143.6", "Z113.6"), "over the wall at y 75"), (("Z143.6", "Z180"), "beyond the edge"),
+        (("X858.56 Y0 ", "X858.56 Y60 "), "10 mm from the hole of 22"),
+    ],
+)  # fmt: skip
+def test_holes_without_steel_are_refused_without_the_parts_too(
+    edit: tuple[str, str], said: str
+) -> None:
+    text = post(parts_of([read_file(str(SAMPLES / "dstv" / "beam.nc1"))])[0], BEAM).text
+    changed = text.replace(*edit)
+    assert changed != text
+    found = [d for d in verify(changed, (), BEAM) if d.code == "verify-hole-steel"]
+    assert found
+    assert all(said in d.message for d in found)
+
+
+@pytest.mark.parametrize("line", ["beamline", "beamline-annex", "beamline-pusher"])
+def test_no_hole_of_a_sound_program_is_without_steel(line: str) -> None:
+    """Of random bars, each with holes, slots, taps and sinks; and of the golden files."""
+    machine = load(line)
+    texts = [path.read_text() for path in (GOLDEN / line).glob("*.gcode")]
+    for seed in range(examples(40)):
+        bars = random_bar(line, random.Random(f"steel {seed}"))
+        files = [read(bar.file(f"R{n}").encode(), f"R{n}.nc1") for n, bar in enumerate(bars)]
+        with suppress(PlanError):
+            texts.append(post([f.parts[0] for f in files], machine, skips=("all",)).text)
+    assert len(texts) > 10
+    for text in texts:
+        assert "verify-hole-steel" not in {d.code for d in verify(text, (), machine)}
