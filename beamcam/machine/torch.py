@@ -101,6 +101,9 @@ class Torch(Keys, frozen=True):
     #: keys of `colours` that are certain: of others it is asked whether lines with gaps are cuts,
     #: and marks that close are none; names of layers are, and what a job maps itself
     settled: tuple[str, ...] = ()
+    #: at which feed a sheet between two rows is worked: that of the row for thicker ones, or one in
+    #: between
+    between_rows: Literal["row above", "interpolate"] = "row above"
     more_rows: tuple[TorchRow, ...] = ()  #: added to the rows of a base, by their thickness
     settings: Mapping[str, LookSettings] = field(default_factory=dict)  #: by keys of `colours`
     thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to

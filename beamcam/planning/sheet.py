@@ -67,7 +67,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     torch = torch.by(Material(part, torch).row("cut"))
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
     assigned = assign_processes(part, torch, machine, skips)
-    material = Material(part, torch, machine.stepper is not None)
+    material = Material(part, torch)
     _refuse_work(part, assigned, {w.process for w in assigned.wanted}, material, machine, torch)
     remarks = [*material.remarks, *assigned.remarks]
     curves = CurveTable([w.curve for w in assigned.wanted])

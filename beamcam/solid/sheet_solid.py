@@ -231,14 +231,25 @@ def _path(moves: Sequence[HeadMove]) -> list[tuple[float, float]]:
 def rows_for(torch: Torch, thickness: float, material: str) -> list[TorchRow]:
     """The rows of the cut chart for a sheet: of each process the first that is thick enough.
 
-    With the speeds and powers of colours and layers as rows of their own.
+    Their feed is that for the sheet. The speeds and powers of colours and layers are rows of their
+    own.
     """
+    import numpy as np
     from msgspec.structs import replace
 
     rows: dict[str, TorchRow] = {}
     for row in torch.rows:
         if thickness <= row.up_to and is_row_for(row.material, material):
             rows.setdefault(row.process, row)
+    if torch.between_rows == "interpolate":
+        for process, row in rows.items():
+            chart = {
+                r.up_to: r.feed_mm_min for r in torch.rows
+                if r.process == process
+                and (r.material, r.amps, r.nozzle) == (row.material, row.amps, row.nozzle)
+            }  # fmt: skip
+            feed = float(np.interp(thickness, sorted(chart), [chart[k] for k in sorted(chart)]))
+            rows[process] = replace(row, feed_mm_min=feed)
     more = [
         replace(
             rows[torch.colours[key]],

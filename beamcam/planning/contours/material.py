@@ -18,23 +18,27 @@ def is_same(material: str, grade: str) -> bool:
     return material_of(material) == material_of(grade)
 
 
-def speed_between(torch: Torch, process: TorchProcess, material: str, thickness: float) -> float:
-    """Speed in mm/min of a table of steps, linear between the rows of the machine's table.
+def between_rows(torch: Torch, row: TorchRow, thickness: float) -> TorchRow:
+    """A row as a sheet is worked with it: at its own feed, or at one between two rows.
 
-    A row's speed holds at its maximum thickness; below the thinnest row it is that row's.
-    Raises ValueError where no row fits.
+    Where the machine's file interpolates, the feed lies on a straight line between the rows of the
+    chart that differ in nothing but their thickness; below the thinnest it is that row's.
     """
+    if torch.between_rows == "row above":
+        return row
     import numpy as np
 
-    rows = sorted(
-        (row.up_to, row.feed_mm_min)
-        for row in torch.rows
-        if row.process == process and is_row_for(row.material, material)
+    chart = sorted(
+        (other.up_to, other.feed_mm_min)
+        for other in torch.rows
+        if _chart_of(other) == _chart_of(row)
     )
-    if not rows or not 0.0 < thickness <= rows[-1][0]:
-        raise ValueError(f"no speed to {process} {thickness:g} mm of {material}")
-    limits, feeds = zip(*rows, strict=True)
-    return float(np.interp(thickness, limits, feeds))
+    limits, feeds = zip(*chart, strict=True)
+    return replace(row, feed_mm_min=float(np.interp(thickness, limits, feeds)))
+
+
+def _chart_of(row: TorchRow) -> tuple[object, ...]:
+    return row.process, row.material, row.amps, row.nozzle
 
 
 def _shipped_torches() -> Iterator[tuple[str, Torch]]:
@@ -46,14 +50,13 @@ def _shipped_torches() -> Iterator[tuple[str, Torch]]:
 class Material:
     """Material and thickness of a sheet, and the machine's row for each process on it."""
 
-    def __init__(self, part: Part, torch: Torch, is_stepped: bool = False) -> None:
+    def __init__(self, part: Part, torch: Torch) -> None:
         own = part.profile.web_thickness
         said = torch.thickness if own is None else own
         self.is_known = said is not None
         self.thickness = said or 0.0
         self.material = material_said(part.grade, torch.material)
         self._torch = torch
-        self._is_stepped = is_stepped  #: speeds lie between those of two rows
         self._source = part.source
         self._rows: dict[TorchProcess, TorchRow | None] = {}
         self.remarks: tuple[Diagnostic, ...] = ()
@@ -68,10 +71,7 @@ class Material:
             row = next(filter(self._fits, self._rows_of(process)), None)
             if row is None and process == "spot" and (cut := self.row("cut")) is not None:
                 row = cut.spotting()
-            if row is not None and self._is_stepped:
-                speed = speed_between(self._torch, process, self.material, self.thickness)
-                row = replace(row, feed_mm_min=speed)
-            self._rows[process] = row
+            self._rows[process] = row and between_rows(self._torch, row, self.thickness)
         return self._rows[process]
 
     def row_for(self, process: TorchProcess, look: str) -> TorchRow | None:

@@ -2,14 +2,12 @@
 
 from typing import NamedTuple
 
-import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.machine.materials import is_row_for
-from beamcam.machine.torch import Torch, TorchProcess, TorchRow
+from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
-from beamcam.verify.sheets.need import rows_of, rows_on, thickness_of
+from beamcam.verify.sheets.need import rows_of, rows_on
 
 
 class ProcessData(Struct, frozen=True):
@@ -54,22 +52,8 @@ class Observed(NamedTuple):
 
 
 def with_speeds(part: Part, torch: Torch) -> Torch:
-    """The table with the speed of each process on the part's sheet, and with no other sheet's rows.
-
-    Between the rows of a table speeds lie on a straight line; below the thinnest it is that row's.
-    """
-    return replace(torch, rows=tuple(_between(row, part, torch) for row in rows_on(part, torch)))
-
-
-def _between(row: TorchRow, part: Part, torch: Torch) -> TorchRow:
-    material = part.grade or torch.material
-    known = sorted(
-        (other.up_to, other.feed_mm_min)
-        for other in torch.rows
-        if other.process == row.process and is_row_for(other.material, material)
-    )
-    up_to, feeds = zip(*known, strict=True)
-    return replace(row, feed_mm_min=float(np.interp(thickness_of(part, torch), up_to, feeds)))
+    """The table with the rows for the part's sheet, and with no other sheet's."""
+    return replace(torch, rows=tuple(rows_on(part, torch)))
 
 
 def process_data(part: Part, torch: Torch) -> dict[TorchProcess, ProcessData]:

@@ -12,19 +12,25 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.emitters import step_table as forms
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Counts
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Part
+from beamcam.machine.torch import Torch
+from beamcam.model.part import Part, Profile
 from beamcam.model.program import StepRows, StepTable
+from beamcam.model.request import Request
 from beamcam.motion import step_events, steps
 from beamcam.motion.step_events import BACK, FORWARD, MOVE_BITS, MOVES, TIME_BIT, events
 from beamcam.motion.steps import Way
-from beamcam.planning.contours.material import speed_between
+from beamcam.pipeline import post, read_back
+from beamcam.planning.contours.material import Material
+from beamcam.solid.sheet_solid import rows_for
+from beamcam.verify.sheets.need import rows_on
 from beamcam.verify.steps import verify_table
 from tests.conftest import examples
 from tests.path_samples import positions
+from tests.unit.sheets.parts import box, contour, drawing
 
 from .shop import NAMES, part, plan
 
@@ -151,7 +157,7 @@ def test_velocities_add_up_and_follow_their_formula() -> None:
     rows = list(made.stretches())
     assert (sum(s.steps_x for s in rows), sum(s.steps_y for s in rows)) == (0, 0)
     cut = [s for s in rows if s.laser]
-    expected = speed_between(TORCH, "cut", "acrylic", 4.0) / 60
+    expected = feed_of(TORCH, 4.0) / 60
     assert all(abs(hypot(s.velocity_x, s.velocity_y) - expected) < 1e-9 for s in cut)
     for s in rows:
         assert s.hz_x == pytest.approx(abs(s.velocity_x) / 2.0 * 200)
@@ -187,20 +193,54 @@ def test_a_long_wait_is_spread_over_rows_of_the_same_words() -> None:
     assert int((packed.astype(np.int64) >> 5).sum()) == long
 
 
+def feed_of(torch: Torch, thickness: float, material: str = "acrylic") -> float:
+    """By planner and checker, each by itself."""
+    part = Part("P", Profile("B", "", 9.0, 0.0, 0.0, thickness), 9.0, Source("p"), grade=material)
+    row = Material(part, torch).row("cut")
+    assert row is not None
+    assert {r.feed_mm_min for r in rows_on(part, torch) if r.process == "cut"} == {row.feed_mm_min}
+    assert row.feed_mm_min == rows_for(torch, thickness, material)[0].feed_mm_min
+    return row.feed_mm_min
+
+
 @pytest.mark.parametrize(
     ("thickness", "material", "expected"),
     [(1.0, "acrylic", 25.0), (2.0, "acrylic", 25.0), (3.0, "acrylic", 1100 / 60),
      (8.0, "acrylic", 4.0), (6.0, "Wood", 10.0)],
 )  # fmt: skip
 def test_speed_lies_between_the_rows(thickness: float, material: str, expected: float) -> None:
-    found = speed_between(TORCH, "cut", material, thickness)
-    assert found / 60 == pytest.approx(expected)
+    assert feed_of(TORCH, thickness, material) / 60 == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    "name", ["laser-stepper", "laser-grbl", "table-simotion", "plate-linuxcnc"]
+)
+def test_every_motion_has_one_rule_between_the_rows(name: str) -> None:
+    """3 mm between rows for 2 and 4 mm; what is posted is read back, and by the other rule not."""
+    machine = load(name)
+    assert machine.torch is not None
+    cut = next(row for row in machine.torch.rows if row.process == "cut")
+    others = tuple(row for row in machine.torch.rows if row.process != "cut")
+    thin, thick = (replace(cut, up_to=t, feed_mm_min=f) for t, f in ((2.0, 1500.0), (4.0, 700.0)))
+    part = drawing(contour(box(0, 0, 60, 40)), thickness=3.0, grade="")
+    for rule, feed in (("row above", 700.0), ("interpolate", 1100.0)):
+        torch = replace(
+            machine.torch, rows=(thin, thick, *others), between_rows=rule, material=cut.material
+        )
+        other = replace(torch, between_rows="row above" if rule != "row above" else "interpolate")
+        assert feed_of(torch, 3.0, cut.material) == feed
+        made = replace(machine, torch=torch)
+        text = post((part,), made).text
+        request = Request((part,), made)
+        assert not errors_in(read_back(text, request))
+        assert errors_in(read_back(text, replace(request, machine=replace(machine, torch=other))))
 
 
 @pytest.mark.parametrize(("thickness", "material"), [(8.1, "acrylic"), (0.0, "wood"), (2.0, "tin")])
 def test_no_speed_beyond_the_rows(thickness: float, material: str) -> None:
-    with pytest.raises(ValueError, match="no speed to cut"):
-        speed_between(TORCH, "cut", material, thickness)
+    part = Part("P", Profile("B", "", 9.0, 0.0, 0.0, thickness), 9.0, Source("p"), grade=material)
+    assert Material(part, TORCH).row("cut") is None
+    assert not [row for row in rows_on(part, TORCH) if row.process == "cut"]
 
 
 def changed(pattern: str, put: str, count: int = 1) -> str:
