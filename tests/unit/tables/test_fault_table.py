@@ -243,7 +243,7 @@ def costs(number: int, what: str) -> tuple[Cost, ...]:
     return harmful
 
 
-@pytest.mark.parametrize("row", sampled(ROWS, 2), ids=lambda row: row.what)
+@pytest.mark.parametrize("row", sampled(ROWS, 3), ids=lambda row: row.what)
 def test_the_torch_is_off_within_two_cycles(row: Row) -> None:
     found = costs(row.number, row.what)
     t = table_machine().triggers
