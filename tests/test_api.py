@@ -23,7 +23,7 @@ from beamcam.cli import main
 from beamcam.errors import BeamcamError, MachineError, PlanError, ReadError
 from beamcam.machine import load
 from beamcam.pipeline import RefusedProgram
-from tests.conftest import ROOT, SAMPLES
+from tests.conftest import ROOT, SAMPLES, sampled
 from tests.runs import BAD, part
 
 CHANNEL = SAMPLES / "dstv" / "channel.nc1"
@@ -98,7 +98,7 @@ ORDERS = (
 )
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", sampled(ORDERS, 2))
 def test_verify_is_a_function_whatever_was_imported_before(order: str) -> None:
     code = (
         f"{order}\nimport beamcam\n"

@@ -10,7 +10,7 @@ from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, sampled
 from tests.qtplasmac import filtered, needs_filter
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.sheets.parts import NESTED
@@ -41,7 +41,7 @@ def moves(text: str) -> list[str]:
 
 
 @needs_filter
-@pytest.mark.parametrize("sample", PLATES)
+@pytest.mark.parametrize("sample", sampled(PLATES, 2))
 def test_the_filter_of_the_controller_takes_every_line(sample: str, tmp_path: Path) -> None:
     program = posted(sample, tmp_path)
     before = program.read_text()
@@ -134,7 +134,7 @@ MUTANTS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("old", "new", "code"), MUTANTS)
+@pytest.mark.parametrize(("old", "new", "code"), sampled(MUTANTS, 2))
 def test_what_differs_from_the_row_is_refused(old: str, new: str, code: str) -> None:
     machine = load("plate-qtplasmac")
     text = post((NESTED,), machine).text

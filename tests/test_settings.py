@@ -11,7 +11,7 @@ from msgspec import Struct
 from beamcam.batch import Here, Shop
 from beamcam.cli import main
 from beamcam.config.values import ConfigFile
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, sampled
 from tests.runs import BAD, part
 
 #: Two pairs of flange holes, 0.2 and 0.4 mm apart: how many are one depends on the tolerance.
@@ -152,7 +152,8 @@ def configure(command: str, text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "command"), [(key, command) for key, case in CASES.items() for command in case.commands]
+    ("key", "command"),
+    sampled([(key, command) for key, case in CASES.items() for command in case.commands], 2),
 )
 def test_each_place_goes_over_the_next(shop: Path, key: str, command: str) -> None:
     case = CASES[key]
@@ -175,7 +176,7 @@ def test_each_place_goes_over_the_next(shop: Path, key: str, command: str) -> No
 
 
 @pytest.mark.parametrize(
-    ("key", "command"), [(key, c) for key, row in REFUSALS.items() for c in row[-1]]
+    ("key", "command"), sampled([(key, c) for key, row in REFUSALS.items() for c in row[-1]], 2)
 )
 def test_what_is_refused_is_settled_the_same_way(shop: Path, key: str, command: str) -> None:
     name, takes, refuses, taking, refusing, _ = REFUSALS[key]

@@ -291,7 +291,7 @@ def test_on_paper_it_lies_on_its_side_without_the_playback(
     assert {box[2:] for box in boxes} <= {wanted, (wanted[0], wanted[1] - 1)}
 
 
-@pytest.mark.parametrize("name", JOBS)
+@pytest.mark.parametrize("name", sampled(JOBS, 2))
 def test_a_phone_shows_it_without_scrolling_sideways(
     browser: Browser, folder: Path, name: str
 ) -> None:

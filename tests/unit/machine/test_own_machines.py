@@ -15,7 +15,7 @@ from beamcam.machine.keys import machine_keys, starting_file
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.names import machine_folders, own_machines, resolved
 from beamcam.machine.words import WORD_NAMES
-from tests.conftest import ROOT, SAMPLES
+from tests.conftest import ROOT, SAMPLES, sampled
 from tests.runs import batch, counts, fill
 
 TOOL_WORDS = {"drill", "tap", "countersink", "punch"} | {
@@ -82,7 +82,7 @@ def test_new_writes_a_machine_that_is_known_by_name(shop: Path) -> None:
     assert call("post", "in/P000.nc1", "-o", "-").stdout == Path("out/P000.gcode").read_text()
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", sampled(shipped(), 2))
 def test_show_prints_keys_only_and_the_checksum_last(name: str) -> None:
     rows = list(json.loads(call("machines", "show", name, "--json").stdout))
     keys = [key.name for key in machine_keys()]

@@ -10,6 +10,7 @@ from click.testing import CliRunner
 from beamcam.cli import main
 from beamcam.report.run import Counts, PartRow, Row
 from beamcam.report.run_page import Extra, as_html
+from tests.conftest import sampled
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 
@@ -70,7 +71,7 @@ def test_a_row_links_to_its_sheet_and_shows_a_picture() -> None:
     assert re.findall(r'(?:src|href)="([^"]*)"', text) == ["data:,", "r.sheets/A%20b.gcode.html"]
 
 
-@pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.parametrize("jobs", sampled(["2", "1"], 2))
 def test_a_batch_has_a_sheet_for_each_program(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: str
 ) -> None:

@@ -23,7 +23,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.verify.sheets.hatch import hatch_faults
 from beamcam.verify.sheets.need import need_of
-from tests.conftest import SAMPLES, examples
+from tests.conftest import SAMPLES, examples, sampled
 from tests.test_grbl_rules import faults
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 
@@ -97,7 +97,7 @@ LINES: dict[str, tuple[Callable[[Line], list[Line]], str]] = {
 
 
 @pytest.mark.parametrize("one_way", [False, True])
-@pytest.mark.parametrize("fault", LINES)
+@pytest.mark.parametrize("fault", sampled(LINES, 2))
 def test_a_line_that_is_none_of_the_hatch_is_refused(fault: str, one_way: bool) -> None:
     machine = asked(one_way=one_way)
     text = post((PART,), machine).text

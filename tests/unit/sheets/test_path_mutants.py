@@ -9,6 +9,7 @@ from beamcam.geometry.curves import Curve
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import verify_sheet
+from tests.conftest import sampled
 from tests.unit.sheets.notches import Notch
 from tests.unit.sheets.parts import contour, drawing, lines, table
 from tests.unit.sheets.test_touching import STAIRS, code
@@ -46,7 +47,7 @@ def moved(text: str, x: float, y: float) -> str:
     return re.sub(r"X(\S+) Y(\S+)", aside, text)
 
 
-@pytest.mark.parametrize("name", DRAWINGS)
+@pytest.mark.parametrize("name", sampled(DRAWINGS, 2))
 def test_a_path_that_is_off_is_refused(name: str) -> None:
     part = DRAWINGS[name]
     text = post((part,), MACHINE).text
@@ -58,7 +59,7 @@ def test_a_path_that_is_off_is_refused(name: str) -> None:
         assert errors_in(verify_sheet(program, (part,), MACHINE)), k
 
 
-@pytest.mark.parametrize("name", DRAWINGS)
+@pytest.mark.parametrize("name", sampled(DRAWINGS, 2))
 def test_a_path_that_leaves_out_a_corner_is_refused(name: str) -> None:
     """Each move in its turn is left out, so that the next one runs straight through what it
     went round."""

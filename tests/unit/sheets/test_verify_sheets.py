@@ -13,6 +13,7 @@ from beamcam.machine import Machine
 from beamcam.model.part import Bend, Hole, Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets import grid, rules, verify_sheet
+from tests.conftest import sampled
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
 
 KAPPA = 0.5522847498307936
@@ -227,7 +228,7 @@ MUTANTS: list[tuple[str, dict[str, object], Change, str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "values", "change", "code"), MUTANTS)
+@pytest.mark.parametrize(("name", "values", "change", "code"), sampled(MUTANTS, 2))
 def test_mutants(name: str, values: dict[str, object], change: Change, code: str) -> None:
     machine = table(name, **values)
     text = post((NESTED,), machine).text

@@ -8,6 +8,7 @@ import shapely
 from beamcam.emitters import simotion
 from beamcam.machine.runtime import runtime_of
 from beamcam.verify.st import verify_triggers
+from tests.conftest import sampled
 
 from .deeds import close, mend
 from .plant import (
@@ -37,7 +38,7 @@ def program(name: str, style: str) -> str:
 
 
 @pytest.mark.parametrize("style", STYLES)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", sampled(NAMES, 2))
 def test_every_sample_makes_its_part(name: str, style: str) -> None:
     text = program(name, style)
     machine = plain_machine()

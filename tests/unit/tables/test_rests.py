@@ -10,6 +10,7 @@ from beamcam.model.part import Part
 from beamcam.motion.steps import step_table
 from beamcam.planning.sheet import plan_sheet
 from beamcam.verify.steps import verify_table
+from tests.conftest import sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing
 
 PART = drawing(contour(circle(30, 20, 16)), contour(box(5, 5, 60, 30)), thickness=8.0)
@@ -36,7 +37,9 @@ def codes(data: bytes, part: Part) -> set[str]:
     return {said.code for said in verify_table(".steps", (data,), [part], machine, (), "a")}
 
 
-@pytest.mark.parametrize(("thickness", "ms"), [(8.0, 5.0), (8.0, 8.0), (4.0, 5.0), (2.0, 5.0)])
+@pytest.mark.parametrize(
+    ("thickness", "ms"), sampled([(8.0, 5.0), (8.0, 8.0), (4.0, 5.0), (2.0, 5.0)], 2)
+)
 def test_a_rest_at_a_steady_speed_is_refused(thickness: float, ms: float) -> None:
     lines, part = written(thickness)
     assert codes(rested(lines, len(lines) - 1, 0.0), part) == set()

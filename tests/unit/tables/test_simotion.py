@@ -25,6 +25,7 @@ from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
 from beamcam.verify.st import verify_triggers
 from beamcam.verify.st.execution import Execution
+from tests.conftest import sampled
 from tests.unit.sheets.parts import circle, contour, drawing
 
 from .plant import DONE, Plant, units_of
@@ -40,7 +41,7 @@ def codes(text: str, name: str = "shield", machine: Machine | None = None) -> se
 
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize("path_objects", [False, True])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", sampled(NAMES, 2))
 def test_every_sample_makes_its_part(name: str, path_objects: bool, style: str) -> None:
     machine = table_machine(path_objects=path_objects)
     text = program(name, style, machine)
@@ -245,7 +246,7 @@ CHAIN_MUTANTS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("find", "put", "code"), CHAIN_MUTANTS)
+@pytest.mark.parametrize(("find", "put", "code"), sampled(CHAIN_MUTANTS, 2))
 def test_a_mutant_of_a_chain_is_caught(find: str, put: str, code: str) -> None:
     text = program("shield", "chain")
     changed = re.sub(find, put, text, count=1)
