@@ -76,6 +76,25 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
         pytest.skip(f"no third-party files in {THIRD_PARTY} (BEAMCAM_THIRD_PARTY)")
 
 
+#: Where tests try one thing in many cases that are alike: laws, mutants, samples on each machine.
+ALIKE = tuple(
+    f"tests/{f}/" for f in ("property", "unit/coping", "unit/sheets", "unit/solid", "unit/tables")
+)
+MANY = 6  #: cases of a test, from which on every other one is tried, and the others exhaustively
+
+
+@pytest.hookimpl(tryfirst=True)  # before those that are marked are taken out
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    cases: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        if item.nodeid.startswith(ALIKE) and not item.get_closest_marker("exhaustive"):
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for some in cases.values():
+        if len(some) >= MANY:
+            for item in some[1::2]:
+                item.add_marker(pytest.mark.exhaustive)
+
+
 class Golden:
     """Compares a text with a golden file, or writes it under `--update-golden`."""
 

@@ -141,7 +141,7 @@ def test_a_name_that_was_taken_since_is_not_unchanged(tmp_path: Path) -> None:
         (tmp_path / "in" / folder).mkdir(parents=True)
     (tmp_path / "in" / "B" / "M.nc1").write_text(part("M"))
     assert counts(batch(tmp_path / "in", "-o", tmp_path / "out", "--flat")) == (1, 0, 0, 0)
-    (tmp_path / "in" / "A" / "M.nc1").write_text(part("M", 3000.0))
+    (tmp_path / "in" / "A" / "M.nc1").write_text(part("N", 3000.0))
     assert counts(batch(tmp_path / "in", "-o", tmp_path / "out", "--flat")) == (1, 0, 1, 0)
 
 

@@ -409,12 +409,25 @@ def test_a_mark_of_an_order_is_one_part_in_every_batch(tmp_path: Path) -> None:
         done = run("batch", folder, "-o", out, "--json")
         assert done.exit_code == 1
         found = {Path(row["file"]).name: row for row in json.loads(done.stdout)["files"]}
-        assert {name for name, row in found.items() if row["status"] == "refused"} == {"other.nc1"}
-        (said,) = (m for m in found["other.nc1"]["messages"] if m["severity"] == "error")
-        assert said["code"] == "list-mark-twice"
-        assert "channel.nc1" in said["message"]
-        assert "other.gcode" not in heads(out), again
+        refused = {name for name, row in found.items() if row["status"] == "refused"}
+        assert refused == {"channel.nc1", "copy.nc1", "other.nc1"}, again
+        for name in refused:
+            (said,) = (m for m in found[name]["messages"] if m["severity"] == "error")
+            assert said["code"] == "list-mark-twice"
+            assert ("channel.nc1" if name == "other.nc1" else "other.nc1") in said["message"]
+        assert {*heads(out)} == {"phase.gcode", "tie.gcode"}
     assert run("batch", folder, "-o", tmp_path / "2", "--mark-from", "file").exit_code == 0
+
+
+def test_what_differs_under_one_mark_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    """The first of both would stand in the shop's folder when the second is met."""
+    folder, out = order(tmp_path / "in", "channel"), tmp_path / "out"
+    text = (folder / "channel.nc1").read_text()
+    (folder / "zz.nc1").write_text("** a comment\n" + text.replace("3000.00", "2990.00"))
+    assert run("batch", folder, "-o", out).exit_code == 1
+    assert heads(out) == {}
+    (folder / "zz.nc1").unlink()
+    assert run("batch", folder, "-o", out).exit_code == 0
 
 
 def test_a_file_with_two_parts_of_one_mark_is_refused(

@@ -30,10 +30,13 @@ from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
+from beamcam.readers.dstv.header import said_of_part
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.report.run import PartRow, Row, Status, as_message
 from beamcam.system import can_sync_all
 
+DSTV_SUFFIXES = (".nc", ".nc1")
+HEAD_BYTES = 4096  #: in which a DSTV file says its order and mark
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
 
@@ -144,8 +147,10 @@ class Run:
         self._marks = {} if marks is None else marks
         self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
+        self._mixed: dict[str, Diagnostic] = {}  #: inputs that differ under one mark, and why
 
     def rows(self) -> Iterator[Row]:
+        self._mixed = self._mixed_marks()
         while not self._asked:
             fed = self._feed()
             while self._slots and self._slots[0].is_done and not self._asked:
@@ -192,6 +197,9 @@ class Run:
         found = self._inputs[index]
         slot = Slot(index, found)
         self._slots.append(slot)
+        if found.path in self._mixed:
+            slot.row = refused_row(found.path, as_message(self._mixed[found.path]))
+            return None
         data = read_input(found.path)
         if isinstance(data, Diagnostic):
             slot.row = refused_row(found.path, as_message(data))
@@ -260,6 +268,33 @@ class Run:
         if row["status"] in ("refused", "failed") and not row["parts"]:
             self._warn_of_older(slot, row)
         return row
+
+    def _mixed_marks(self) -> dict[str, Diagnostic]:
+        """The DSTV files that differ from another one under their mark, before any is posted.
+
+        The first lines of each tell which to compare. What says its mark elsewhere is refused where
+        the second is met.
+        """
+        met: dict[MarkKey, list[str]] = {}
+        for one in self._inputs:
+            if self._asked:
+                return {}
+            # A pipe would wait for what somebody writes.
+            if not one.path.lower().endswith(DSTV_SUFFIXES) or not os.path.isfile(one.path):
+                continue
+            with suppress(OSError), open(one.path, "rb") as file:
+                order, drawing, phase, mark = said_of_part(file.read(HEAD_BYTES))
+                stem = os.path.splitext(os.path.basename(one.path))[0]
+                said = {"drawing": drawing, "file": stem, "position": phase}
+                mark = said.get(self._shop.mark_from) or mark
+                if mark:
+                    met.setdefault((order, phase, mark), []).append(one.path)
+        found: dict[str, Diagnostic] = {}
+        for paths in met.values():
+            parts = [part for path in paths if len(paths) > 1 for part in self._parts_of(path)]
+            for said_of in (*other_content(parts), *other_content(parts[::-1])):
+                found.setdefault(said_of.source.file, said_of)
+        return found
 
     def _refuse_mixed(self, row: Row) -> None:
         """Refuse a row if a part of it differs from one of the same mark and order before.

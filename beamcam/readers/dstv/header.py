@@ -38,6 +38,15 @@ NUMBER_NAMES = (
 LIMITS = (" of at least 0", f" between -{ALONG_DEG:g} and {ALONG_DEG:g}")  #: of sizes, of angles
 
 
+def said_of_part(begin: bytes) -> tuple[str, str, str, str]:
+    """Order, drawing, phase and mark by the first lines of a file, empty where it has none."""
+    lines = [line.strip() for line in begin.decode("latin-1").splitlines()]
+    lines = [line for line in lines if not line.startswith("**")]
+    at = lines.index("ST") + 1 if "ST" in lines else len(lines)
+    order, drawing, phase, mark = [*lines[at : at + 4], "", "", "", ""][:4]
+    return order, drawing, phase, mark
+
+
 class HeaderLines(Struct):
     """The header as text: its values by position, their lines, and its comments."""
 
