@@ -21,7 +21,11 @@ CONTOUR = error("plan-contour",
     "found contour {found} to begin with; expected the number of a contour to cut from 2 to "
     "{expected}, as `beamcam plan` counts",
     "Contour 1 begins the whole program, and marks are made before the first cut.")  # fmt: skip
-RULES = (CONTOUR,)
+LINKED = error("plan-contour-linked",
+    "found contour {found}, which the torch goes on to from the one before; expected {expected}, "
+    "where it pierces",
+    "A chain of parts is cut in one go, and begins with its first part.")  # fmt: skip
+RULES = (CONTOUR, LINKED)
 
 
 def rest_of_sheet(posted: Posted, first: int) -> Posted:
@@ -36,6 +40,9 @@ def rest_of_sheet(posted: Posted, first: int) -> Posted:
     count = len(plan.operations)
     if not 2 <= first <= count or plan.operations[first - 1].row.process != "cut":
         raise PlanError(CONTOUR.at(job.parts[0].source, found=first, expected=count))
+    if plan.operations[first - 1].is_linked:
+        pierced = [k for k, op in enumerate(plan.operations[:first], 1) if not op.is_linked]
+        raise PlanError(LINKED.at(job.parts[0].source, found=first, expected=pierced[-1]))
     left = replace(plan, operations=plan.operations[first - 1 :])
     rest = sheet_program(left, job.machine, job.request.name)
     start, *work = rest.commands

@@ -91,6 +91,7 @@ class SheetOptions(TypedDict, total=False):
     copies: tuple[int, int]
     spacing: float
     common_cuts: bool
+    chain_cuts: float
     skeleton_cuts: bool
     sheet_size: tuple[float, float]
     unrolled: bool

@@ -308,7 +308,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
         "colours", "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead",
         "lead_in", "lead_out", "tabs", "tab_width",
         "inner_tabs", "overcut", "gap", "allow_open", "place", "origin", "mirror", "rotate",
-        "copies", "spacing", "common_cuts", "skeleton_cuts", "sheet_size", "unrolled",
+        "copies", "spacing", "common_cuts", "chain_cuts", "skeleton_cuts", "sheet_size", "unrolled",
     ),
     "How the work is done": (
         "jobs", "scheduler", "redo", "dry", "settle", "end_wait", "every", "encoder", "modbus",

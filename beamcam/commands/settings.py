@@ -35,7 +35,8 @@ SHEET_OPTIONS = (
     "thickness", "material", "amps", "nozzle", "kerf", "kerf_by", "lead", "lead_in",
     "lead_out", "tabs", "tab_width", "inner_tabs", "overcut", "gap", "allow_open", "place",
     "origin", "mirror",
-    "rotate", "copies", "spacing", "common_cuts", "skeleton_cuts", "sheet_size", "unrolled",
+    "rotate", "copies", "spacing", "common_cuts", "chain_cuts", "skeleton_cuts", "sheet_size",
+    "unrolled",
 )  # fmt: skip
 
 

@@ -130,6 +130,8 @@ torch_options = group(
     click.option("--spacing", type=Number(least=0), help="Between two copies, mm."),
     click.option("--common-cuts/--no-common-cuts", default=None,
                  help="Lay parts a kerf apart and cut shared straight edges once."),
+    click.option("--chain-cuts", type=Number(least=0), metavar="MM",
+                 help="Longest way from one part to the next with the torch on; 0 pierces each."),
     click.option("--skeleton-cuts/--no-skeleton-cuts", default=None,
                  help="Cut what is left of the sheet between the rows of parts."),
     click.option("--sheet", "sheet_size", callback=_size, metavar="LxW",

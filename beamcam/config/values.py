@@ -58,6 +58,7 @@ class Sheet(Keys, frozen=True):
     copies: tuple[PositiveCount, PositiveCount] | None = None
     spacing: NotNegative | None = None
     common_cuts: bool | None = None
+    chain_cuts: NotNegative | None = None  #: mm, the longest way between two parts, the torch on
     skeleton_cuts: bool | None = None
     sheet_size: tuple[Positive, Positive] | None = None  #: length and width of a sheet, mm
     unrolled: bool | None = None  #: whether pipes that are written as plates are cut flat

@@ -110,6 +110,13 @@ def _check(machine: Machine, changed: Torch) -> None:
     """Raise ValueError where a machine cannot do what a job asks of its torch."""
     if changed.kerf_by == "machine" and not machine.words.left:
         raise ValueError(f"{machine.name} has no words to keep beside a contour; use offset")
+    if changed.chain_cuts and machine.controller in TABLE_CONTROLLERS:
+        raise ValueError(f"{machine.name} begins each contour by itself; leave chain cuts out")
+    if changed.chain_cuts and changed.kerf_by != "offset":
+        raise ValueError(
+            f"chain cuts on {machine.name}, whose kerf is kept off by {changed.kerf_by}; expected "
+            "it by offset, which knows where the torch goes"
+        )
     if changed.lead != "none" and not changed.lead_in:
         raise ValueError(f"{machine.name} has no length of a lead-in; give one by --lead-in")
     if changed.origin != "table" and machine.controller in TABLE_CONTROLLERS:

@@ -151,6 +151,9 @@ class Torch(Keys, frozen=True):
     spacing: NotNegative = 10.0  #: between the boxes of parts or copies that share a sheet
     #: whether parts and copies lie a kerf apart instead: straight edges side by side are cut once
     common_cuts: bool = False
+    #: mm, the longest way from the outline of one part to that of the next with the torch on; 0:
+    #: each is pierced
+    chain_cuts: NotNegative = 0.0
     #: whether what is left of a sheet of several parts is cut between their rows, last of all
     skeleton_cuts: bool = False
     cross: NotNegative = 0.0  #: size of the cross that marks a centre; 0 marks none

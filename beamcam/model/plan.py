@@ -199,6 +199,7 @@ class ContourOp(Struct, frozen=True, gc=False):
     features: tuple[FeatureRef, ...]
     source: Source
     feed_share: float = 1.0  #: of the row's feed, all along it
+    is_linked: bool = False  #: whether its lead-in comes from the contour before, the tool on
 
     @property
     def is_hatch(self) -> bool:

@@ -6,7 +6,7 @@ Where the controller has words for parabolas and ellipses those are kept exact.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import dist, hypot
 from typing import NamedTuple
 
@@ -75,6 +75,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
     cuts = next((op.row for op in plan.operations if op.row.process == "cut"), None)
     closes = bool(machine.words.close)
     tool: TorchProcess = "cut"
+    goes_on = {id(one) for one, then in pairwise(plan.operations) if then.is_linked}
     for run in _runs(plan.operations, machine):
         row = run[0].row
         if row.process != tool:
@@ -93,7 +94,7 @@ def sheet_program(plan: SheetPlan, machine: Machine, job: str) -> Program:
         for one in op.passes:
             whole = op.closed and op.row.process == "cut" and len(op.passes) == op.row.passes
             closing = one.curves[-1].end if closes and whole and one.again else None
-            commands += _pass(op, next(paths), pen, closing)
+            commands += _pass(op, next(paths), pen, closing, id(op) in goes_on)
     if tool != "cut":
         commands.append(ChooseTool("cut"))
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
@@ -140,16 +141,22 @@ def _hatch(run: Sequence[ContourOp], paths: Iterator[Path], pen: "Pen") -> Itera
         yield ToolOff(row.process) if number == len(passes) - 1 else PassEnd()
 
 
-def _pass(op: ContourOp, path: Path, pen: "Pen", closing: Point | None) -> Iterator[Command]:
-    """A pass, at whose closing point the arc goes out if there is one."""
+def _pass(
+    op: ContourOp, path: Path, pen: "Pen", closing: Point | None, goes_on: bool
+) -> Iterator[Command]:
+    """A pass, at whose closing point the arc goes out if there is one.
+
+    One that is linked begins with the tool on, and one that `goes_on` leaves it so.
+    """
     row = op.row
-    yield Traverse(*path.moves.start)
-    if op.side != "on":
-        yield Compensate(op.side, op.kerf)
-    yield ToolOn(
-        row.process, row.feed_mm_min, row.power, row.pierce_s, op.source, row.pierce_height,
-        row.cut_height, row.preheat_s, row.amps, row.volts, row.number,
-    )  # fmt: skip
+    if not op.is_linked:
+        yield Traverse(*path.moves.start)
+        if op.side != "on":
+            yield Compensate(op.side, op.kerf)
+        yield ToolOn(
+            row.process, row.feed_mm_min, row.power, row.pierce_s, op.source, row.pierce_height,
+            row.cut_height, row.preheat_s, row.amps, row.volts, row.number,
+        )  # fmt: skip
     fed = list(_fed(op, path, pen.limits))
     if closing is not None:
         places = [k for k, one in enumerate(fed) if isinstance(one, Movement)]
@@ -159,7 +166,7 @@ def _pass(op: ContourOp, path: Path, pen: "Pen", closing: Point | None) -> Itera
         if last < places[-1]:
             fed.insert(last + 1, CloseCut())
     yield from fed
-    yield ToolOff(row.process)
+    yield PassEnd() if goes_on else ToolOff(row.process)
     if op.side != "on":
         yield Compensate("on", 0.0)
 

@@ -321,19 +321,17 @@ def _paths(
             yield Polyline(f"speed-{colours[moving[a]]} by-{process}", points, line=line)
 
 
-def lead_moves(
-    trace: Trace, first: int, last: int, near: float
-) -> tuple[tuple[int, int], tuple[int, int]] | None:
-    """The intervals before and behind the closed contour of a stroke; None where none closes."""
+def lead_moves(trace: Trace, first: int, last: int, near: float) -> list[tuple[int, int]]:
+    """The intervals of a stroke before, between and behind the contours that close in it."""
     points = trace.positions[first : last + 1, :2].tolist()
     moves = [k for k in range(last - first) if points[k] != points[k + 1]]
     if not moves or len(moves) > MAX_RINGS:
-        return None
+        return []
     ring = ring_of([Line(tuple(points[k]), tuple(points[k + 1])) for k in moves], near, near)
     if ring is None:
-        return None
-    begin, end = first + moves[ring[0]], first + moves[ring[1] - 1] + 1
-    return (first, begin), (end, last)
+        return []
+    around = (first, first + moves[ring[0]]), (first + moves[ring[1] - 1] + 1, last)
+    return [leads for a, b in around for leads in lead_moves(trace, a, b, near) or [(a, b)]]
 
 
 def _leads(
@@ -342,7 +340,7 @@ def _leads(
     for first, last, process in strokes:
         if process in ("mark", "engrave", "spot"):
             continue  # a letter may begin beside a ring, as a 9 does
-        for a, b in lead_moves(trace, first, last, 0.02) or ():
+        for a, b in lead_moves(trace, first, last, 0.02):
             points = _drawn(trace, a, b, frame) if b > a else ()
             if len(points) > 1:
                 yield Polyline("lead", points, line=int(trace.line[a]))

@@ -24,6 +24,7 @@ from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
 from beamcam.verify.sheets import verify_sheet
+from beamcam.verify.sheets.chains import unchained
 from beamcam.verify.sheets.need import rows_of
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
 
@@ -85,6 +86,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     told += more
     if errors_in(told):
         return Recovered((), tuple(told))
+    strokes, _ = unchained(strokes, torch, machine.format.resolution)
     paths = _paths(strokes, torch, ROUNDED * machine.format.resolution, name)
     spots = [
         Hole("v", *p.curves[0].start, 0.0, p.source, kind="mark")

@@ -10,12 +10,14 @@ from typing import Literal
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, errors_in
+from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.model.lengths import total_length
 from beamcam.model.plan import SKELETON, ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
+from beamcam.planning.contours.chain import chained
 from beamcam.planning.contours.direction import begun, is_turned, reversed_chain
 from beamcam.planning.contours.entry import entries
 from beamcam.planning.contours.kerf import NO_LEADS, Lead, common_cuts, compensated, leads_of
@@ -52,12 +54,17 @@ def operations_of(
     ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch, share)
     said += common
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, kerfs, torch)]
+    rows = [material.row_for(shape.process, shape.look) for shape, _ in ways]
+    ways, links = chained(ways, rows, torch, fence or ready)
     if torch.kerf_by == "machine":
         led, more = _by_machine(ways, torch, fence or ready)
     else:
         led, more = _by_offset(ways, material, torch, fence or ready)
     said += more
-    found = [_operation(shape, kerf, material, torch, lead) for (shape, kerf, lead) in led]
+    found = [
+        _operation(shape, kerf, material, torch, lead, links.get(k), k + 1 in links)
+        for k, (shape, kerf, lead) in enumerate(led)
+    ]
     if torch.tabs:
         short = sum(
             len(op.passes) != (torch.tabs + 1) * op.row.passes
@@ -66,7 +73,8 @@ def operations_of(
         )
         if short:
             said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
-    if short_over := [shape for shape, kerf, _ in led if is_shortened(shape, kerf, torch)]:
+    ends = [way for k, way in enumerate(led) if k + 1 not in links]
+    if short_over := [shape for shape, kerf, _ in ends if is_shortened(shape, kerf, torch)]:
         asked = overcut_length(short_over[0], torch)
         said.append(
             rules.OVERCUT.at(short_over[0].source, count=len(short_over), found=f"{asked:g}")
@@ -114,7 +122,10 @@ def _in_order(
     """
     here: Point = (0.0, 0.0)
     fixed = [is_one_way(s, torch) or s.process == "spot" for s in shapes]
-    for index, turned in order(shapes, ranks=[rank(s, torch) for s in shapes], fixed=fixed):
+    # The outlines of a chain follow one another when all that lies in them is cut.
+    last = [bool(torch.chain_cuts) and s.process == "cut" and s.depth == 0 for s in shapes]
+    ranks = [2 * rank(s, torch) + is_last for s, is_last in zip(shapes, last, strict=True)]
+    for index, turned in order(shapes, ranks=ranks, fixed=fixed):
         shape = shapes[index]
         if shape.closed:
             if shape.process == "cut" and is_turned(shape.area, shape.is_hole, torch):
@@ -131,9 +142,15 @@ def _in_order(
 
 
 def _operation(
-    shape: Shape, kerf: float, material: Material, torch: Torch, lead: Lead
-) -> ContourOp:
-    """The operation of one contour, with as many bridges as there is room for."""
+    shape: Shape, kerf: float, material: Material, torch: Torch, lead: Lead, link: Line | None,
+    goes_on: bool,
+) -> ContourOp:  # fmt: skip
+    """The operation of one contour, with as many bridges as there is room for.
+
+    A `link` leads to it from the contour before with the torch on; one that `goes_on` to the next
+    has no way off.
+    """
+    lead = (link,) if link else lead[0], () if goes_on else lead[1]
     row = material.row_for(shape.process, shape.look)
     if row is None:
         raise AssertionError("a process without a row was let through")
@@ -142,7 +159,8 @@ def _operation(
     if torch.kerf_by == "machine" and kerf:
         side = "left" if waste_side(shape.area, shape.is_hole) > 0 else "right"
     last = len(stretches) - 1
-    beyond = (*overcut(shape, kerf, torch), *lead[1]) if side == "on" else lead[1]
+    over = () if goes_on else overcut(shape, kerf, torch)
+    beyond = (*over, *lead[1]) if side == "on" else lead[1]
     again = len(beyond) - len(lead[1]) if side == "on" else len(beyond)
     passes = tuple(
         [
@@ -159,7 +177,7 @@ def _operation(
     features = tuple([(0, f) for f in shape.features if f != OUTLINE])
     return ContourOp(
         row, passes, shape.closed, shape.depth, side, kerf, features, shape.source,
-        row.hole_feed_share if shape.is_small else 1.0,
+        row.hole_feed_share if shape.is_small else 1.0, link is not None,
     )  # fmt: skip
 
 

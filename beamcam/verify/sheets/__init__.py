@@ -29,6 +29,7 @@ def verify_sheet(
     comes back for a program that makes exactly the part. Raises TypeError for a machine without a
     torch.
     """
+    from beamcam.verify.sheets.chains import link_faults, unchained
     from beamcam.verify.sheets.compare import compare_part
     from beamcam.verify.sheets.controller_state import as_one
     from beamcam.verify.sheets.heights import height_faults
@@ -61,6 +62,9 @@ def verify_sheet(
         return tuple(said)
     strokes = passes_folded(strokes, rows)
     need = need_of(part, machine, torch, skips)
-    strokes = told_apart(strokes, need, torch, shift_of(need, torch))
+    shift = shift_of(need, torch)
+    strokes = told_apart(strokes, need, torch, shift)
+    strokes, links = unchained(strokes, torch, machine.format.resolution)
+    said += link_faults(links, strokes, need, torch, shift, name)
     said += compare_part(strokes, need, part, machine, torch, name)
-    return tuple(with_contours(said, done.moves, need, shift_of(need, torch), torch.tolerance / 8))
+    return tuple(with_contours(said, done.moves, need, shift, torch.tolerance / 8))

@@ -104,7 +104,15 @@ ALONG = 33  #: corners of the line that stands for a lead
 def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Strokes round a contour that pierce too near to one although there is room for a lead."""
     row = work.asked.rows.get(work.process)
-    rings = [t for t in traced if t.half_kerf and t.ring and not t.joined and t.bridge_to is None]
+    rings = [
+        t
+        for t in traced
+        if t.half_kerf
+        and t.ring
+        and not t.joined
+        and t.bridge_to is None
+        and not t.stroke.is_linked
+    ]
     if row is None or not rings or not row.pierce_radius:
         return []
     points, begins = work.need.outlines(work.fine)

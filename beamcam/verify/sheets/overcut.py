@@ -187,6 +187,8 @@ def asked_overcut(work: Work, t: Traced, found: float, most: float = inf) -> flo
     nearer to what was found.
     """
     torch = work.torch
+    if t.stroke.goes_on:
+        return 0.0  # the torch goes on to the next part where the contour closes
     if any(own.overcut is not None for own in torch.settings.values()):
         _, way = work.need.nearest_to(work.path.starts[t.first])
         own = torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut

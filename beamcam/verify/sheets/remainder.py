@@ -18,6 +18,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.asked_layout import as_asked
+from beamcam.verify.sheets.chains import unchained
 from beamcam.verify.sheets.controller_state import as_one
 from beamcam.verify.sheets.need import need_of, rows_of, shift_of
 from beamcam.verify.sheets.order import passes_folded
@@ -90,6 +91,7 @@ def _contour_lines(
     """The line at which the tool is started for each contour, ascending."""
     torch = machine.needed(machine.torch, "torch")
     folded = passes_folded(strokes, rows_of(part, torch))
+    folded, _ = unchained(folded, torch, machine.format.resolution)
     need = need_of(part, machine, torch, skips)
     lines: list[int] = []
     for process in dict.fromkeys(s.process for s in folded.each):

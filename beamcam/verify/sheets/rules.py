@@ -132,6 +132,10 @@ PIERCE = error("verify-sheet-pierce",
     "found the sheet pierced at X {x}, Y {y}, {found} mm from the contour of {contour}; expected "
     "at least {expected} mm, as there is room for a lead of {lead} mm",
     "Piercing burns a wider hole than the cut; it would take a bite out of the edge.")
+LINK = error("verify-sheet-link",
+    "found a way with the torch on from X {x0}, Y {y0} to X {x1}, Y {y1}, {found}",
+    "From one part to the next the torch stays on in waste alone, and no farther than `chain_cuts` "
+    "says; over an open cut its arc goes out.")
 ORDER = error("verify-sheet-order",
     "found {found} after {before}; expected it before",
     "Once a part is cut free it may tilt, and nothing on it comes out right any more.")
@@ -169,6 +173,6 @@ RULES = (
     *SHEET_RULES, OTHER_SHEET, LAID, FEED, HOLE_FEED, HOLE_LEAD, SPOT, RAMP, HEIGHT, THC, OUTPUT,
     DARK, MATERIAL, CORNER, TOOL, RAPID, IDLE, AREA, RADIUS, MISSING, EXTRA, TWICE, SIDE, BAND,
     COMPENSATION, DIRECTION, OPEN, RESTART, NO_CONTOUR, REST, EDGE, FRAME, OVERSCAN, TABS,
-    TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY,
+    TAB_WIDTH, TAB_PLACE, OVERCUT, LEAD, PIERCE, LINK, ORDER, SETTINGS, TURN, HATCH, HATCH_WAY,
     NOT_MADE, CROWDED,
 )  # fmt: skip

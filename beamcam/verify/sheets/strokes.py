@@ -63,6 +63,8 @@ class HeadStroke(Struct):
     alike: tuple[TorchRow, ...] = ()  #: rows that its words and its feed stand for as well
     overscan: tuple[float, float] = (0.0, 0.0)  #: mm dark before and behind, in its direction
     in_hole: bool | None = None  #: whether its feed is that of a small hole; None: of either
+    is_linked: bool = False  #: whether the tool is on already as it begins, by a chain of parts
+    goes_on: bool = False  #: whether the tool stays on as it ends
 
     @property
     def process(self) -> TorchProcess:
