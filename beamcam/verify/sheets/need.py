@@ -173,7 +173,7 @@ def _leave_small_openings(
     region = region_of(need.toolpaths("cut", fine), features, torch.gap, fine)
     found: dict[int, tuple[Point, float]] = {}
     for number, polygon in enumerate(region.polygons):
-        circle = _circle(polygon, torch.tolerance)
+        circle = _circle(polygon, [ways[k] for k, _ in region.rings[number]], torch.tolerance)
         if circle is not None and circle[1] < least:
             found[number] = circle
     areas = shapely.area(region.polygons)
@@ -215,13 +215,19 @@ def _is_below(curve: Curve, least: float) -> bool:
     return max(x1 - x0, y1 - y0) < least
 
 
-def _circle(polygon: "Polygon", tolerance: float) -> tuple[Point, float] | None:
-    """Middle and diameter of an outline that is a circle, whatever curves draw it."""
+def _circle(
+    polygon: "Polygon", curves: Sequence[Curve], tolerance: float
+) -> tuple[Point, float] | None:
+    """Middle and diameter of an outline that is a circle, whatever curves draw it.
+
+    By the curves, as the chords of a circle are within it.
+    """
     corners = np.asarray(polygon.exterior.coords)
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    if abs(np.subtract(*(high - low))) > 2 * tolerance:
+    x0, y0, x1, y1 = extent(curves) or (0.0, 0.0, 0.0, 0.0)
+    across, along = x1 - x0, y1 - y0
+    if abs(across - along) > 2 * tolerance:
         return None
-    middle, radius = (low + high) / 2, float((high - low).sum()) / 4
+    middle, radius = np.array([x0 + x1, y0 + y1]) / 2, (across + along) / 4
     places = np.concatenate((corners, (corners[1:] + corners[:-1]) / 2))
     if np.abs(np.hypot(*(places - middle).T) - radius).max() > tolerance:
         return None

@@ -368,6 +368,8 @@ def test_every_rule_has_a_case() -> None:
         # tests/unit/sheets/test_heights.py, test_outputs.py, tests/test_qtplasmac.py
         "verify-sheet-height", "verify-sheet-thc", "verify-sheet-output", "verify-sheet-material",
         "verify-sheet-dark",
+        # tests/unit/sheets/test_chains.py
+        "verify-sheet-link",
     }  # fmt: skip
     assert {rule.code for rule in rules.RULES} == shown
 
