@@ -78,8 +78,12 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 #: Where tests try one thing in many cases that are alike: laws, mutants, samples on each machine.
 ALIKE = tuple(
-    f"tests/{f}/" for f in ("property", "unit/coping", "unit/sheets", "unit/solid", "unit/tables")
-)
+    f"tests/{f}" for f in (
+        "browser/", "property/", "unit/coping/", "unit/setup_sheet/", "unit/sheets/",
+        "unit/simulate/", "unit/solid/", "unit/tables/", "unit/verify/test_text_assignment",
+        "test_qtplasmac", "test_schemas", "test_settings", "test_systems",
+    )
+)  # fmt: skip
 MANY = 6  #: cases of a test, from which on every other one is tried, and the others exhaustively
 
 

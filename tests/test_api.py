@@ -128,6 +128,7 @@ def test_names() -> None:
         beamcam.nothing  # type: ignore[attr-defined]  # noqa: B018
 
 
+@pytest.mark.exhaustive
 def test_it_is_typed(tmp_path: Path) -> None:
     """A caller's mistakes are found by mypy, and the examples of the documentation have none."""
     source = tmp_path / "use.py"

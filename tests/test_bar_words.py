@@ -32,7 +32,7 @@ ROWS = codes.all_owners()["beam", "codesys"]
 ABSURD = (-1.0, 0.0, 1e6)
 WEB = PROFILES[0].face_depth("v")
 #: Of so many blocks of each state one is tried on each line; the exhaustive tests try more.
-FEW = {"beamline": 4, "beamline-annex": 4, "beamline-pusher": 16}
+FEW = {"beamline": 5, "beamline-annex": 6, "beamline-pusher": 20}
 MANY = {"beamline": 1, "beamline-annex": 1, "beamline-pusher": 2}
 
 

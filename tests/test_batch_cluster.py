@@ -210,6 +210,7 @@ def test_no_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: st
     assert "error batch-scheduler: found no cluster that works at" in result.stderr
 
 
+@pytest.mark.exhaustive
 def test_the_cluster_of_the_configuration(tmp_path: Path) -> None:
     fill(tmp_path / "in", 1)
     config = tmp_path / "in" / "beamcam.toml"

@@ -348,6 +348,7 @@ def test_thousands_of_copies_are_refused_before_they_are_compared(
     assert "error plan-copies: found one curve 2000 times, and " in said.printed
 
 
+@pytest.mark.exhaustive
 def test_a_contour_on_itself_many_times_over_is_refused_in_time(tmp_path: Path) -> None:
     """Exact noding of such a ring takes minutes."""
     sides: list[dict[str, object]] = [
@@ -364,6 +365,7 @@ def test_a_contour_on_itself_many_times_over_is_refused_in_time(tmp_path: Path) 
     assert "error plan-" in said.printed
 
 
+@pytest.mark.exhaustive
 def test_a_hole_beyond_all_measure_beside_a_text_takes_no_memory(tmp_path: Path) -> None:
     text = (SAMPLES / "dstv" / "lettered.nc1").read_text()
     path = tmp_path / "a.nc1"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from beamcam.interrupts import asked_to_end, interrupts_waiting
-from tests.conftest import ROOT
+from tests.conftest import ROOT, sampled
 from tests.runs import HANG_S, children, fill, part, processor_s, wait_until
 
 FILES = 4000
@@ -77,7 +77,8 @@ sys.meta_path.insert(0, Counting)
 
 
 @pytest.mark.parametrize(
-    ("command", "at"), [(command, at) for command, each in AT_IMPORTS.items() for at in each]
+    ("command", "at"),
+    sampled([(command, at) for command, each in AT_IMPORTS.items() for at in each], 2),
 )
 def test_a_command_that_is_being_loaded(command: str, at: int, shop: Path, tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(INTERRUPTS_ITSELF)
@@ -164,7 +165,7 @@ def test_a_command_that_waits(command: str, shop: Path, tmp_path: Path) -> None:
     assert "Traceback" not in said
 
 
-@pytest.mark.parametrize("command", WORKING)
+@pytest.mark.parametrize("command", sampled(WORKING, 2))
 def test_a_command_at_work(command: str, shop: Path, tmp_path: Path) -> None:
     status, said = ended(command, shop, tmp_path / "messages.txt", is_at_work)
     assert status == 130, said

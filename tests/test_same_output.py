@@ -100,6 +100,7 @@ def drawn(folder: Path, **environment: str) -> dict[str, bytes]:
     return {call.split()[-1]: (folder / call.split()[-1]).read_bytes() for call in PICTURES}
 
 
+@pytest.mark.exhaustive
 def test_pictures_and_pages(tmp_path: Path) -> None:
     one = drawn(tmp_path / "one", PYTHONHASHSEED="1", TZ="UTC")
     other = drawn(tmp_path / "another", PYTHONHASHSEED="2", LC_ALL="de_DE.UTF-8", TZ="Asia/Tokyo")

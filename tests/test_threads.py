@@ -51,6 +51,7 @@ def outcome(asked: tuple[str, bytes, str]) -> tuple[object, ...]:
         return (error.diagnostics,)
 
 
+@pytest.mark.exhaustive
 def test_eight_threads_post_what_one_posts(hasty: None) -> None:
     asked = inputs()
     with ThreadPoolExecutor(THREADS) as pool:

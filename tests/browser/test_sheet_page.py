@@ -73,7 +73,7 @@ def scrub(browser: Browser, time: float) -> None:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", sampled(JOBS, 3))
+@pytest.mark.parametrize("name", sampled(JOBS, 4))
 def test_a_page_moves_as_the_simulator_says(browser: Browser, folder: Path, name: str) -> None:
     browser.open(folder / f"{name}.html")
     trace = trace_of(folder, name)

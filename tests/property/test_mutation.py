@@ -78,7 +78,7 @@ def test_what_a_smaller_machine_cannot_run_is_refused(programs: list[Case]) -> N
 
 def test_faults_of_tables_are_refused() -> None:
     """Of each class: order, state, limits, leads, direction, heights, what is switched."""
-    result = faults_of_tables(1, 29)
+    result = faults_of_tables(1, 37)
     assert result.missed == []
     classes = {kind.split(" ")[0] for kind in result.made}
     assert classes == {*sheet_faults.BY_CLASS, "direction"}
