@@ -108,6 +108,7 @@ def test_letters_of_axes_are_explained_too(tmp_path: Path) -> None:
     assert done.exit_code == 1
     (line,) = [line for line in done.stderr.splitlines() if "does not know" in line]
     assert 'found Z, which beamcam does not know; expected codes.Z = "none"' in line
+    assert 'or torch.z = "program", where the program moves the torch up and down' in line
 
 
 @pytest.mark.parametrize("code", ["G92", "G52", "G10", "G28"])

@@ -13,9 +13,10 @@ from typing import Any, TypeVar
 from msgspec import Struct
 from msgspec.structs import astuple, fields, replace
 
-from beamcam.controllers import table_events
+from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import (
     Acceleration,
+    BarEvent,
     Blending,
     Compensation,
     FeedShare,
@@ -352,7 +353,7 @@ def _key(curve: Curve, dx: float, dy: float) -> tuple[object, ...]:
 
 # --- statements -----------------------------------------------------------------------------------
 
-# Statements of a cutting table's program, independent of how they are written.
+# Statements of a program for a cutting table or a coper, independent of how they are written.
 #
 # G-code is compared by what its interpreter makes of it, so that block numbers, spacing, comments
 # and modal words that are left out count for nothing. Trigger programs and step tables are compared
@@ -417,6 +418,9 @@ def statements(name: str, text: str, machine: Machine) -> tuple[list[str], tuple
         return [" ".join(line.split()) for line in lines if line.strip()], ()
     if machine.controller == "stepper":
         return [line.strip() for line in text.splitlines() if line.strip()[:1] not in ("", "#")], ()
+    if machine.stock == "profile":
+        around, said = cell_events(text, machine, name)
+        return list(_turned(around, machine.format.length_decimals)), errors_in(said)
     events, said = table_events(text, machine, name)
     return list(_sentences(events, machine.format.length_decimals)), errors_in(said)
 
@@ -461,6 +465,23 @@ def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
                 yield f"places of tool {number}"
             case Material(values=values):
                 yield " ".join(["material", *(f"{k} {v:g}" for k, v in values.items())])
+
+
+def _turned(events: Sequence[BarEvent], decimals: int) -> Iterator[str]:
+    """The statements of a program that goes round a profile."""
+    for event in events:
+        match event:
+            case Move(rapid=rapid, end=end, feed_mm_min=feed, minutes=minutes, a_deg=(_, turn)):
+                to = " ".join(
+                    f"{n} {_number(v, decimals)}" for n, v in zip("XYZ", end, strict=True)
+                )
+                by = f" in {60 * minutes:.3f} s" if minutes else f" at {feed:g} mm/min"
+                around = "" if isnan(turn) else f" A {turn:.3f}"
+                yield f"{'rapid' if rapid else 'line'} to {to}{around}{'' if rapid else by}"
+            case Switch():
+                yield str(event)
+            case Pause(seconds=seconds):
+                yield f"pause of {seconds:g} s"
 
 
 def _number(value: float, decimals: int) -> str:

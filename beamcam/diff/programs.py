@@ -5,7 +5,6 @@ from typing import NamedTuple
 from beamcam.diff.differ import diff_programs, diff_statements, statements
 from beamcam.diff.pairing import Difference
 from beamcam.errors import Diagnostic
-from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 
 
@@ -20,10 +19,9 @@ class ProgramText(NamedTuple):
 def diff_texts(
     a: ProgramText, b: ProgramText
 ) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
-    """What program B makes otherwise than A, both for bars or both for sheets; and what is wrong
+    """What program B makes otherwise than A, both for bars, sheets or profiles; and what is wrong
     with the blocks of either, at its own file and line."""
-    refuse_coper(a.machine, "diff")
-    if a.machine.stock == "sheet":
+    if a.machine.stock in ("sheet", "profile"):
         (first, said), (second, more) = (statements(*one) for one in (a, b))
         return diff_statements(first, second, a.machine.format.length_decimals), (*said, *more)
     from beamcam.verify.bars import run

@@ -146,6 +146,8 @@ class _Words:
         expected = f'codes.{key} = "none" in the machine file, if it neither moves nor switches'
         if self._is_table and word[0] == "M":
             expected += ', or what it does, such as "thc off"'
+        if self._is_table and word == "Z":
+            expected += ', or torch.z = "program", where the program moves the torch up and down'
         if word in SHIFTS:
             expected = "none, it shifts the places of all that follows"
         shown = f"{word} {key.removeprefix(word)}".strip()

@@ -100,7 +100,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("words", [
-    ("diff", "{}", "{}"), ("recover", "{}", "-o", "{}.nc1"),
+    ("diff", "{}", "{}", "-o", "{}.svg"), ("recover", "{}", "-o", "{}.nc1"),
 ])  # fmt: skip
 def test_commands_that_do_not_know_copers_say_so(words: tuple[str, ...], program: Path) -> None:
     asked = [word.replace("{}", str(program)) for word in words]

@@ -166,3 +166,26 @@ def test_what_a_torch_does_otherwise_is_told(
     result = run("diff", GOLDEN / name / file, tmp_path / file, "--machine", name)
     assert result.exit_code == 1
     assert told in result.stdout, result.stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "said"),
+    [
+        ("coper-linuxcnc/coped", "G1 X450 ", "G1 X451 ", "became line to X 451.0000"),
+        ("coper-linuxcnc/coped", "M5\n", "", "M5, only in A"),
+        ("coper-linuxcnc/coped", "A-90", "A-89", "A -90.000 to -89.000"),
+    ],
+)  # fmt: skip
+def test_what_goes_round_a_profile_is_compared(
+    tmp_path: Path, name: str, old: str, new: str, said: str
+) -> None:
+    path = GOLDEN / f"{name}.ngc"
+    text = path.read_text()
+    assert old in text
+    other = tmp_path / "b.ngc"
+    other.write_text(re.sub(r"(?m)^\(.*\)\n", "", text))
+    assert run("diff", path, other, "--machine", "coper-linuxcnc").exit_code == 0
+    other.write_text(text.replace(old, new, 1))
+    done = run("diff", path, other)
+    assert done.exit_code == 1
+    assert said in done.stdout
