@@ -25,6 +25,7 @@ Way = tuple[Shape, float]  #: with the kerf that is kept off
 
 #: mm along a contour within which a link goes to the end of a curve instead.
 AT_CORNER = 0.2
+STRAIGHT = 1e-9  #: sine between two lines that were one
 NEAR = 0.01  #: mm that a link may be nearer to a part, by the chords that stand for curves
 CLEAR_SHARE = 0.25  #: of a link behind each of its ends, that may lie in the cut there
 
@@ -128,16 +129,27 @@ def _begun_at(way: Way, place: Point) -> Way:
     import shapely
 
     shape, kerf = way
-    (line,) = ways([shape.curves], NEAR / 4)
-    lengths = [curve.length for curve in shape.curves]
+    whole = _undivided(shape.curves)
+    (line,) = ways([whole], NEAR / 4)
+    lengths = [curve.length for curve in whole]
     total = sum(lengths)
     at = shapely.line_locate_point(line, shapely.Point(place)) / line.length * total
     corners = [0.0, *accumulate(lengths)]
     corner = min(corners, key=lambda c: abs(c - at))
     if abs(corner - at) <= AT_CORNER:
         k = corners.index(corner) % len(lengths)
-        return replace(shape, curves=(*shape.curves[k:], *shape.curves[:k])), kerf
-    return replace(shape, curves=_from(shape.curves, lengths, at, total)), kerf
+        return replace(shape, curves=(*whole[k:], *whole[:k])), kerf
+    return replace(shape, curves=_from(whole, lengths, at, total)), kerf
+
+
+def _undivided(curves: Curves) -> Curves:
+    """A closed path whose line is whole again, if it was divided where the path began."""
+    last, first = curves[-1], curves[0]
+    if len(curves) > 2 and isinstance(last, Line) and isinstance(first, Line):
+        (ax, ay), (bx, by) = last.tangent(1.0), first.tangent(0.0)
+        if ax * bx + ay * by > 0.0 and abs(ax * by - ay * bx) < STRAIGHT:
+            return (*curves[1:-1], Line(last.start, first.end))
+    return curves
 
 
 def _from(curves: Curves, lengths: Sequence[float], at: float, total: float) -> Curves:

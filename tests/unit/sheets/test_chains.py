@@ -19,6 +19,7 @@ from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 from tests.unit.sheets.test_common_cuts import KERF, parts_are_exact, random_nest
 from tests.unit.sheets.test_feeds import strokes
 
+NUMBER = re.compile(r"(?<=[XYIJ])-?\d+(?:\.\d+)?")
 TABLES = ("plate-linuxcnc", "plate-codesys", "plate-qtplasmac", "plate-mach3", "plate-oxyfuel")
 PLATE = drawing(contour(box(0, 0, 80, 50), line=1), contour(circle(20, 25, 12), line=2),
                 thickness=3.0)  # fmt: skip
@@ -160,3 +161,20 @@ def test_the_solid_agrees() -> None:
     text = post(parts, chaining()).text
     assert not errors_in(solid_faults(text, request))
     assert not errors_in(read_back(text, request))
+
+
+@pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.exhaustive)])
+def test_every_other_number_is_refused(every: int) -> None:
+    """Of a move or a start in a program with links: half a millimetre aside."""
+    parts = (PLATE,) * 4
+    machine = chaining()
+    text = post(parts, machine).text
+    line_of = {m: text[text.rfind("\n", 0, m.start()) + 1 :] for m in NUMBER.finditer(text)}
+    numbers = [m for m, line in line_of.items() if not line.startswith(("(", "G0 X0"))]
+    assert len(numbers) > 80
+    for found in numbers[::every]:
+        other = f"{float(found[0]) + 0.5:g}"
+        changed = text[: found.start()] + other + text[found.end() :]
+        assert errors_in(verify_sheet(changed, parts, machine)), changed[
+            found.start() - 30 : found.end() + 10
+        ]
