@@ -34,11 +34,11 @@ def examples(thorough: int) -> int:
 
 
 def sampled(cases: Iterable[Any], every: int) -> list[Any]:
-    """Cases of a test, of which every so many-th is tried; the exhaustive tests try the others."""
+    """Cases of a test, of which every so many-th is tried; the others are marked `alike`."""
     return [
         pytest.param(
             *(case if isinstance(case, tuple) else (case,)),
-            marks=[pytest.mark.exhaustive] * (k % every > 0),
+            marks=[pytest.mark.alike] * (k % every > 0),
         )
         for k, case in enumerate(cases)
     ]
@@ -84,19 +84,20 @@ ALIKE = tuple(
         "test_qtplasmac", "test_schemas", "test_settings", "test_systems",
     )
 )  # fmt: skip
-MANY = 6  #: cases of a test, from which on every other one is tried, and the others exhaustively
+MANY = 6  #: cases of a test, from which on every other one is tried
 
 
 @pytest.hookimpl(tryfirst=True)  # before those that are marked are taken out
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     cases: dict[str, list[pytest.Item]] = {}
     for item in items:
-        if item.nodeid.startswith(ALIKE) and not item.get_closest_marker("exhaustive"):
+        marked = {mark.name for mark in item.iter_markers()}
+        if item.nodeid.startswith(ALIKE) and not marked & {"alike", "exhaustive"}:
             cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for some in cases.values():
         if len(some) >= MANY:
             for item in some[1::2]:
-                item.add_marker(pytest.mark.exhaustive)
+                item.add_marker(pytest.mark.alike)
 
 
 class Golden:
