@@ -7,16 +7,21 @@ Without a template an output is called after its input, and where that holds sev
 the part's mark too.
 """
 
+import os
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from string import Formatter
 
 from beamcam.batch.rules import OTHER_CONTENT
 from beamcam.errors import Diagnostic
+from beamcam.interrupts import Asked
 from beamcam.machine.machine import Machine
+from beamcam.model.description import MarkFrom
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
+from beamcam.readers.dstv.header import said_of_part
 from beamcam.system import free_of_devices
 
 _FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}[sd]?")  #: of a value in a name
@@ -142,6 +147,8 @@ _NO_CONTENT = frozenset({
     "comments", "file",
 })  # fmt: skip
 
+DSTV_SUFFIXES = (".nc", ".nc1")
+HEAD_BYTES = 4096  #: in which a DSTV file says its order and mark
 MarkKey = tuple[str, str, str]  #: order, phase and mark
 
 
@@ -161,6 +168,37 @@ def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:
         if known is not part and _content(known) != _content(part):
             where = f" in order {part.order}" if part.order else ""
             yield OTHER_CONTENT.at(part.source, found=part.mark, where=where, other=known.source)
+
+
+def mixed_marks(
+    paths: Iterable[str], mark_from: MarkFrom, parts_of: Callable[[str], Sequence[Part]],
+    asked: Asked,
+) -> dict[str, Diagnostic]:  # fmt: skip
+    """The DSTV files that differ from another one under their mark, and why.
+
+    The first lines of each tell which to compare: `parts_of` reads those alone. What says its mark
+    elsewhere shows when it is read.
+    """
+    met: dict[MarkKey, list[str]] = {}
+    for path in paths:
+        if asked:
+            return {}
+        # A pipe would wait for what somebody writes.
+        if not path.lower().endswith(DSTV_SUFFIXES) or not os.path.isfile(path):
+            continue
+        with suppress(OSError), open(path, "rb") as file:
+            order, drawing, phase, mark = said_of_part(file.read(HEAD_BYTES))
+            stem = os.path.splitext(os.path.basename(path))[0]
+            said = {"drawing": drawing, "file": stem, "position": phase}
+            mark = said.get(mark_from) or mark
+            if mark:
+                met.setdefault((order, phase, mark), []).append(path)
+    found: dict[str, Diagnostic] = {}
+    for several in met.values():
+        parts = [part for path in several if len(several) > 1 for part in parts_of(path)]
+        for other in (*other_content(parts), *other_content(parts[::-1])):
+            found.setdefault(other.source.file, other)
+    return found
 
 
 def _content(part: Part) -> object:

@@ -18,7 +18,7 @@ from msgspec import Struct
 
 from beamcam.batch import rules
 from beamcam.batch.find import Input, read_input
-from beamcam.batch.names import MarkKey, folded, other_content
+from beamcam.batch.names import MarkKey, folded, mixed_marks, other_content
 from beamcam.batch.pool import CHUNK_BYTES, Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import RECORD_NAME, Record, Standing, partly
@@ -30,13 +30,10 @@ from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
-from beamcam.readers.dstv.header import said_of_part
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.report.run import PartRow, Row, Status, as_message
 from beamcam.system import can_sync_all
 
-DSTV_SUFFIXES = (".nc", ".nc1")
-HEAD_BYTES = 4096  #: in which a DSTV file says its order and mark
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
 
@@ -150,7 +147,8 @@ class Run:
         self._mixed: dict[str, Diagnostic] = {}  #: inputs that differ under one mark, and why
 
     def rows(self) -> Iterator[Row]:
-        self._mixed = self._mixed_marks()
+        paths = [one.path for one in self._inputs]
+        self._mixed = mixed_marks(paths, self._shop.mark_from, self._parts_of, self._asked)
         while not self._asked:
             fed = self._feed()
             while self._slots and self._slots[0].is_done and not self._asked:
@@ -268,33 +266,6 @@ class Run:
         if row["status"] in ("refused", "failed") and not row["parts"]:
             self._warn_of_older(slot, row)
         return row
-
-    def _mixed_marks(self) -> dict[str, Diagnostic]:
-        """The DSTV files that differ from another one under their mark, before any is posted.
-
-        The first lines of each tell which to compare. What says its mark elsewhere is refused where
-        the second is met.
-        """
-        met: dict[MarkKey, list[str]] = {}
-        for one in self._inputs:
-            if self._asked:
-                return {}
-            # A pipe would wait for what somebody writes.
-            if not one.path.lower().endswith(DSTV_SUFFIXES) or not os.path.isfile(one.path):
-                continue
-            with suppress(OSError), open(one.path, "rb") as file:
-                order, drawing, phase, mark = said_of_part(file.read(HEAD_BYTES))
-                stem = os.path.splitext(os.path.basename(one.path))[0]
-                said = {"drawing": drawing, "file": stem, "position": phase}
-                mark = said.get(self._shop.mark_from) or mark
-                if mark:
-                    met.setdefault((order, phase, mark), []).append(one.path)
-        found: dict[str, Diagnostic] = {}
-        for paths in met.values():
-            parts = [part for path in paths if len(paths) > 1 for part in self._parts_of(path)]
-            for said_of in (*other_content(parts), *other_content(parts[::-1])):
-                found.setdefault(said_of.source.file, said_of)
-        return found
 
     def _refuse_mixed(self, row: Row) -> None:
         """Refuse a row if a part of it differs from one of the same mark and order before.

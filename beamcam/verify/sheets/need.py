@@ -6,13 +6,12 @@ from math import dist
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-import shapely
 from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
-from beamcam.geometry.plane import Point
+from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import is_row_for, material_said
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
@@ -24,8 +23,6 @@ from beamcam.verify.left_out import by_hand, is_by_hand, left_out
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:
-    from shapely import Polygon
-
     from beamcam.verify.sheets.toolpaths import Toolpaths
 
 Needs = dict[TorchProcess, list[Curve]]
@@ -156,83 +153,44 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
 def _leave_small_openings(
     need: Need, part: Part, machine: Machine, torch: Torch, skips: Collection[str]
 ) -> None:
-    """Take round openings of contours that the torch cannot cut for what such holes are.
-
-    An opening is what an odd number of contours enclose, or what lies within one that is too small.
-    """
+    """Have openings of drawings that the torch cannot cut marked for the drill, or left out."""
     least = max(torch.min_hole, torch.min_hole_share * thickness_of(part, torch))
-    ways = need.curves.get("cut", [])
-    drawn = {k for k, feature in enumerate(need.features.get("cut", ()))
-             if feature != OUTLINE and isinstance(part.features[feature], Contour)}  # fmt: skip
-    if not any(_is_below(ways[k], least) for k in drawn):
+    ways, owners = need.curves.get("cut", []), need.features.get("cut", [])
+    drawn = [
+        k for k, feature in enumerate(owners)
+        if feature != OUTLINE and isinstance(part.features[feature], Contour)
+    ]  # fmt: skip
+    features: dict[int, list[Curve]] = {}
+    for k in drawn:
+        features.setdefault(owners[k], []).append(ways[k])
+    if not any(_size(curves) < least for curves in features.values()):
         return
-    from beamcam.verify.sheets.region import region_of
+    from beamcam.verify.sheets.small_openings import small_openings
 
-    features = np.array(need.features["cut"])
-    fine = torch.tolerance / 8
-    region = region_of(need.toolpaths("cut", fine), features, torch.gap, fine)
-    found: dict[int, tuple[Point, float]] = {}
-    for number, polygon in enumerate(region.polygons):
-        circle = _circle(polygon, [ways[k] for k, _ in region.rings[number]], torch.tolerance)
-        if circle is not None and circle[1] < least:
-            found[number] = circle
-    areas = shapely.area(region.polygons)
-    middles = {k: shapely.Point(circle[0]) for k, circle in found.items()}
-    openings = {
-        k for k, middle in middles.items()
-        if np.count_nonzero(shapely.contains(region.polygons[areas > areas[k]], middle)) % 2
-    }  # fmt: skip
-    outer = [shapely.buffer(region.polygons[k], torch.tolerance) for k in openings]
-    openings |= {k for k in found if any(o.contains(region.polygons[k]) for o in outer)}
+    paths = need.toolpaths("cut", torch.tolerance / 8)
     left: set[int] = set()
-    for number in sorted(openings):
-        owners = sorted({need.features["cut"][way] for way, _ in region.rings[number]})
-        left.update(owners)
-        # What lies on it is the same hole, drawn again.
-        hole = shapely.box(*shapely.bounds(shapely.buffer(region.polygons[number], torch.gap)))
-        left |= {
-            need.features["cut"][k] for k in drawn
-            if region.twins[k] and hole.contains(shapely.box(*ways[k].bbox))
-        }  # fmt: skip
-        for feature in owners:
-            source = part.features[feature].source
+    for opening in small_openings(paths, ways, owners, drawn, torch, least):
+        left.update(opening.features, opening.twins)
+        for index in opening.features:
+            feature = part.features[index]
             if torch.drilled != "refuse":
-                need.said.append(by_hand(part.features[feature], part, machine))
-                need.add_centre(found[number][0], torch, feature, source)
+                need.said.append(by_hand(feature, part, machine))
+                need.add_centre(opening.middle, torch, index, feature.source)
             elif "tool" in skips:
-                need.said += left_out(part, (feature,))
+                need.said += left_out(part, (index,))
             else:
-                _not_made(need, part, part.features[feature], "tool")
-    kept = [feature not in left for feature in need.features["cut"]]
+                _not_made(need, part, feature, "tool")
+    kept = [feature not in left for feature in owners]
     need.curves["cut"] = list(compress(ways, kept))
     need.looks["cut"] = list(compress(need.looks["cut"], kept))
-    need.features["cut"] = list(compress(need.features["cut"], kept))
+    need.features["cut"] = list(compress(owners, kept))
     need.drawn.clear()
 
 
-def _is_below(curve: Curve, least: float) -> bool:
-    x0, y0, x1, y1 = curve.bbox
-    return max(x1 - x0, y1 - y0) < least
-
-
-def _circle(
-    polygon: "Polygon", curves: Sequence[Curve], tolerance: float
-) -> tuple[Point, float] | None:
-    """Middle and diameter of an outline that is a circle, whatever curves draw it.
-
-    By the curves, as the chords of a circle are within it.
-    """
-    corners = np.asarray(polygon.exterior.coords)
-    x0, y0, x1, y1 = extent(curves) or (0.0, 0.0, 0.0, 0.0)
-    across, along = x1 - x0, y1 - y0
-    if abs(across - along) > 2 * tolerance:
-        return None
-    middle, radius = np.array([x0 + x1, y0 + y1]) / 2, (across + along) / 4
-    places = np.concatenate((corners, (corners[1:] + corners[:-1]) / 2))
-    if np.abs(np.hypot(*(places - middle).T) - radius).max() > tolerance:
-        return None
-    x, y = middle.tolist()
-    return (x, y), 2 * radius
+def _size(curves: Sequence[Curve]) -> float:
+    """The longer side of the box around curves."""
+    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in curves]) or (0.0,) * 4
+    return max(x1 - x0, y1 - y0)
 
 
 def _is_filled_only(contour: Contour, key: str, torch: Torch) -> bool:
