@@ -175,10 +175,10 @@ def drill_small_circles(
     kept, small = list[Shape](), set[int]()
     for k in sorted(range(len(shapes)), key=lambda k: shapes[k].depth):
         shape = shapes[k]
-        circle = _circle(shape, torch.tolerance) if shape.closed and shape.features else None
-        if circle is None or circle[1] >= least:
-            continue
         if shape.process != "cut" or not (shape.is_hole or shape.parent in small):
+            continue
+        circle = _circle(shape, least, torch.tolerance) if shape.closed else None
+        if circle is None:
             continue
         small.add(k)
         centre, diameter = circle
@@ -202,10 +202,10 @@ def drill_small_circles(
     return [*_without(shapes, small), *kept]
 
 
-def _circle(shape: Shape, tolerance: float) -> tuple[Point, float] | None:
-    """Middle and diameter of a contour that is a circle, whatever curves draw it."""
+def _circle(shape: Shape, least: float, tolerance: float) -> tuple[Point, float] | None:
+    """Middle and diameter of a contour that is a circle below `least`, whatever curves draw it."""
     x0, y0, x1, y1 = join_boxes([curve.bbox for curve in shape.curves]) or (0.0,) * 4
-    if abs((x1 - x0) - (y1 - y0)) > 2 * tolerance:
+    if abs((x1 - x0) - (y1 - y0)) > 2 * tolerance or (x1 - x0 + y1 - y0) / 2 >= least:
         return None
     middle, radius = ((x0 + x1) / 2, (y0 + y1) / 2), (x1 - x0 + y1 - y0) / 4
     corners = points_of([shape.curves], tolerance / 4)[0].tolist()
