@@ -18,6 +18,7 @@ from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chord_runs import refit_runs
 from beamcam.geometry.curves import Line
+from beamcam.geometry.plane import join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Hole, Part, Slot
@@ -74,13 +75,16 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     refuse_copies(assigned.wanted, curves)
     box = box_of(curves)
     refuse_large(box, part, torch)
-    shift = shift_of(box, torch)
     kerf = material.kerf("cut")
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
     if machine.words.arc_cw:
         joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
     shapes, said = _nested(joined, assigned, torch, kerf)
+    listed = frozenset(assigned.listed)
     shapes = drill_small_circles(shapes, part, torch, skips, assigned)
+    crosses = [s for s in shapes if s.process == "mark" and _is_listed(s, assigned, listed)]
+    box = join_boxes([box, *(curve.bbox for s in crosses for curve in s.curves)]) or box
+    shift = shift_of(box, torch)
     _refuse_work(part, assigned, {s.process for s in shapes}, material, machine, torch)
     shapes += _spots(part, assigned)
     remarks += [*joined.remarks, *said]
@@ -101,6 +105,15 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     )  # fmt: skip
     _balance(plan)
     return plan
+
+
+def _is_listed(shape: Shape, assigned: Assigned, before: frozenset[int]) -> bool:
+    """Whether the features of a shape were left for the drill since."""
+    return (
+        bool(shape.features)
+        and not before.issuperset(shape.features)
+        and all(feature in assigned.listed for feature in shape.features)
+    )
 
 
 def _refuse_work(

@@ -112,19 +112,19 @@ def link_faults(
         )
         others = {*tree.query(line, "dwithin", distance=kerf - slack).tolist()} - {*ends}
         crossed = [k for k in ends if inner.intersects(paths[k])]
-        found = ""
+        found = expected = ""
         if line.length > torch.chain_cuts * LONGER:
-            found = f"{line.length:.3f} mm long; expected at most {torch.chain_cuts:g} mm"
+            found, expected = f"{line.length:.3f} mm long", f"at most {torch.chain_cuts:g} mm"
         elif len(parts.query(line, "dwithin", distance=kerf / 2 - slack)):
-            found = f"nearer to a contour than {kerf / 2:g} mm; expected it in waste"
+            found, expected = f"nearer to a contour than {kerf / 2:g} mm", "it in waste"
         elif others or crossed:
             other = strokes.each[min(others or crossed)].line
-            found = f"across the cut of line {other}; expected metal all along it"
+            found, expected = f"across the cut of line {other}", "metal all along it"
         if found:
             (x0, y0), (x1, y1) = link.start, link.end
             yield rules.LINK.at(
                 Source(name, link.line), x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}",
-                y1=f"{y1:.3f}", found=found,
+                y1=f"{y1:.3f}", found=found, expected=expected,
             )  # fmt: skip
 
 

@@ -133,7 +133,8 @@ PIERCE = error("verify-sheet-pierce",
     "at least {expected} mm, as there is room for a lead of {lead} mm",
     "Piercing burns a wider hole than the cut; it would take a bite out of the edge.")
 LINK = error("verify-sheet-link",
-    "found a way with the torch on from X {x0}, Y {y0} to X {x1}, Y {y1}, {found}",
+    "found a way with the torch on from X {x0}, Y {y0} to X {x1}, Y {y1}, {found}; expected "
+    "{expected}",
     "From one part to the next the torch stays on in waste alone, and no farther than `chain_cuts` "
     "says; over an open cut its arc goes out.")
 ORDER = error("verify-sheet-order",

@@ -123,6 +123,13 @@ def test_a_program_that_cuts_it_is_refused() -> None:
     assert "verify-sheet-missing" in codes(post((without,), table()).text, PART, table())
 
 
+def test_a_cross_that_reaches_beyond_the_part_lies_on_the_table_too() -> None:
+    """The corner of all that is made lies at the table's, as the read-back places it."""
+    tiny = drawing(contour(box(0, 0, 6, 4), line=1), contour(circle(1.5, 2, 1), line=2))
+    machine = table(lead="none", kerf=0.3)
+    assert codes(post((tiny,), machine).text, tiny, machine) == {"verify-by-hand"}
+
+
 def test_the_solid_knows_it() -> None:
     for machine in (table(), table("plate-codesys", thickness=6.0)):
         request = Request((PART,), machine, name="a.ngc")
