@@ -3,7 +3,10 @@
 Circles are regular polygons inscribed in them, whose chords lie at most CHORD inside.
 """
 
+import os
+import sys
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from math import acos, ceil, cos, pi, radians, sin, tan
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -26,11 +29,33 @@ Vec = tuple[float, float, float]
 
 
 def kernel() -> Any:
-    """The module manifold3d. Raises BeamcamError if it is not installed."""
+    """The module manifold3d, on one thread. Raises BeamcamError if it is not installed."""
+    loaded = sys.modules.get("manifold3d")
+    return _loaded() if loaded is None else loaded
+
+
+def _loaded() -> Any:
+    """manifold3d, loaded while this thread may use one processor only.
+
+    As it works for the first time it starts a thread for each further one. A process that is forked
+    then has none of these, and would wait for them for ever.
+    """
+    processors: set[int] = set()
+    with suppress(AttributeError, OSError):  # of Linux, where processes are forked
+        processors = os.sched_getaffinity(0)
+        os.sched_setaffinity(0, {min(processors)})
     try:
         import manifold3d
+
+        manifold3d.Manifold.batch_boolean(
+            [manifold3d.Manifold.cube((2, 2, 2)), manifold3d.Manifold.cube((1, 1, 1))],
+            manifold3d.OpType.Subtract,
+        ).volume()
     except ImportError as missing:
         raise BeamcamError(NO_KERNEL.at(Source("beamcam"))) from missing
+    finally:
+        with suppress(AttributeError, OSError):
+            os.sched_setaffinity(0, processors)
     return manifold3d
 
 
