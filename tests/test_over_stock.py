@@ -459,3 +459,37 @@ def test_marks_are_kept_over_the_runs_of_a_watch(tmp_path: Path) -> None:
     assert [row["status"] for row in found] == ["posted", "refused"]
     assert [m["code"] for m in found[1]["messages"]] == ["list-mark-twice"]
     assert [*heads(tmp_path / "out")] == ["channel.gcode"]
+
+
+# --- copers ---------------------------------------------------------------------------------------
+
+
+def test_pieces_of_a_coper_are_cut_from_a_bar_each(tmp_path: Path) -> None:
+    """Trims of 30 mm at both ends by the machine's file: 1260 of each bar, 860 of the channel's."""
+    coping, out = SAMPLES / "coping", tmp_path / "out"
+    words = ("--machine", "coper-linuxcnc", "--bar", 6000, "--quantity", 2)
+    inputs = (coping / "coped.nc1", coping / "trimmer.nc1")
+    assert run("batch", *inputs, "-o", out, *words).exit_code == 0
+    listed = json.loads(run("list", *inputs, *words, "--json").stdout)
+    assert [
+        (bar["profile"], bar["stock"], bar["parts"], bar["cuts"], bar["remnant"])
+        for bar in listed["bars"]
+    ] == [("IPE300", 6000, 1200, 60, 4740)] * 2 + [("UPN200", 6000, 800, 60, 5140)] * 2
+    assert [(row["mark"], row["start"]) for row in listed["cutting_list"]] == [
+        ("C1", 30), ("C1", 30), ("C2", 30), ("C2", 30),
+    ]  # fmt: skip
+    bars = (out / "bars.csv").read_text().splitlines()
+    assert bars[1] == "1,IPE300,S235JR,coper-linuxcnc,6000.0,1,1200.0,60.0,4740.0,20.0"
+    assert len(bars) == len((out / "cuts.csv").read_text().splitlines()) == 5
+    assert run("check", out).exit_code == 0
+
+
+def test_a_coper_has_a_program_for_each_piece(tmp_path: Path) -> None:
+    words = ("--machine", "coper-linuxcnc", "--quantity", 2)
+    done = run("post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "a.ngc", *words)
+    assert done.exit_code == 0, done.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1.ngc", "a-2.ngc"]
+    short = run(
+        "post", SAMPLES / "coping" / "coped.nc1", "-o", tmp_path / "b.ngc", *words, "--bar", 1259
+    )
+    assert "plan-bar-full" in short.stderr

@@ -21,7 +21,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.names import default_machines
 from beamcam.machine_choice import InTurn, first_that_makes
 from beamcam.model.part import Part
-from beamcam.model.plan import Plan
+from beamcam.model.plan import stock_used
 from beamcam.model.request import Quantity, Remnant, Request, remnant_of
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
 from beamcam.planning.jobs import LotKey, Share, number_of, remnants_of, shares_of
@@ -197,7 +197,7 @@ def bars_of(
         if not one.machine or part.profile.code == "B":
             continue
         machine = next(m for m in machines_for(part) if m.name == one.machine)
-        if machine.saw is not None and machine.layout is not None:
+        if machine.coper is not None or (machine.saw is not None and machine.layout is not None):
             key: LotKey = (machine.name, part.profile, part.grade)
             lots.setdefault(key, []).append(place)
             machine_of_lot[key] = machine
@@ -229,14 +229,13 @@ def bars_of(
 def _bar(planned: Planned, parts: Sequence[Part]) -> CutBar:
     """A planned bar as rows of a cutting list; `parts` are those of its request."""
     plan, job = planned.plan, planned.job
-    if not isinstance(plan, Plan):
-        raise TypeError("a bar is planned on a line for bars")
+    used = stock_used(plan, job.bar)
+    if used is None:
+        raise TypeError("a bar is planned on a machine for bars")
     pieces = tuple(
         CutPiece(parts[job.pieces[piece.given]], piece.start, piece.turn) for piece in plan.pieces
     )
-    bar = plan.bar
-    cuts = bar.front_trim + bar.kerfs + bar.end_trim - bar.nested
-    return CutBar(pieces, bar.length, cuts, bar.remnant, job.machine.name)
+    return CutBar(pieces, used.length, used.cuts, used.remnant, job.machine.name)
 
 
 def not_made(counts: Iterable[PartCount]) -> tuple[Diagnostic, ...]:

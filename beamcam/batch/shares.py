@@ -14,7 +14,7 @@ from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
-from beamcam.model.plan import Plan
+from beamcam.model.plan import stock_used
 from beamcam.model.request import Request
 from beamcam.pipeline import Begun, begin_share, plans_of
 from beamcam.planning.jobs import Share, number_of
@@ -72,11 +72,10 @@ class ShareTask(Task, frozen=True):
         named = " + ".join(f"{n} x {mark}" if n > 1 else mark for mark, n in marks.items())
         stock, plan = None, posted.plan
         length = 0.0
-        if isinstance(plan, Plan):
-            length = round(plan.bar.parts, 6)
-            cuts = plan.bar.front_trim + plan.bar.kerfs + plan.bar.end_trim - plan.bar.nested
+        if (used := stock_used(plan, posted.job.bar)) is not None:
+            length = round(sum(piece.part.length for piece in plan.pieces), 6)
             stock = StockRow(
-                remnant=plan.bar.remnant, cuts=cuts,
+                remnant=used.remnant, cuts=used.cuts,
                 pieces=[{"piece": p.given, "at": p.start, "turn": p.turn} for p in plan.pieces],
             )  # fmt: skip
         made = part_row(posted, self.name, content, shop.timed)

@@ -26,7 +26,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine_choice import first_that_makes
 from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
-from beamcam.model.plan import ContourOp, Order, Plan
+from beamcam.model.plan import ContourOp, Order, stock_used
 from beamcam.model.request import Quantity, Remnant, Request
 from beamcam.pipeline import (
     Begun,
@@ -348,7 +348,7 @@ def part_row(posted: Posted, name: str, content: bytes, timed: bool) -> PartRow:
         "machine": machine.name,
         "output": name,
         "sha256": sha256(content).hexdigest(),
-        "bar": plan.bar.length if isinstance(plan, Plan) else 0.0,
+        "bar": used.length if (used := stock_used(plan, posted.job.bar)) is not None else 0.0,
         "ledger": cast(Ledger, ledger),
         "by_hand": hand_rows(plan),
         "skipped_by": dict(sorted(skipped_by.items())),

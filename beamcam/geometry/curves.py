@@ -6,7 +6,7 @@ needs numpy; many points at once are `sampling`'s.
 """
 
 from collections.abc import Sequence
-from math import dist
+from math import atan2, degrees, dist
 
 from beamcam.geometry.bezier import Bezier
 from beamcam.geometry.bspline import BSpline
@@ -32,6 +32,7 @@ __all__ = [
     "circle_of",
     "join_boxes",
     "signed_area",
+    "slot_of",
     "unit_vector",
 ]
 
@@ -58,6 +59,23 @@ def circle_of(curves: Sequence[Curve]) -> tuple[Point, float] | None:
     )
     is_whole = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < 1e-6
     return (first.centre, first.radius) if same and is_whole else None
+
+
+def slot_of(curves: Sequence[Curve]) -> tuple[Point, float, float, float] | None:
+    """Middle, length, width and angle in degrees of a chain of two lines and two half circles."""
+    lines = [curve for curve in curves if isinstance(curve, Line)]
+    ends = [curve for curve in curves if isinstance(curve, Arc)]
+    if not len(lines) == len(ends) == 2 or len(curves) != 4:
+        return None
+    (x0, y0), (x1, y1) = (end.centre for end in ends)
+    apart, radius = dist(ends[0].centre, ends[1].centre), ends[0].radius
+    alike = all(
+        abs(end.radius - radius) < 1e-6 and abs(abs(end.sweep_deg) - 180.0) < 1e-6 for end in ends
+    )
+    if not alike or any(abs(line.length - apart) > 1e-6 for line in lines):
+        return None
+    angle = degrees(atan2(y1 - y0, x1 - x0)) % 180.0
+    return ((x0 + x1) / 2, (y0 + y1) / 2), apart + 2 * radius, 2 * radius, angle
 
 
 def signed_area(curves: tuple[Curve, ...]) -> float:

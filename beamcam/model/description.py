@@ -6,7 +6,7 @@ from typing import Literal
 
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import circle_of
+from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.machine.marking import Marks, Policy
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
 
@@ -25,6 +25,9 @@ def description(feature: Feature) -> str:
             if cut and (circle := circle_of(feature.curves)) is not None:
                 (x, y), radius = circle
                 return f"circle {2 * radius:g} on face {feature.face} at x {x:g}, y {y:g}"
+            if cut and (slot := slot_of(feature.curves)) is not None:
+                (x, y), long, wide, _ = slot
+                return f"slot {long:.4g} x {wide:.4g} on face {feature.face} at x {x:g}, y {y:g}"
             what = f"{feature.kind} contour" if cut else f"line to {feature.process}"
             return f"{what} of {len(feature.curves)} curve(s) on face {feature.face}"
         case TextMark():

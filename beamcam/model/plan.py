@@ -268,6 +268,27 @@ class CopePlan(Struct, frozen=True):
 AnyPlan = Plan | SheetPlan | CopePlan
 
 
+class StockUse(Struct, frozen=True):
+    """What a program takes of a bar."""
+
+    length: float  #: of the bar
+    cuts: float  #: mm of kerfs and trims
+    remnant: float
+
+
+def stock_used(plan: AnyPlan, bar: float | None) -> StockUse | None:
+    """What a plan takes of a `bar`, or of one as long as it needs; None where it is for a sheet."""
+    match plan:
+        case Plan(bar=used):
+            cuts = used.front_trim + used.kerfs + used.end_trim - used.nested
+            return StockUse(used.length, cuts, used.remnant)
+        case CopePlan():
+            length = plan.bar if bar is None else bar
+            cuts = plan.bar - sum(piece.part.length for piece in plan.pieces)
+            return StockUse(length, cuts, length - plan.bar)
+    return None
+
+
 # --- work time ------------------------------------------------------------------------------------
 
 # Work time of a plan.

@@ -30,11 +30,11 @@ def number_of(part: Part, quantity: Quantity) -> int:
 def pieces_of(request: Request) -> tuple[int, ...]:
     """All pieces in the order given, each by the place of its part; without a quantity one each.
 
-    A line without a saw is fed one cut piece at a time and runs its program so often. Raises
-    LimitError for more than `limits.pieces`.
+    A line without a saw is fed one cut piece at a time and runs its program so often; a coper has a
+    program for each bar that it takes a piece off. Raises LimitError for more than `limits.pieces`.
     """
     places, machine = range(len(request.parts)), request.machine
-    if request.quantity is None or (machine.torch is None and machine.saw is None):
+    if request.quantity is None or (machine.stock == "beam" and machine.saw is None):
         return tuple(places)
     counts = [number_of(part, request.quantity) for part in request.parts]
     check_pieces((part.source, count) for part, count in zip(request.parts, counts, strict=True))
@@ -55,7 +55,8 @@ def shares_of(request: Request, together: bool = False) -> tuple[Share, ...]:
 
         return tuple(map(Share, sheet_shares(request, pieces)))
     if machine.saw is None:
-        return tuple(Share((place,)) for place in pieces)
+        bars = _in_store(request) if machine.stock == "profile" else ()
+        return tuple(Share((place,), bars) for place in pieces)
     from beamcam.planning.stock import first_fit
 
     single = [replace(part, quantity=1) for part in request.parts]

@@ -30,7 +30,7 @@ from beamcam.planning.contours.assign_process import (
     OUTLINE,
     Assigned,
     assign_processes,
-    drill_small_circles,
+    drill_small_openings,
 )
 from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
 from beamcam.planning.contours.join import Joined, join
@@ -81,7 +81,7 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
         joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
     shapes, said = _nested(joined, assigned, torch, kerf)
     listed = frozenset(assigned.listed)
-    shapes = drill_small_circles(shapes, part, torch, skips, assigned)
+    shapes = drill_small_openings(shapes, part, torch, skips, assigned)
     crosses = [s for s in shapes if s.process == "mark" and _is_listed(s, assigned, listed)]
     box = join_boxes([box, *(curve.bbox for s in crosses for curve in s.curves)]) or box
     shift = shift_of(box, torch)

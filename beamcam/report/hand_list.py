@@ -11,7 +11,7 @@ from pathlib import PurePath
 from typing import TypedDict
 
 from beamcam.errors import Source
-from beamcam.geometry.curves import circle_of
+from beamcam.geometry.curves import circle_of, slot_of
 from beamcam.model.part import Bend, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.model.plan import AnyPlan, Plan, unfinished
 from beamcam.plain_text import harmless_cell
@@ -119,6 +119,9 @@ def _row(part: Part, feature: Feature, why: str) -> HandRow:
         case Contour() if is_cut and (circle := circle_of(feature.curves)) is not None:
             row["kind"], row["size"] = "hole", f"{2 * circle[1]:g}"
             row["x"], row["y"] = circle[0]
+        case Contour() if is_cut and (drawn := slot_of(feature.curves)) is not None:
+            (row["x"], row["y"]), long, wide, row["angle"] = drawn
+            row["kind"], row["size"] = "slot", f"{long:.4g} x {wide:.4g}"
         case Contour():
             corners = [feature.curves[0].start, *(curve.end for curve in feature.curves)]
             row["kind"], (row["x"], row["y"]) = "line", corners[0]

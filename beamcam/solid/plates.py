@@ -9,7 +9,7 @@ does one that is asked for mirrored. What may differ follows from the machine's 
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import hypot, pi
+from math import dist, hypot, pi
 from typing import TYPE_CHECKING, Any, cast
 
 from msgspec import Struct
@@ -139,15 +139,14 @@ def _outlines(
 def _is_drilled(
     shape: Shape, whole: Shape, least: float, left: Sequence[tuple[Feature, Shape]]
 ) -> bool:
-    """Whether a contour is a round opening that is smaller than the torch can cut."""
-    x0, y0, x1, y1 = shape.bounds
-    is_round = (
-        abs((x1 - x0) - (y1 - y0)) < 2 * CHORD
-        and abs(shape.area - pi * (x1 - x0) * (y1 - y0) / 4) < CHORD * shape.length
-    )
+    """Whether a contour is an opening, round or a slot, that is smaller than the torch can cut."""
+    corners = shape.minimum_rotated_rectangle.exterior.coords
+    width, long = sorted((dist(corners[0], corners[1]), dist(corners[1], corners[2])))
+    area = (long - width) * width + pi * width * width / 4
+    is_round = abs(shape.area - area) < CHORD * shape.length
     middle = shape.representative_point()
     is_opening = whole.contains(middle) or any(hole.contains(middle) for _, hole in left)
-    return is_round and x1 - x0 < least and is_opening
+    return is_round and width < least - CHORD / 10 and is_opening
 
 
 def _enclosed(lines: list[Shape], gap: float) -> tuple[list[Shape], list[Shape]]:

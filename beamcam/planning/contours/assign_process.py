@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
-from beamcam.geometry.plane import Point, between, distance, join_boxes
+from beamcam.geometry.plane import Point, between, distance, dot, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
@@ -46,6 +46,7 @@ Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Look = tuple[str | None, str | None]  #: layer and colour
 
 TOP_FACES = ("v",)  #: that a head comes to
+SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
 OUTLINE = -1  #: stands for the rectangle of a plate that has no contour of its own
 
 #: What a table does for the processes of DSTV: a punched or powdered line is marked.
@@ -161,14 +162,14 @@ def _is_out(
     return True
 
 
-def drill_small_circles(
+def drill_small_openings(
     shapes: Sequence[Shape], part: Part, torch: Torch, skips: Collection[str], found: Assigned
 ) -> list[Shape]:
-    """The shapes but for openings of a drawing that are round and too small for the torch.
+    """The shapes but for round openings and slots of a drawing that are too small for the torch.
 
-    They are what such a hole of a part is: their centres are marked for the drill and they are
-    listed, or they are refused, or left out; `found` records it. A circle within one is its
-    countersink or its thread, and goes with it.
+    They are what such a hole or slot of a part is: their drill start points are marked and they are
+    listed, or they are refused, or left out; `found` records it. What lies within one as round, as
+    a countersink or a thread, goes with it.
     """
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     least = min_hole(torch, thickness)
@@ -177,41 +178,78 @@ def drill_small_circles(
         shape = shapes[k]
         if shape.process != "cut" or not (shape.is_hole or shape.parent in small):
             continue
-        circle = _circle(shape, least, torch.tolerance) if shape.closed else None
-        if circle is None:
+        opening = _round_ended(shape, least, torch.tolerance) if shape.closed else None
+        if opening is None:
             continue
         small.add(k)
-        centre, diameter = circle
-        said = bar_rules.NO_TOOL.at(
-            shape.source, kind="through", found=f"{diameter:.4g}", face="v",
-            expected=f"at least {least:g} in a sheet of {thickness:g} mm",
-        )  # fmt: skip
         if torch.drilled != "refuse":
             found.listed.update(dict.fromkeys(shape.features, DRILL))
             if torch.drilled == "spot":
-                _spot([centre], shape.features, found)
+                _spot(opening.centres, shape.features, found)
             else:
                 kept += (
                     Shape("mark", (line,), False, shape.features, shape.source)
-                    for line in _cross(centre, torch.cross)
-                )
-        elif "tool" in skips:
+                    for centre in opening.centres for line in _cross(centre, torch.cross)
+                )  # fmt: skip
+            continue
+        said = _too_small(shape.source, opening, least, thickness)
+        if said.code.removeprefix("plan-") in skips:
             found.skipped.update(dict.fromkeys(shape.features, said.code))
         else:
             found.refusals.append(said)
     return [*_without(shapes, small), *kept]
 
 
-def _circle(shape: Shape, least: float, tolerance: float) -> tuple[Point, float] | None:
-    """Middle and diameter of a contour that is a circle below `least`, whatever curves draw it."""
-    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in shape.curves]) or (0.0,) * 4
-    if abs((x1 - x0) - (y1 - y0)) > 2 * tolerance or (x1 - x0 + y1 - y0) / 2 >= least:
+class _Opening(Struct, frozen=True):
+    """A contour that is a circle or a slot, whatever curves draw it."""
+
+    centres: tuple[Point, ...]  #: of a circle one, of a slot those of its round ends
+    width: float
+    length: float  #: of a circle its diameter
+
+
+def _round_ended(shape: Shape, least: float, tolerance: float) -> _Opening | None:
+    """A contour as a circle or a slot that is narrower than `least`; None if it is none."""
+    lines = [curve for curve in shape.curves if isinstance(curve, Line)]
+    along = max(lines, key=lambda line: line.length).tangent(0.0) if lines else (1.0, 0.0)
+    (c, s), corners = along, points_of([shape.curves], tolerance / 4)[0].tolist()
+    level = [curve.transformed(((c, s, 0.0), (-s, c, 0.0))) for curve in shape.curves]
+    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in level]) or (0.0,) * 4
+    length, width = x1 - x0, y1 - y0
+    if abs(length - width) <= 2 * tolerance:
+        length = width = (length + width) / 2
+    if width > length or width >= least - SAME_SIZE:
         return None
-    middle, radius = ((x0 + x1) / 2, (y0 + y1) / 2), (x1 - x0 + y1 - y0) / 4
-    corners = points_of([shape.curves], tolerance / 4)[0].tolist()
+    centre, middle, reach = (x0 + x1) / 2, (y0 + y1) / 2, (length - width) / 2
+    ends = [
+        (c * u - s * middle, s * u + c * middle)
+        for u in dict.fromkeys((centre - reach, centre + reach))
+    ]
     places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
-    off = max(abs(distance(middle, place) - radius) for place in places)
-    return (middle, 2 * radius) if off <= tolerance else None
+    if max(abs(_from_line(place, ends) - width / 2) for place in places) > tolerance:
+        return None
+    return _Opening(tuple(ends), width, length)
+
+
+def _from_line(place: Point, ends: Sequence[Point]) -> float:
+    """How far a place is from a line between two ends, or from a point."""
+    (x0, y0), (x1, y1) = ends[0], ends[-1]
+    way = x1 - x0, y1 - y0
+    size = dot(way, way)
+    share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
+    return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
+
+
+def _too_small(source: Source, opening: _Opening, least: float, thickness: float) -> Diagnostic:
+    if len(opening.centres) > 1:
+        return bar_rules.SLOT.at(
+            source, found=f"{opening.length:.4g} x {opening.width:.4g}", face="v",
+            expected=f"one at least {least:g} wide in a sheet of {thickness:g} mm",
+        )  # fmt: skip
+    return bar_rules.NO_TOOL.at(
+        source, kind="through", found=f"{opening.width:.4g}", face="v",
+        expected=f"at least {least:g} in a sheet of {thickness:g} mm",
+    )  # fmt: skip
 
 
 def _without(shapes: Sequence[Shape], some: Collection[int]) -> list[Shape]:

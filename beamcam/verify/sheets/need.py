@@ -10,8 +10,8 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
-from beamcam.geometry.plane import Point, join_boxes
+from beamcam.geometry.curves import Arc, Curve, Line, signed_area, unit_vector
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import is_row_for, material_said
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
@@ -163,7 +163,7 @@ def _leave_small_openings(
     features: dict[int, list[Curve]] = {}
     for k in drawn:
         features.setdefault(owners[k], []).append(ways[k])
-    if not any(_size(curves) < least for curves in features.values()):
+    if not any(_may_be_narrower(curves, least) for curves in features.values()):
         return
     from beamcam.verify.sheets.small_openings import small_openings
 
@@ -175,11 +175,12 @@ def _leave_small_openings(
             feature = part.features[index]
             if torch.drilled != "refuse":
                 need.said.append(by_hand(feature, part, machine))
-                need.add_centre(opening.middle, torch, index, feature.source)
-            elif "tool" in skips:
+                for place in opening.centres:
+                    need.add_centre(place, torch, index, feature.source)
+            elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
                 need.said += left_out(part, (index,))
             else:
-                _not_made(need, part, feature, "tool")
+                _not_made(need, part, feature, lack)
     kept = [feature not in left for feature in owners]
     need.curves["cut"] = list(compress(ways, kept))
     need.looks["cut"] = list(compress(need.looks["cut"], kept))
@@ -187,10 +188,16 @@ def _leave_small_openings(
     need.drawn.clear()
 
 
-def _size(curves: Sequence[Curve]) -> float:
-    """The longer side of the box around curves."""
-    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in curves]) or (0.0,) * 4
-    return max(x1 - x0, y1 - y0)
+def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:
+    """Whether a contour, or one that a curve is part of, may be a slot narrower than `least`.
+
+    Twice the area by the length all round is less than the width.
+    """
+    if len(curves) > 1:
+        around = sum(curve.length for curve in curves)
+        return 2 * abs(signed_area(tuple(curves))) < least * around
+    x0, y0, x1, y1 = curves[0].bbox
+    return max(x1 - x0, y1 - y0) < least
 
 
 def _is_filled_only(contour: Contour, key: str, torch: Torch) -> bool:

@@ -1,27 +1,26 @@
-"""Round openings of drawings that are smaller than a torch cuts, and what is drawn on them."""
+"""Round openings and slots of drawings that are smaller than a torch cuts."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 from msgspec import Struct
 
-from beamcam.geometry.curves import Curve
+from beamcam.geometry.array_types import Floats
+from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.model.drawing import extent
 from beamcam.verify.sheets.region import Region, region_of
 from beamcam.verify.sheets.toolpaths import Toolpaths
 
-if TYPE_CHECKING:
-    from shapely import Polygon
+SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
 
 
 class SmallOpening(Struct, frozen=True):
-    """A round opening of a drawing."""
+    """A round opening or a slot of a drawing."""
 
-    middle: Point
+    centres: tuple[Point, ...]  #: of a slot those of its ends
     features: tuple[int, ...]  #: that draw it
     twins: tuple[int, ...]  #: that draw it again
 
@@ -30,33 +29,34 @@ def small_openings(
     toolpaths: Toolpaths, ways: Sequence[Curve], owners: Sequence[int], drawn: Sequence[int],
     torch: Torch, least: float,
 ) -> list[SmallOpening]:  # fmt: skip
-    """The openings among the cuts that are circles of less than `least`, by the ways `drawn`.
+    """The openings among the cuts that are circles or slots narrower than `least`, by their ways.
 
     An opening is what an odd number of contours enclose, or what lies within one that is too small.
-    `owners` are the features of the `ways`.
+    `owners` are the features of the `ways`, `drawn` those of contours.
     """
     region = region_of(toolpaths, np.array(owners), torch.gap, torch.tolerance / 8)
     found = []
-    for number, middle in _openings(region, ways, torch.tolerance, least).items():
+    for number, centres in _openings(region, ways, torch.tolerance, least).items():
         mine = sorted({owners[way] for way, _ in region.rings[number]})
         hole = shapely.box(*shapely.bounds(shapely.buffer(region.polygons[number], torch.gap)))
         twins = (k for k in drawn if region.twins[k] and hole.contains(shapely.box(*ways[k].bbox)))
-        found.append(SmallOpening(middle, tuple(mine), tuple(owners[k] for k in twins)))
+        found.append(SmallOpening(centres, tuple(mine), tuple(owners[k] for k in twins)))
     return found
 
 
 def _openings(
     region: Region, ways: Sequence[Curve], tolerance: float, least: float
-) -> dict[int, Point]:
-    """The middles of the rings that are small round openings, by the rings' numbers."""
-    found: dict[int, Point] = {}
+) -> dict[int, tuple[Point, ...]]:
+    """The centres of the rings that are small openings, by the rings' numbers."""
+    found: dict[int, tuple[Point, ...]] = {}
     for number, polygon in enumerate(region.polygons):
-        circle = _circle(polygon, [ways[k] for k, _ in region.rings[number]], tolerance)
-        if circle is not None and circle[1] < least:
-            found[number] = circle[0]
+        curves = [ways[k] for k, _ in region.rings[number]]
+        centres = _centres(np.asarray(polygon.exterior.coords), curves, tolerance, least)
+        if centres:
+            found[number] = centres
     areas = shapely.area(region.polygons)
     openings = {
-        k for k, middle in found.items()
+        k for k, (middle, *_) in found.items()
         if np.count_nonzero(
             shapely.contains(region.polygons[areas > areas[k]], shapely.Point(middle))
         ) % 2
@@ -66,21 +66,30 @@ def _openings(
     return {k: found[k] for k in sorted(openings)}
 
 
-def _circle(
-    polygon: "Polygon", curves: Sequence[Curve], tolerance: float
-) -> tuple[Point, float] | None:
-    """Middle and diameter of an outline that is a circle, whatever curves draw it.
+def _centres(
+    corners: Floats, curves: Sequence[Curve], tolerance: float, least: float
+) -> tuple[Point, ...]:
+    """The centres of an outline that is a circle or a slot below `least`; none if it is neither.
 
-    By the curves, as the chords of a circle are within it.
+    Its box is that of its curves, as chords of a circle are within it; of one with straight sides
+    that along the longest of them.
     """
-    corners = np.asarray(polygon.exterior.coords)
-    x0, y0, x1, y1 = extent(curves) or (0.0, 0.0, 0.0, 0.0)
-    across, along = x1 - x0, y1 - y0
-    if abs(across - along) > 2 * tolerance:
-        return None
-    middle, radius = np.array([x0 + x1, y0 + y1]) / 2, (across + along) / 4
+    sides = [curve for curve in curves if isinstance(curve, Line)]
+    ux, uy = max(sides, key=lambda side: side.length).tangent(0.0) if sides else (1.0, 0.0)
+    axes = np.array([[ux, uy], [-uy, ux]])
+    turned = [curve.transformed(((ux, uy, 0.0), (-uy, ux, 0.0))) for curve in curves]
+    low, high = np.array(extent(turned) or (0.0, 0.0, 0.0, 0.0)).reshape(2, 2)
+    long, wide = (high - low).tolist()
+    if abs(long - wide) <= 2 * tolerance:
+        long = wide = (long + wide) / 2
+    if wide > long or wide >= least - SAME_SIZE:
+        return ()
+    middle = (low + high) / 2
+    far = middle + np.array([[-1.0, 0.0], [1.0, 0.0]]) * (long - wide) / 2
+    line = shapely.LineString(far @ axes)
     places = np.concatenate((corners, (corners[1:] + corners[:-1]) / 2))
-    if np.abs(np.hypot(*(places - middle).T) - radius).max() > tolerance:
-        return None
-    x, y = middle.tolist()
-    return (x, y), 2 * radius
+    off = np.abs(shapely.distance(shapely.points(places), line) - wide / 2)
+    if off.max() > tolerance:
+        return ()
+    ends: list[list[float]] = np.unique(far @ axes, axis=0).tolist()
+    return tuple((x, y) for x, y in ends)

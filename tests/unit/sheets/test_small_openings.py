@@ -2,7 +2,7 @@
 
 import re
 from itertools import pairwise
-from math import pi, tau
+from math import cos, pi, radians, sin, tau
 
 import numpy as np
 import pytest
@@ -10,12 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beamcam.errors import PlanError
-from beamcam.geometry.curves import Arc, Bezier, Curve
+from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import post
+from beamcam.report.hand_list import hand_rows
 from beamcam.solid.opinion import solid_faults
 from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import S, box, circle, contour, drawing, lines, plate, table
@@ -41,6 +42,15 @@ def polygon(x: float, y: float, diameter: float, corners: int) -> tuple[Curve, .
     return lines(*((x + diameter / 2 * np.cos(a), y + diameter / 2 * np.sin(a)) for a in turn))
 
 
+def crosses(text: str) -> list[tuple[float, ...]]:
+    """The strokes that mark: X and Y of both ends."""
+    return [
+        tuple(map(float, ends)) for ends in re.findall(
+            r"G0 X(\S+) Y(\S+)\nM3 \$1.*\n(?:G4.*\n)?(?:F.*\n)?G1 X(\S+) Y(\S+)", text
+        )
+    ]  # fmt: skip
+
+
 def codes(text: str, part: Part, machine: Machine) -> set[str]:
     return {d.code for d in verify_sheet(text, (part,), machine)}
 
@@ -62,10 +72,12 @@ def test_its_centre_is_marked_as_that_of_a_hole(small: tuple[Curve, ...]) -> Non
     posted = post((part,), machine)
     assert hand(part, machine) == [1]
     assert codes(posted.text, part, machine) == {"verify-by-hand"}
-    own = plate(Hole("v", 50, 50, 4.0, S))
-    crosses = re.findall(r"G0 .*\nM3 \$1.*\n(?:F.*\n)?G1 .*\nM5 \$1\n", posted.text)
-    assert len(crosses) == 2
-    assert all(cross in post((own,), machine).text for cross in crosses)
+    own = post((plate(Hole("v", 50, 50, 4.0, S)),), machine).text
+    # Arcs that stand for chords lie within the tolerance of them.
+    found, wanted = (sorted(crosses(text)) for text in (posted.text, own))
+    assert len(found) == len(wanted) == 2
+    for one, other in zip(found, wanted, strict=True):
+        assert one == pytest.approx(other, abs=0.01)
 
 
 @pytest.mark.parametrize("corners", [4, 6, 8, 12])
@@ -128,6 +140,77 @@ def test_a_cross_that_reaches_beyond_the_part_lies_on_the_table_too() -> None:
     tiny = drawing(contour(box(0, 0, 6, 4), line=1), contour(circle(1.5, 2, 1), line=2))
     machine = table(lead="none", kerf=0.3)
     assert codes(post((tiny,), machine).text, tiny, machine) == {"verify-by-hand"}
+
+
+def slot(x: float, y: float, length: float, width: float, turn: float) -> tuple[Curve, ...]:
+    """Two lines and two half circles about a middle, turned by degrees."""
+    a, b, r = cos(radians(turn)), sin(radians(turn)), width / 2
+    half = length / 2 - r
+
+    def at(u: float, v: float) -> tuple[float, float]:
+        return x + a * u - b * v, y + b * u + a * v
+
+    return (
+        Line(at(-half, -r), at(half, -r)), Arc(at(half, 0), r, turn - 90.0, 180.0),
+        Line(at(half, r), at(-half, r)), Arc(at(-half, 0), r, turn + 90.0, 180.0),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("turn", [0.0, 90.0, 30.0, -17.3])
+def test_the_ends_of_a_narrow_slot_are_marked(turn: float) -> None:
+    """24 x 4 on 6 mm: the middles of its ends lie 10 mm from its own."""
+    machine = table()
+    part = drawing(OUTLINE, contour(slot(60, 50, 24, 4, turn), line=2), LARGE)
+    text = post((part,), machine).text
+    assert hand(part, machine) == [1]
+    assert codes(text, part, machine) == {"verify-by-hand"}
+    middles = sorted(
+        {(round((a + c) / 2, 3), round((b + d) / 2, 3)) for a, b, c, d in crosses(text)}
+    )
+    c, s = 10 * cos(radians(turn)), 10 * sin(radians(turn))
+    expected = sorted([(70 - c, 60 - s), (70 + c, 60 + s)])
+    assert len(middles) == 2
+    for found, wanted in zip(middles, expected, strict=True):
+        assert found == pytest.approx(wanted, abs=1e-3)
+    rows = hand_rows(post((part,), machine).plan)
+    assert [(row["kind"], row["size"]) for row in rows] == [("slot", "24 x 4")]
+    assert (rows[0]["x"], rows[0]["y"]) == pytest.approx((60, 50))
+    assert {d.code for d in solid_faults(text, Request((part,), machine, name="a"))} == {
+        "solid-left-out"
+    }
+
+
+def test_a_slot_as_wide_as_the_torch_can_cut_and_a_window_are_cut() -> None:
+    for narrow in (slot(60, 50, 24, 4.8, 30.0), box(50, 48, 24, 4)):
+        part = drawing(OUTLINE, contour(narrow, line=2))
+        assert hand(part, table(lead="none")) == []
+
+
+def test_a_slot_that_nothing_marks_is_refused_as_one() -> None:
+    part = drawing(OUTLINE, contour(slot(60, 50, 24, 4, 0.0), line=2))
+    machine = table(drilled="refuse")
+    with pytest.raises(PlanError, match=r"plan-slot.*24 x 4.*at least 4.8 wide"):
+        post((part,), machine)
+    posted = post((part,), machine, skips=("slot",))
+    assert {d.code for d in verify_sheet(posted.text, (part,), machine, skips=("slot",))} == {
+        "verify-left-out"
+    }
+
+
+@given(
+    width=st.floats(0.5, 8.0), more=st.floats(0.0, 40.0), turn=st.floats(-180.0, 180.0),
+    thickness=st.floats(1.0, 9.0), loose=st.booleans(),
+)  # fmt: skip
+def test_slots_of_any_size_are_read_back(
+    width: float, more: float, turn: float, thickness: float, loose: bool
+) -> None:
+    curves = slot(100, 50, width + more, width, turn) if more > 1.0 else circle(100, 50, width)
+    drawn = [contour((c,), line=k) for k, c in enumerate(curves, 2)] if loose else [contour(curves)]
+    part = drawing(OUTLINE, *drawn, thickness=thickness)
+    machine = table(lead="none", kerf=0.3)
+    is_small = width < max(4.0, 0.8 * thickness)
+    assert bool(hand(part, machine)) == is_small
+    post((part,), machine)
 
 
 def test_the_solid_knows_it() -> None:
