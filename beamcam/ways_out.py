@@ -7,12 +7,12 @@ from msgspec.structs import replace
 
 from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import OTHERS, Torch
 from beamcam.machine_chain import chain_of
 from beamcam.model.part import Contour
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
-from beamcam.planning.contours.rules import SHARED
+from beamcam.planning.contours.rules import SHARED, UNMAPPED
 from beamcam.planning.orientation import MOST_TRIED
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import post_of
@@ -133,6 +133,7 @@ def ways_out(
     found = [*_first(map(_by_thickness, on))] or [
         *_first(map(_by_placing, on)),
         *elsewhere,
+        *_first(_by_map(one) for one, codes in refused if UNMAPPED.code in codes),
         *_first(map(_by_gap, open_ones)),
         *_by_switch(touching, "common_cuts"),
         *_first(map(_by_rotating, too_large)),
@@ -186,6 +187,16 @@ def _keeps_size(machine: Machine) -> bool:
     """Whether a machine keeps half of its kerf off the parts, so that they fit."""
     torch = machine.torch
     return torch is not None and torch.kerf_by != "none" and any(row.kerf for row in torch.rows)
+
+
+def _by_map(request: Request) -> Iterator[str]:
+    """Cuts, where the map has no process for some lines of a drawing."""
+    torch = request.machine.torch
+    if torch is None:
+        return
+    colours = {**torch.colours, OTHERS: "cut"}
+    if _made(_with_torch(request, replace(torch, colours=colours))) is not None:
+        yield f"--map '{OTHERS}=cut'"
 
 
 def _by_gap(request: Request) -> Iterator[str]:

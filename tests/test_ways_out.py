@@ -195,6 +195,18 @@ def test_a_machine_that_keeps_no_kerf_off_is_no_way_out(tmp_path: Path) -> None:
         assert name not in done.stderr
 
 
+def test_a_colour_that_the_map_lacks_is_no_dead_end(tmp_path: Path) -> None:
+    """White lines on a laser: the error names the colour, the way out all that is left."""
+    path = saved(tmp_path, 4, ring(80, 60))
+    path.write_text(path.read_text().replace("\n62\n1\n", "\n62\n7\n"))
+    asked = ("post", path, "--thickness", "3", "--material", "acrylic", "-o", tmp_path / "a.nc",
+             "--machine", "laser-grbl")  # fmt: skip
+    done = run(*asked)
+    assert "or --map white=cut" in done.stderr
+    assert f"{FOUND}--map '*=cut'{END}" in done.stderr
+    assert run(*asked, "--map", "*=cut").exit_code == 0
+
+
 def test_star_in_the_map_is_everything_else() -> None:
     asked = ("post", SAMPLES / "dxf" / "plate.dxf", "--thickness", "3", "--allow-open", "-o", "-")
     done = run(*asked, "--map", "*=cut")
