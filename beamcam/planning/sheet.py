@@ -80,13 +80,12 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     if machine.words.arc_cw:
         joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
     shapes, said = _nested(joined, assigned, torch, kerf)
-    listed = frozenset(assigned.listed)
-    shapes = drill_small_openings(shapes, part, torch, skips, assigned)
-    crosses = [s for s in shapes if s.process == "mark" and _is_listed(s, assigned, listed)]
+    shapes, crosses = drill_small_openings(shapes, part, torch, skips, assigned)
     box = join_boxes([box, *(curve.bbox for s in crosses for curve in s.curves)]) or box
     shift = shift_of(box, torch)
-    _refuse_work(part, assigned, {s.process for s in shapes}, material, machine, torch)
-    shapes += _spots(part, assigned)
+    processes = {s.process for s in (*shapes, *crosses)}
+    _refuse_work(part, assigned, processes, material, machine, torch)
+    shapes += [*crosses, *_spots(part, assigned)]
     remarks += [*joined.remarks, *said]
     if not shapes:
         raise PlanError(_nothing(part, assigned, len(joined.small), torch.gap))
@@ -105,15 +104,6 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     )  # fmt: skip
     _balance(plan)
     return plan
-
-
-def _is_listed(shape: Shape, assigned: Assigned, before: frozenset[int]) -> bool:
-    """Whether the features of a shape were left for the drill since."""
-    return (
-        bool(shape.features)
-        and not before.issuperset(shape.features)
-        and all(feature in assigned.listed for feature in shape.features)
-    )
 
 
 def _refuse_work(

@@ -164,8 +164,9 @@ def _is_out(
 
 def drill_small_openings(
     shapes: Sequence[Shape], part: Part, torch: Torch, skips: Collection[str], found: Assigned
-) -> list[Shape]:
-    """The shapes but for round openings and slots of a drawing that are too small for the torch.
+) -> tuple[list[Shape], list[Shape]]:
+    """The shapes but for round openings and slots of a drawing that are too small for the torch,
+    and the crosses that mark them.
 
     They are what such a hole or slot of a part is: their drill start points are marked and they are
     listed, or they are refused, or left out; `found` records it. What lies within one as round, as
@@ -173,7 +174,7 @@ def drill_small_openings(
     """
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     least = min_hole(torch, thickness)
-    kept, small = list[Shape](), set[int]()
+    crosses, small = list[Shape](), set[int]()
     for k in sorted(range(len(shapes)), key=lambda k: shapes[k].depth):
         shape = shapes[k]
         if shape.process != "cut" or not (shape.is_hole or shape.parent in small):
@@ -187,7 +188,7 @@ def drill_small_openings(
             if torch.drilled == "spot":
                 _spot(opening.centres, shape.features, found)
             else:
-                kept += (
+                crosses += (
                     Shape("mark", (line,), False, shape.features, shape.source)
                     for centre in opening.centres for line in _cross(centre, torch.cross)
                 )  # fmt: skip
@@ -197,7 +198,7 @@ def drill_small_openings(
             found.skipped.update(dict.fromkeys(shape.features, said.code))
         else:
             found.refusals.append(said)
-    return [*_without(shapes, small), *kept]
+    return _without(shapes, small), crosses
 
 
 class _Opening(Struct, frozen=True):
