@@ -53,6 +53,7 @@ CACHES = {
     "ifc.walls": Bound(4096, "each face of a member asks for the walls of its section"),
     "ifc.thicknesses": Bound(4096, "each hole asks for the thickness of its wall"),
     "ifc.corners": Bound(4096, "each end of a member asks for the corners of its section"),
+    "drawings.looks": Bound(1024, "the lines of a drawing have few layers and colours"),
     "svg.decimals": Bound(64, "a pattern for each number of decimals, of which few are met"),
     "curves.newton": Bound(256, "divided differences take n^2 steps, each point asks for them"),
     "curves.newton_bezier": Bound(256, "the same curve in the form that lengths and boxes take"),

@@ -17,7 +17,7 @@ from beamcam.writers import part_json
 from tests.conftest import SAMPLES
 
 HOSTILE = Path(__file__).parent / "hostile"
-MOST_S = 5.0
+HANG_S = 120.0  #: processor time that none takes, on a slow machine either, unless it hangs
 FILES = sorted(path for path in HOSTILE.iterdir() if path.suffix != ".toml")
 PART = {
     "schema": "beamcam/part/1", "mark": "A", "length": 200,
@@ -29,7 +29,7 @@ class Outcome(NamedTuple):
     """What came of a command."""
 
     printed: str
-    faults: list[str]  #: a traceback, another exit status, too much time, text that steers
+    faults: list[str]  #: a traceback, another exit status, no end, text that steers
 
     @property
     def text(self) -> str:
@@ -48,7 +48,7 @@ def call(*words: object) -> Outcome:
         faults.append(repr(result.exception))
     if result.exit_code not in (0, 1):
         faults.append(f"exit status {result.exit_code}: {printed}")
-    if took >= MOST_S:
+    if took >= HANG_S:
         faults.append(f"{took:.1f} s")
     faults += [repr(line) for line in printed.split("\n") if not line.isprintable()]
     return Outcome(printed, faults)

@@ -5,12 +5,13 @@ red into #ed3237 and black into #1f1a17, so a table that says "red" is matched b
 """
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from colorsys import hls_to_rgb, rgb_to_hsv
 from contextlib import suppress
 from itertools import takewhile
 from math import inf, pi
 
+from beamcam.caches import cached
 from beamcam.machine.torch import OTHERS
 from beamcam.model.drawing import Dashed
 from beamcam.model.part import Contour, Process
@@ -214,20 +215,21 @@ def key_of(lines: Contour | Dashed, table: Collection[str]) -> str | None:
     the colour, an equal colour before one that is only near in hue. `OTHERS` stands for what none
     of the keys before it does, so that no key behind it counts.
     """
+    return _key_of(lines.layer, lines.colour, tuple(table))
+
+
+@cached("drawings.looks")
+def _key_of(layer: str | None, colour: str | None, table: tuple[str, ...]) -> str | None:
     named = list(takewhile(lambda key: key != OTHERS, table))
-    found = _named(lines, named)
-    return OTHERS if found is None and OTHERS in table else found
-
-
-def _named(lines: Contour | Dashed, table: Sequence[str]) -> str | None:
-    if lines.layer is not None:
-        wanted = lines.layer.casefold()
-        for key in table:
+    if layer is not None:
+        wanted = layer.casefold()
+        for key in named:
             if key.casefold() == wanted:
                 return key
-    if lines.colour is None:
-        return None
-    return nearest_colour(lines.colour, [key for key in table if _is_colour(key)])
+    found = None
+    if colour is not None:
+        found = nearest_colour(colour, [key for key in named if _is_colour(key)])
+    return OTHERS if found is None and OTHERS in table else found
 
 
 def _is_colour(key: str) -> bool:

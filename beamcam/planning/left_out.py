@@ -114,7 +114,7 @@ def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
     curves: Counter[tuple[str | None, str | None, str]] = Counter()
     inside: Counter[tuple[str | None, str | None, str]] = Counter()
     first: dict[tuple[str | None, str | None, str], Contour] = {}
-    rings = _boxes_cut(plan)
+    rings: list[Box] | None = None
     for outcome in plan.outcomes:
         piece, index = outcome.feature
         feature = plan.pieces[piece].part.features[index]
@@ -126,7 +126,9 @@ def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
         if look[:2] != (None, None):
             curves[look] += len(feature.curves)
             first.setdefault(look, feature)
-            inside[look] += feature.closed and _is_within(feature, rings)
+            if feature.closed:
+                rings = _boxes_cut(plan) if rings is None else rings
+                inside[look] += _is_within(feature, rings)
     for look, count in curves.items():
         contour, process, named = first[look], look[2], _named(*look[:2])
         if process == "mark" and inside[look] and not _is_settled(contour, torch):

@@ -17,8 +17,10 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.plane import Box, join_boxes
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
+from beamcam.model.drawing import extent
 from beamcam.model.hatch import hatched
 from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
 from beamcam.verify.sheets import rules
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
     from shapely import Polygon
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
-Box = tuple[float, float, float, float]
 
 
 def as_asked(
@@ -147,11 +148,10 @@ def _lies_turned(part: Part, torch: Torch) -> bool:
         if not isinstance(feature, Contour)
         or (key := key_of(feature, torch.colours)) is None or torch.colours[key] != "ignore"
     ]  # fmt: skip
-    boxes = [box for feature in worked for box in _boxes(feature)]
-    if not boxes:
+    box = _box(worked)
+    if box is None:
         return False
-    long = max(box[2] for box in boxes) - min(box[0] for box in boxes)
-    high = max(box[3] for box in boxes) - min(box[1] for box in boxes)
+    long, high = box[2] - box[0], box[3] - box[1]
 
     def lies(along: float, across: float) -> bool:
         return along <= torch.length + torch.gap and across <= torch.width + torch.gap
@@ -188,7 +188,7 @@ def _outlined(part: Part) -> Part:
 
 
 def _copied(part: Part, torch: Torch) -> Part:
-    x0, y0, x1, y1 = _box(part.features, part)
+    x0, y0, x1, y1 = _box(part.features) or (0.0, 0.0, part.length, part.profile.height)
     mx, my = (x0 + x1) / 2, (y0 + y1) / 2
     c, s = cos(radians(torch.rotate)), sin(radians(torch.rotate))
     if torch.rotate % 90 == 0:
@@ -199,7 +199,7 @@ def _copied(part: Part, torch: Torch) -> Part:
         (s * sx, c * sy, my - s * sx * mx - c * sy * my),
     )
     once = [_moved(feature, turn) for feature in part.features]
-    x0, y0, x1, y1 = _box(once, part)
+    x0, y0, x1, y1 = _box(once) or (0.0, 0.0, part.length, part.profile.height)
     columns, rows = torch.copies
     step_x, step_y = x1 - x0 + torch.spacing, y1 - y0 + torch.spacing
     every: list[Feature] = []
@@ -228,29 +228,22 @@ def _moved(feature: Feature, by: Affine) -> Feature:
     return feature
 
 
-def _box(features: Sequence[Feature], part: Part) -> Box:
-    boxes = [box for feature in features for box in _boxes(feature)]
-    if not boxes:
-        return 0.0, 0.0, part.length, part.profile.height
-    lows, highs = [b[:2] for b in boxes], [b[2:] for b in boxes]
-    return (
-        min(x for x, _ in lows), min(y for _, y in lows),
-        max(x for x, _ in highs), max(y for _, y in highs),
-    )  # fmt: skip
+def _box(features: Sequence[Feature]) -> Box | None:
+    """The box around the contours, holes and slots of a part; None if there are none."""
+    boxes = [_hole_box(feature) for feature in features if isinstance(feature, Hole | Slot)]
+    contours = (feature for feature in features if isinstance(feature, Contour))
+    drawn = extent(curve for contour in contours for curve in contour.curves)
+    return join_boxes(boxes if drawn is None else [drawn, *boxes])
 
 
-def _boxes(feature: Feature) -> Iterator[Box]:
-    if isinstance(feature, Contour):
-        for curve in feature.curves:
-            yield curve.bbox
-    elif isinstance(feature, Hole | Slot):
-        # A slot reaches as far as the diagonals between the centres of its corners, and the radius.
-        r, x, y = feature.diameter / 2, feature.x, feature.y
-        dx = dy = 0.0
-        if isinstance(feature, Slot):
-            half = hypot(feature.length, feature.height) / 2
-            own = degrees(atan2(feature.height, feature.length))
-            for angle in (feature.angle + own, feature.angle - own):
-                dx = max(dx, abs(half * cos(radians(angle))))
-                dy = max(dy, abs(half * sin(radians(angle))))
-        yield x - dx - r, y - dy - r, x + dx + r, y + dy + r
+def _hole_box(hole: Hole | Slot) -> Box:
+    # A slot reaches as far as the diagonals between the centres of its corners, and the radius.
+    r, x, y = hole.diameter / 2, hole.x, hole.y
+    dx = dy = 0.0
+    if isinstance(hole, Slot):
+        half = hypot(hole.length, hole.height) / 2
+        own = degrees(atan2(hole.height, hole.length))
+        for angle in (hole.angle + own, hole.angle - own):
+            dx = max(dx, abs(half * cos(radians(angle))))
+            dy = max(dy, abs(half * sin(radians(angle))))
+    return x - dx - r, y - dy - r, x + dx + r, y + dy + r

@@ -220,8 +220,10 @@ def _is_one_feature(work: Work, ring: Chain) -> bool:
     own = features[ways[0]]
     if any(back for _, back in ring) or (features[ways] != own).any():
         return False
-    low, high = work.need.boxes
     twins = np.flatnonzero(work.region.twins)
+    if not len(twins):
+        return True
+    low, high = work.need.boxes
     least, most = low[ways].min(axis=0), high[ways].max(axis=0)
     beside = np.all((high[twins] >= least) & (low[twins] <= most), axis=1)
     return not beside.any()

@@ -1,6 +1,7 @@
 """Round openings and slots of drawings that are smaller than a torch cuts."""
 
 from collections.abc import Sequence
+from math import pi
 
 import numpy as np
 import shapely
@@ -49,12 +50,15 @@ def _openings(
 ) -> dict[int, tuple[Point, ...]]:
     """The centres of the rings that are small openings, by the rings' numbers."""
     found: dict[int, tuple[Point, ...]] = {}
-    for number, polygon in enumerate(region.polygons):
-        curves = [ways[k] for k, _ in region.rings[number]]
-        centres = _centres(np.asarray(polygon.exterior.coords), curves, tolerance, least)
-        if centres:
-            found[number] = centres
     areas = shapely.area(region.polygons)
+    around = shapely.length(region.polygons)
+    # A slot that has this area and this length all round is as wide as this; chords make it less.
+    widths = (around - np.sqrt(np.maximum(around**2 - 4 * pi * areas, 0.0))) / pi
+    for number in np.flatnonzero(widths < least + tolerance).tolist():
+        curves = [ways[k] for k, _ in region.rings[number]]
+        corners = np.asarray(region.polygons[number].exterior.coords)
+        if centres := _centres(corners, curves, tolerance, least):
+            found[number] = centres
     openings = {
         k for k, (middle, *_) in found.items()
         if np.count_nonzero(
