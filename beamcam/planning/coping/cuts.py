@@ -175,7 +175,7 @@ def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> 
     It begins at a free edge where it has one, that away from the root if both are free.
     """
     if not chain.start:
-        return _closed(chain, shape, row, coper)
+        return _closed(chain, wall, shape, row, coper)
     free = {"low": wall.low == -inf, "high": wall.high == inf, "near": True, "far": True}
     if free[chain.end] and (
         not free[chain.start] or (chain.start == "low" and len(wall.roots) == 1)
@@ -184,7 +184,7 @@ def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> 
     half = row.kerf / 2
     led = _from_edge(chain, wall, shape, half, coper) if free[chain.start] else None
     if led is None and not free[chain.start]:
-        led = _from_root(chain, shape, row, coper)
+        led = _from_root(chain, wall, shape, row, coper)
     if led is not None and free[chain.end]:
         (xa, ya), (xb, yb) = led.path[-2:]
         longer = coper.over / (hypot(xb - xa, yb - ya) or 1.0)
@@ -193,32 +193,41 @@ def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> 
     return led
 
 
-def _closed(chain: Chain, shape: Shape, row: TorchRow, coper: Coper) -> RequiredPath | None:
+def _closed(
+    chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
+) -> RequiredPath | None:
     """A whole ring from the middle of a long stretch, pierced square to it."""
     ring = chain.points[:-1]
     stretches = sorted(range(len(ring)), key=lambda k: -_length(ring[k], ring[(k + 1) % len(ring)]))
     for k in stretches[:STARTS]:
         a, b = ring[k], ring[(k + 1) % len(ring)]
         middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-        pierce = _pierce(middle, _right_of(a, b), shape, row, coper)
+        pierce = _pierce(middle, _right_of(a, b), wall, shape, row, coper)
         if pierce is not None:
             return RequiredPath((pierce, middle, *ring[k + 1 :], *ring[: k + 1], middle), 1)
     return None
 
 
-def _from_root(chain: Chain, shape: Shape, row: TorchRow, coper: Coper) -> RequiredPath | None:
+def _from_root(
+    chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
+) -> RequiredPath | None:
     """A path that begins over the web, pierced along it beside its start."""
     start = chain.points[0]
     for side in (1.0, -1.0):
         beside = start[0] + side * row.kerf / 4, start[1]
         if shape.distance(_place(beside)) > shape.distance(_place(start)):
-            pierce = _pierce(start, (side, 0.0), shape, row, coper)
+            pierce = _pierce(start, (side, 0.0), wall, shape, row, coper)
             return None if pierce is None else RequiredPath((pierce, *chain.points), 1)
     return None
 
 
-def _pierce(start: Point, way: Point, shape: Shape, row: TorchRow, coper: Coper) -> Point | None:
-    """Where a path is pierced: the farthest place on a way off it that is clear of the part."""
+def _pierce(
+    start: Point, way: Point, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
+) -> Point | None:
+    """Where a path is pierced: the farthest place on a way off it that is clear of the part.
+
+    Nor is it over a hole, where no arc starts.
+    """
     least = row.pierce_radius - row.kerf / 2
     for share in LEADS:
         length = least + share * (coper.lead - least) + EDGE
@@ -226,6 +235,7 @@ def _pierce(start: Point, way: Point, shape: Shape, row: TorchRow, coper: Coper)
         if (
             shape.distance(_place(pierce)) >= row.pierce_radius
             and shape.distance(_line(pierce, start)) >= row.kerf / 2 - SLACK
+            and (wall.open is None or not wall.open.dwithin(_line(pierce, start), row.kerf / 2))
         ):
             return pierce
     return None
@@ -254,6 +264,7 @@ def _from_edge(
                 (wall.ends is None or wall.holds(start))
                 and shape.distance(_line(start, first)) >= half_kerf - SLACK
                 and shape.distance(_place(start)) > half_kerf + EDGE
+                and (wall.open is None or not wall.open.dwithin(_line(start, first), half_kerf))
             ):
                 return RequiredPath((start, *chain.points), 1)
     return None

@@ -20,7 +20,7 @@ from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, led, paths_of
 from beamcam.planning.coping.features import Sorted, sorted_features
 from beamcam.planning.coping.pipe import as_pipe
-from beamcam.planning.coping.regions import Region, features_on, region_of
+from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
 from beamcam.planning.coping.roots import root_faults
 from beamcam.planning.coping.tube import outcomes_of, plan_tube
 from beamcam.planning.coping.walls import EDGE, Wall, ends_on, walls_of
@@ -66,7 +66,10 @@ def plan_coping(
     chart = Chart(part, coper)
     walls = walls_of(part.profile, coper, chart.cut_height)
     if part.made is not None:
-        walls = {f: replace(wall, ends=ends_on(f, part)) for f, wall in walls.items()}
+        walls = {
+            f: replace(wall, ends=ends_on(f, part), open=open_on(f, part))
+            for f, wall in walls.items()
+        }
     regions, said = _regions(part, walls, found, coper)
     if not errors_in(said):
         said += root_faults(regions, chart.depth(walls["u"].root_depth), coper, part.source)
@@ -191,6 +194,9 @@ def _cuts(
                     )
                 )  # fmt: skip
                 continue
+            if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
+                x, y = hole
+                said.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
             kind = _kind(chain, region)
             cuts.append(
                 CopeCut(kind, face, way.path, way.lead, thickness, row, features, source, root)

@@ -8,6 +8,7 @@ from math import atan2, degrees
 from typing import Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
@@ -220,3 +221,18 @@ def features_on(part: Part, made: Sequence[int]) -> dict[Face, list[int]]:
         face = getattr(part.features[f], "face", "")
         found.setdefault("v" if face == "h" else face, []).append(f)
     return found
+
+
+def open_on(face: Face, part: Part) -> Shape:
+    """The holes, slots and cut-outs of a wall that another machine has made."""
+    from shapely import union_all
+
+    made = replace(part, features=part.made or ())
+    own = [made.features[k] for k in features_on(made, range(len(made.features))).get(face, [])]
+    return union_all(
+        [
+            shape_of(curves_of(one)) for one in own
+            if (isinstance(one, Hole | Slot) and one.kind != "mark" and one.depth is None)
+            or (isinstance(one, Contour) and one.kind == "inner" and one.process == "cut")
+        ]
+    )  # fmt: skip

@@ -1,6 +1,6 @@
 """Rules for what a torch that goes round a profile cannot make."""
 
-from beamcam.errors import error, note
+from beamcam.errors import error, note, warning
 
 # fmt: off
 
@@ -32,6 +32,12 @@ SHORT = error("plan-coping-short",
     "it within the piece, which comes cut",
     "What the machine before has cut off cannot be made again. The ends of a piece stand in the "
     "header of its file.")
+OPEN = warning("plan-coping-open",
+    "found a hole that is there across a cut at x {x}, y {y} on face {face}; the torch goes over "
+    "it with its arc on",
+    "A hole that is drilled into the corner of a cope before makes it round, but an arc may go out "
+    "over it, and what lies behind it is not cut then. Stay beside the machine, or have the hole "
+    "smaller than the arc bridges.")
 DEEP = error("plan-coping-deep",
     "found the web {found} mm below the edges of the flanges; expected at most {expected} mm",
     "The torch is slim only from its tip to its holder (`coper.torch_length`).")
@@ -60,5 +66,5 @@ NO_PIPE = error("plan-coping-no-pipe",
     "found a plate {found} {height} mm wide; expected {expected} mm, the circumference of a pipe "
     "{diameter} mm in diameter",
     "Name and width of an unrolled pipe contradict each other, and only one can be right.")
-RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, DEEP, THICK, ROUNDED, BAR,
-    PIECE)
+RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
+    BAR, PIECE)

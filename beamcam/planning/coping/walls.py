@@ -7,7 +7,9 @@ ___|___
    u
 """
 
+from collections.abc import Sequence
 from math import inf, radians, sqrt, tan
+from typing import Any
 
 from msgspec import Struct
 
@@ -52,6 +54,7 @@ class Wall(Struct, frozen=True):
     fillets: float = 0.0  #: how much thicker the wall is at `low` and `high` by its fillets
     #: Of a piece that comes cut, its start and its end; None of a bar.
     ends: tuple[EndLine, EndLine] | None = None
+    open: Any = None  #: of shapely; the holes of a piece that are there already, or None
 
     def holds(self, place: Point) -> bool:
         """Whether there is steel of the bar or piece at a place, and the torch comes to it."""
@@ -59,6 +62,15 @@ class Wall(Struct, frozen=True):
         if not max(self.low, 0.0) <= y <= min(self.high, self.width):
             return False
         return self.ends is None or self.ends[0].x(y) <= x <= self.ends[1].x(y)
+
+    def crossed(self, path: Sequence[Point], most: float) -> Point | None:
+        """A place where a path goes through a hole that is there, for more than `most` mm."""
+        from shapely import LineString
+
+        if self.open is None:
+            return None
+        over = self.open.intersection(LineString(path))
+        return (over.centroid.x, over.centroid.y) if over.length > most else None
 
 
 def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wall]:

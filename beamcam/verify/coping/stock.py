@@ -11,7 +11,8 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Part
+from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.verify.coping.rings import ring_of, round_ring, slot_ring
 from beamcam.verify.coping.section import Section
 
 Shape = Any  #: of shapely
@@ -24,9 +25,10 @@ class Stock(Struct, frozen=True):
     is_piece: bool
     ends: dict[str, tuple[tuple[float, float, float], ...]]
     widths: dict[str, float]
+    open: dict[str, Shape] = {}  #: by wall, the holes of a piece that are there
 
     def wall(self, face: str) -> Shape:
-        """All steel of a wall, (x, y) of its face."""
+        """All steel of a wall, (x, y) of its face, with that where its holes are."""
         from shapely import Polygon
 
         (a0, a1, _), (b0, b1, _) = self.ends[face]
@@ -55,7 +57,28 @@ def stock_of(part: Part, section: Section, coper: Coper) -> Stock:
     cuts = part.cuts
     starts = _plane(section, cuts.web_start, cuts.flange_start, 0.0, max)
     ends = _plane(section, cuts.web_end, cuts.flange_end, part.length, min)
-    return Stock(True, {face: (starts[face], ends[face]) for face in section.faces}, widths)
+    faces = section.faces
+    return Stock(
+        True, {face: (starts[face], ends[face]) for face in faces}, widths,
+        {face: _open(part, face) for face in faces},
+    )  # fmt: skip
+
+
+def _open(part: Part, face: str) -> Shape:
+    """The holes, slots and cut-outs of a wall that are there."""
+    from shapely import MultiPoint, Polygon, make_valid, union_all
+
+    found: list[Shape] = []
+    for feature in part.made or ():
+        if getattr(feature, "face", "") not in {"v": "vh"}.get(face, face):
+            continue
+        if isinstance(feature, Hole) and feature.kind != "mark" and feature.depth is None:
+            found.append(Polygon(round_ring(feature.x, feature.y, feature.diameter / 2)))
+        elif isinstance(feature, Slot) and feature.depth is None:
+            found.append(MultiPoint([*slot_ring(feature)]).convex_hull)
+        elif isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut":
+            found.append(make_valid(Polygon(ring_of(feature.curves))))
+    return union_all(found)
 
 
 def _plane(

@@ -20,9 +20,10 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot
 from beamcam.verify.coping import rules
+from beamcam.verify.coping.rings import FINE, ring_of, slot_ring
 from beamcam.verify.coping.section import kerf_of, line_of, pieces_of
 from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
-from beamcam.verify.coping.wanted import FINE, corners_of, ring_of, slot_ring, with_round_corners
+from beamcam.verify.coping.wanted import corners_of, with_round_corners
 
 Shape = Any  #: of shapely
 

@@ -1,24 +1,23 @@
 """What has to stay of each wall of a part, worked out for the read-back alone."""
 
-from collections.abc import Collection, Iterator
-from math import ceil, cos, degrees, hypot, pi, radians, sin
+from collections.abc import Collection
+from math import degrees, hypot
 from typing import Any
 
 from msgspec import Struct
 
-from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.verify.coping.rings import FINE, ring_of, round_ring, slot_ring
 from beamcam.verify.coping.section import Section, pieces_of
 from beamcam.verify.coping.stock import DRAWN, Stock
 from beamcam.verify.left_out import is_by_hand
 
 Shape = Any  #: of shapely
 
-FINE = 0.02  #: mm between a curve and its chords, at most
-STEPS = 256  #: of a curve that is no arc
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
 LOOK = 0.2  #: mm round a corner in which steel and air are weighed
 EDGE_NOISE = 1.0  #: mm that an outline may lie off the edge of its wall and mean it
@@ -61,7 +60,7 @@ def wanted_on(
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     for feature in features:
         if isinstance(feature, Hole):
-            ring = list(_round(feature.x, feature.y, feature.diameter / 2, 0.0, 360.0))
+            ring = list(round_ring(feature.x, feature.y, feature.diameter / 2))
         elif isinstance(feature, Slot):
             ring = list(slot_ring(feature))
         elif isinstance(feature, Contour) and feature.kind != "outer":
@@ -91,37 +90,6 @@ def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Sha
         if piece.area > FINE * FINE and piece.distance(places) <= FINE
     ]
     return union_all([drawn, *kept])
-
-
-def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
-    """Points along a closed chain of curves."""
-    points: list[Point] = []
-    for curve in curves:
-        if isinstance(curve, Line):
-            points.append(curve.start)
-        elif isinstance(curve, Arc):
-            more = _round(*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
-            points += list(more)[:-1]
-        else:
-            points += [curve.point(k / STEPS) for k in range(STEPS)]
-    return points
-
-
-def _round(x: float, y: float, radius: float, first: float, sweep: float) -> Iterator[Point]:
-    """Points of an arc; a chord of a step t lies r t^2 / 8 off it at most."""
-    step = min(pi / 8, (8 * FINE / 2 / radius) ** 0.5) if radius else pi / 8
-    count = max(2, ceil(abs(radians(sweep)) / step))
-    for k in range(count + 1):
-        turn = radians(first + sweep * k / count)
-        yield x + radius * cos(turn), y + radius * sin(turn)
-
-
-def slot_ring(slot: Slot) -> Iterator[Point]:
-    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
-    for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
-        x = slot.x + a * slot.length * c - b * slot.height * s
-        y = slot.y + a * slot.length * s + b * slot.height * c
-        yield from _round(x, y, slot.diameter / 2, 0.0, 360.0)
 
 
 def _at_edge(point: Point, wide: float) -> Point:

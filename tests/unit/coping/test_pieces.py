@@ -1,6 +1,7 @@
 """Pieces that come cut: what one machine leaves, the next one gets; both programs make the part."""
 
 from contextlib import suppress
+from math import dist
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,10 @@ from beamcam import api
 from beamcam.asked import AskError
 from beamcam.cli import main
 from beamcam.controllers import cell_events
-from beamcam.errors import BeamcamError, PlanError, errors_in
+from beamcam.errors import BeamcamError, PlanError, Severity, errors_in
 from beamcam.machine import load
 from beamcam.machine_chain import chain_of
-from beamcam.model.part import Contour, EndCuts, Hole, Part
+from beamcam.model.part import Contour, EndCuts, Hole, Part, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file
 from beamcam.planning.begun import RULES as BEGUN_RULES
@@ -243,6 +244,55 @@ def test_a_piece_without_work_for_the_torch_is_refused() -> None:
     with pytest.raises(PlanError) as refused:
         post((begun(),), COPER)
     assert [d.code for d in refused.value.diagnostics] == ["plan-no-work"]
+
+
+WINDOW = outline("v", [(250.0, 100.0), (350.0, 100.0), (350.0, 200.0), (250.0, 200.0)], "inner")
+
+
+def codes_after(program_part: Part, part: Part) -> set[str]:
+    """What the read-back says of the program of one part, held against another."""
+    said = verify_coping(program_of(program_part), (part,), COPER, (), "JOB")
+    return {one.code for one in errors_in(said)}
+
+
+def test_no_arc_starts_over_a_hole_that_is_there() -> None:
+    plain = begun(WINDOW)
+    x, y = plan_coping((plain,), COPER).operations[0].path[0]
+    part = replace(plain, made=(Hole("v", x, y, 14.0, AT),))
+    assert codes_after(plain, part) == {"verify-coping-air"}
+    (cut,) = plan_coping((part,), COPER).operations
+    assert dist(cut.path[0], (x, y)) > 14.0 / 2
+    program_of(part)
+    # The other side of the web, and a hole that does not go through, leave the place as it is.
+    assert codes_after(plain, replace(plain, made=(Hole("h", x, y, 14.0, AT),)))
+    for there in (Hole("o", x, y, 14.0, AT), Hole("v", x, y, 14.0, AT, 3.0, "blind")):
+        assert not codes_after(plain, replace(plain, made=(there,)))
+
+
+@pytest.mark.parametrize("there", [
+    Hole("v", 250.0, 150.0, 20.0, AT), Slot("v", 300.0, 100.0, 20.0, 30.0, 0.0, 0.0, AT),
+    outline("v", [(340.0, 140.0), (360.0, 140.0), (360.0, 160.0), (340.0, 160.0)], "inner"),
+])  # fmt: skip
+def test_a_hole_that_is_there_across_a_cut_is_told(there: Any) -> None:
+    plain = begun(WINDOW)
+    part = replace(plain, made=(there,))
+    told = {one.code: one for one in plan_coping((part,), COPER).remarks}
+    assert told["plan-coping-open"].severity is Severity.WARNING
+    assert not codes_after(part, part)
+    beside = replace(plain, made=(Hole("v", 300.0, 150.0, 20.0, AT),))
+    assert "plan-coping-open" not in {one.code for one in plan_coping((beside,), COPER).remarks}
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 600.0), st.floats(0.0, 300.0), st.floats(3.0, 40.0)),
+                max_size=4), st.sampled_from("vou"))  # fmt: skip
+@settings(max_examples=examples(60))
+def test_what_is_planned_beside_holes_is_read_back(
+    holes: list[tuple[float, float, float]], face: str
+) -> None:
+    there = tuple(Hole(face, x, y, wide, AT) for x, y, wide in holes)  # type: ignore[arg-type]
+    flange = outline("o", [(0, 0), (520, 0), (520, 150), (0, 150)])
+    with suppress(PlanError):
+        post((replace(begun(outline("v", COPE), flange, WINDOW), made=there),), COPER)
 
 
 # --- both together --------------------------------------------------------------------------------

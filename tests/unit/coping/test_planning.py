@@ -244,6 +244,6 @@ def test_the_bar_is_told_and_a_quantity() -> None:
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in REFUSED}
     tested |= {"plan-coping-alone", "plan-coping-rounded", "plan-coping-bar"}
-    tested |= {"plan-coping-piece"}  # in test_pieces.py
+    tested |= {"plan-coping-piece", "plan-coping-open"}  # in test_pieces.py
     tested |= {"plan-coping-pipe", "plan-coping-no-pipe"}  # in test_tubes.py
     assert {rule.code for rule in RULES} <= tested
