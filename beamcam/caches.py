@@ -60,6 +60,7 @@ CACHES = {
     "curves.extremes": Bound(1024, "planning asks for the box of a curve several times"),
     "curves.spline": Bound(256, "planning asks for the pieces of a spline several times"),
     "curves.division": Bound(64, "matrices of one degree and number of parts serve all curves"),
+    "pages.templates": Bound(2, "a batch makes a page for each program"),
     "geometry.font": Bound(2, "the letters are read from their file, 1 ms"),
     "geometry.glyph": Bound(512, "a text has most of its characters several times"),
     "numbers.places": Bound(8, "all texts of so many decimals; up to 10,000 of them"),

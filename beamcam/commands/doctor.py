@@ -19,7 +19,9 @@ from beamcam.machine import shipped
 from beamcam.system import user_folder
 from beamcam.version import __version__
 
-LIBRARIES = ("click", "ezdxf", "ifcopenshell", "manifold3d", "msgspec", "numpy", "shapely")
+LIBRARIES = (
+    "click", "ezdxf", "ifcopenshell", "jinja2", "manifold3d", "msgspec", "numpy", "shapely",
+)  # fmt: skip
 #: Extra of beamcam -> what it is for, and the packages that it installs.
 EXTRAS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "dask": ("batches on a cluster", ("distributed",)),

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any
 
-from beamcam.model.plan import clock
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.pdf import (
     MARGIN,
@@ -23,11 +22,10 @@ from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text
 from beamcam.report.run import as_message, message_line
 from beamcam.setup_sheet.content import Content
-from beamcam.setup_sheet.html import used_columns
-from beamcam.setup_sheet.operations import Operation
-from beamcam.setup_sheet.page import MAX_ROWS, verdict_of
+from beamcam.setup_sheet.page import verdict_of
 from beamcam.setup_sheet.solid_data import solids_of
 from beamcam.setup_sheet.still import Still, still_of
+from beamcam.setup_sheet.tables import Cell, Column, Table, manual_work, tables_of
 from beamcam.version import __version__
 
 BODY = 9.0
@@ -76,7 +74,7 @@ def _story(content: Content, paper: Paper) -> Iterator[Any]:
     if content.left_out or content.hand:
         yield _title("Manual work")
         yield from (_text(line, bold=True) for line in content.left_out)
-        yield from _hand(content)
+        yield from _printed(manual_work(content), content.unit)
     if content.messages:
         yield _title("Warnings and remarks")
         yield from (_text(message_line(as_message(d)), 8) for d in content.messages)
@@ -138,63 +136,34 @@ def _still(still: Still, wide: float, mark: str) -> Any:
     return Picture()
 
 
-def _hand(content: Content) -> Iterator[Any]:
-    """The marks that are made manually."""
-    if content.hand:
-        unit = content.unit
-        rows = [[h["mark"], f"{h['kind']} {h['text']}", h["face"], shown(h["x"], unit),
-                 shown(h["y"], unit), str(h["pieces"])] for h in content.hand]  # fmt: skip
-        head = ["Part", "Mark", "Face", f"X, {unit}", f"Y, {unit}", "Pieces"]
-        yield _table([head, *rows], [90, 200, 40, 70, 70, 60], (3, 4, 5), True)
-
-
 def _tables(content: Content) -> Iterator[Any]:
-    unit = content.unit
-    if content.bar:
-        yield _title("Bar")
-        rows = [[s.what, *(shown(v, unit) for v in (s.start, s.end, s.end - s.start))]
-                for s in content.bar]  # fmt: skip
-        head = ["What", f"From, {unit}", f"To, {unit}", f"Length, {unit}"]
-        yield _table([head, *rows], [200, 100, 100, 100], (1, 2, 3), True)
-    if content.tools:
-        yield _title("Tools to load")
-        rows = [[t.where, t.station, t.tool] for t in content.tools]
-        heads, rows = used_columns([("Where", 180.0), ("Station", 180.0), ("Tool", 170.0)], rows)
-        yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads], (), True)
-    yield _title("Time by tool")
-    rows = [
-        [t.what, "" if t.count is None else str(t.count), f"{t.work_s:.1f}" if t.work_s else "",
-         f"{t.seconds:.1f}", "" if t.length is None else shown(t.length, unit)]
-        for t in content.totals
-    ]  # fmt: skip
-    columns = [("What", 170.0), ("Operations", 80.0), ("At work, s", 80.0), ("In all, s", 80.0),
-               (f"Length, {unit}", 100.0)]  # fmt: skip
-    heads, rows = used_columns(columns, rows)
-    yield _table([[head for head, _ in heads], *rows], [wide for _, wide in heads],
-                 range(1, len(heads)), True)  # fmt: skip
-    count = len(content.operations)
-    yield _title(f"Operations ({count}, {clock(content.seconds)})")
-    if not count:  # a program that does nothing
+    for table in tables_of(content):
+        yield _title(table.title)
+        yield from _printed(table, content.unit)
+
+
+def _printed(table: Table, unit: Unit) -> Iterator[Any]:
+    """A table as data, on paper."""
+    if not table.rows:  # a program that does nothing
         return
-    head = ["No.", "Operation", "Face", f"X, {unit}", f"Y, {unit}", f"Depth, {unit}",
-            f"Feed, {unit}/min", "Speed, rpm", "Time, s"]  # fmt: skip
-    rows = [_operation(op, unit) for op in content.operations[:MAX_ROWS]]
-    widths = (28.0, 110.0, 40.0, 62.0, 58.0, 58.0, 65.0, 60.0, 50.0)
-    used, rows = used_columns(list(zip(head, widths, strict=True)), rows)
-    right = [k for k, (name, _) in enumerate(used) if name not in ("Operation", "Face")]
-    yield _table([[name for name, _ in used], *rows], [wide for _, wide in used], right, True)
-    if count > MAX_ROWS:
-        yield _text(f"{count - MAX_ROWS} more operations are not listed.")
+    units = {"length": unit, "rate": f"{unit}/min"}
+    heads = [", ".join(filter(None, (c.head, units.get(c.kind, c.unit)))) for c in table.columns]
+    rows = [
+        [_cell(value, column, unit) for value, column in zip(row, table.columns, strict=True)]
+        for row in table.rows
+    ]
+    right = [k for k, column in enumerate(table.columns) if column.is_number]
+    yield _table([heads, *rows], [column.wide for column in table.columns], right, True)
+    if table.more:
+        yield _text(f"{table.more} more {table.noun} are not listed.")
 
 
-def _operation(op: Operation, unit: Unit) -> list[str]:
-    def figure(value: float | None) -> str:
-        return "" if value is None else shown(value, unit)
-
-    deep = "through" if op.is_through else figure(op.depth)
-    speed = "" if op.speed_rpm is None else f"{op.speed_rpm:g}"
-    return [str(op.number), op.what, ", ".join(op.faces), figure(op.x), figure(op.y),
-            deep, figure(op.feed_mm_min), speed, f"{op.seconds:.1f}"]  # fmt: skip
+def _cell(value: Cell, column: Column, unit: Unit) -> str:
+    if value is None or isinstance(value, str):
+        return value or ""
+    if column.kind in ("length", "rate"):
+        return shown(value, unit)
+    return f"{value:.1f}" if column.kind == "seconds" else f"{value:g}"
 
 
 def _letters(text: str) -> str:

@@ -1,4 +1,7 @@
-"""What an encoder reads of a program, as one HTML file that fetches nothing."""
+"""Pages of an encoder's study, of two programs compared and of a velocity profile.
+
+Each is one HTML file that fetches nothing; the same values give the same bytes.
+"""
 
 from collections.abc import Sequence
 
@@ -8,44 +11,18 @@ from beamcam.pictures.comparison import Compared
 from beamcam.pictures.encoder import Study, encoder_scene
 from beamcam.pictures.profile import profile_scene, sample_times
 from beamcam.pictures.scene import Unit
-from beamcam.pictures.svg import inline_svg
 from beamcam.report.velocity_profile import VelocityUnit
-from beamcam.setup_sheet.html import page_script, shown, static_text
-from beamcam.setup_sheet.page import data_script, document_head, playback_section
+from beamcam.setup_sheet.html import page
 from beamcam.setup_sheet.playback import trace_data
 from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder
-from beamcam.version import __version__
+
+MAX_LISTED = 2000  #: differences in the list
+DIGITS = 6
 
 
 def study_page(study: Study) -> str:
-    """The page: the figures of the study, and the staircase about the worst corner."""
-    encoder, scene = study.encoder, encoder_scene(study)
-    title = f"{study.name}: encoder"
-    rows = "".join(
-        f'<tr><th scope="row">{name}</th><td>{shown(value)}</td></tr>'
-        for name, value in study.figures()
-    )
-    return (
-        f'<!doctype html>\n<html lang="en">\n{document_head(title)}<body><main>\n'
-        f"<h1>{shown(title)}</h1>\n"
-        f"<p>{encoder.shown}, on each axis of "
-        f"{shown(study.machine)}. An encoder shows the count that the axis has passed last: the "
-        "true point lies within a count above what is read.</p>\n"
-        f"<table><tbody>{rows}</tbody></table>\n"
-        f'<section class="pictures"><div class="picture" role="group" tabindex="0" '
-        f'aria-label="{shown(scene.title)}">{inline_svg(scene)}</div></section>\n</main>\n'
-        f"<footer>beamcam {__version__}. SHA-256 of {shown(study.name)}: "
-        f"<code>{study.sha256}</code></footer></body></html>\n"
-    )
-
-
-# --- diff page ------------------------------------------------------------------------------------
-
-# Two parts or two programs compared, as one HTML file that fetches nothing.
-
-
-MAX_LISTED = 2000  #: differences in the list
-SHOWN = (("same", "what is the same"), ("gone", "A"), ("new", "B"), ("moved", "arrows"))
+    """What an encoder reads of a program: its figures, and the staircase about the worst corner."""
+    return page("encoder", title=f"{study.name}: encoder", study=study, scene=encoder_scene(study))
 
 
 def diff_page(
@@ -54,42 +31,13 @@ def diff_page(
     differences: Sequence[Difference],
     unit: Unit = "mm",
 ) -> str:
-    """The page: counts, pictures with what is to be seen of them, the differences in words."""
-    title = f"{names[0]} and {names[1]}"
+    """Two parts or programs: counts, pictures with what is to be seen of them, the differences."""
     sums = [sum(getattr(p, how) for p in pictures) for how in ("same", "changed", "gone", "new")]
-    counts = "{} the same, {} changed, {} gone, {} new".format(*sums)
-    choices = "".join(
-        f'<label><input type="checkbox" checked data-shows="{style}"> {text}</label>'
-        for style, text in SHOWN
-    )
-    drawn = "".join(
-        f'<div class="picture" role="group" tabindex="0" aria-label="{shown(p.scene.title)}">'
-        f"{inline_svg(p.scene)}</div>\n"
-        for p in pictures
-    )
-    listed = "".join(f"<li>{shown(d.text)}</li>" for d in differences[:MAX_LISTED])
-    more = len(differences) - MAX_LISTED
-    rest = f"<p>{more} more differences are not listed.</p>" if more > 0 else ""
-    said = f"<ol>{listed}</ol>{rest}" if listed else "<p>They mean the same.</p>"
-    verdict = "wrong" if differences else "made"
-    noun = "difference" if len(differences) == 1 else "differences"
-    return (
-        f'<!doctype html>\n<html lang="en" data-unit="{unit}">\n{document_head(title)}'
-        f"<body><main>\n<h1>A: {shown(names[0])}<br>B: {shown(names[1])}</h1>\n"
-        f'<p class="verdict {verdict}">{len(differences)} {noun}; {counts}</p>\n'
-        f'<div class="controls">Show {choices}</div>\n'
-        f'<section class="pictures">{drawn}</section>\n<h2>Differences</h2>{said}\n</main>\n'
-        f"<footer>beamcam {__version__}</footer>\n"
-        f'<script>"use strict";\n{static_text("shows.js")}</script></body></html>\n'
-    )
-
-
-# --- guide page -----------------------------------------------------------------------------------
-
-# The velocity profile of an axis as a page: the carriage on its guide under the curve.
-
-
-DIGITS = 6
+    return page(
+        "diff", title=f"{names[0]} and {names[1]}", unit=unit, names=names, pictures=pictures,
+        counts="{} the same, {} changed, {} gone, {} new".format(*sums),
+        differences=differences, most=MAX_LISTED,
+    )  # fmt: skip
 
 
 def profile_trace(profile: VelocityProfile, unit: VelocityUnit) -> Trace:
@@ -109,7 +57,7 @@ def profile_trace(profile: VelocityProfile, unit: VelocityUnit) -> Trace:
 
 
 def guide_page(profile: VelocityProfile, unit: VelocityUnit) -> str:
-    """The page; it fetches nothing, and the same profile gives the same bytes."""
+    """The velocity profile of an axis: the carriage on its guide under the curve."""
     trace = profile_trace(profile, unit)
     times = sample_times(profile)
     rows = zip(times.tolist(), profile.velocity(times).tolist(), strict=True)
@@ -119,13 +67,7 @@ def guide_page(profile: VelocityProfile, unit: VelocityUnit) -> str:
         "labels": unit.labels(),
         "samples": [[round(t, DIGITS), round(v, DIGITS)] for t, v in rows],
     }
-    views = {"guide": "The carriage on its guide, under the profile of its velocity"}
-    return (
-        f'<!doctype html>\n<html lang="en" data-unit="mm">\n{document_head("velocity profile")}'
-        "<body><main>\n<h1>Velocity profile</h1>\n"
-        f"{playback_section(trace.axes, views, listing=False, whole=False)}"
-        '<section class="pictures"><h2>The profile</h2><div class="picture" role="group" '
-        f'tabindex="0" aria-label="profile">{inline_svg(profile_scene(profile, unit))}</div>'
-        f"</section>\n</main><footer>beamcam {__version__}</footer>\n"
-        f"{data_script('playback', data)}<script>{page_script()}</script></body></html>\n"
-    )
+    return page(
+        "guide", title="velocity profile", unit="mm", axes=trace.axes,
+        scene=profile_scene(profile, unit), playback=data,
+    )  # fmt: skip

@@ -249,7 +249,7 @@ def _stroke_faults(
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
     lost = _in_air(stroke, steel, coper.over)
-    # No arc starts over a hole that is there. On its way it burns on over one; the plan has said so.
+    # No arc starts over a hole that is there; on its way it burns on over one, as the plan said.
     solid = steel.difference(stock.open[stroke.face]) if stock.is_piece else steel
     if solid.distance(line_of([(x, y)])) > slack or lost is not None:
         x, y = lost or (x, y)
