@@ -46,7 +46,9 @@ STEPS = (
     ("__main__",),
 )  # fmt: skip
 STEP = {name: step for step, names in enumerate(STEPS) for name in names}
-HEAVY = ("numpy", "ezdxf", "ifcopenshell", "shapely", "manifold3d", "svgelements", "hypothesis")
+HEAVY = (
+    "numpy", "ezdxf", "ifcopenshell", "shapely", "manifold3d", "jinja2", "svgelements", "hypothesis",
+)  # fmt: skip
 
 
 def room(module: str) -> str | None:

@@ -6,6 +6,7 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 from typing import Any
 
 from beamcam.pictures.bar import BarMade
+from beamcam.planning.coping.rules import ROUNDED
 from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.html import page
 from beamcam.setup_sheet.playback import bar_data, table_data
@@ -32,9 +33,14 @@ VIEWS = {
 
 def verdict_of(content: Content) -> str:
     """Verdict of the read-back, in a sentence."""
-    if content.verdict == "made" and (content.left_out or content.hand):
-        return "Read back: the program makes these parts, but for what is left for manual work."
-    return VERDICTS[content.verdict]
+    if content.verdict != "made":
+        return VERDICTS[content.verdict]
+    lacking = ["what is left for manual work"] if content.left_out or content.hand else []
+    if any(said.code == ROUNDED.code for said in content.messages):
+        lacking.append("corners that are cut round")
+    if not lacking:
+        return VERDICTS["made"]
+    return f"Read back: the program makes these parts, but for {' and '.join(lacking)}."
 
 
 def setup_page(content: Content) -> str:

@@ -76,3 +76,12 @@ def test_page_and_paper_are_made_and_say_that_there_is_no_solid() -> None:
     assert page == setup_page(content)
     assert setup_pdf(content).startswith(b"%PDF")
     assert len(content.operations) == text.count("M3 ")
+
+
+def test_corners_that_are_cut_round_are_in_the_verdict() -> None:
+    for name, is_rounded in (("coped", True), ("trimmer", False), ("cleat", False)):
+        content, _ = sheet(name, "coper-linuxcnc")
+        told = any(said.code == "plan-coping-rounded" for said in content.messages)
+        assert told == is_rounded, name
+        assert ("but for corners that are cut round." in setup_page(content)) == is_rounded
+        assert ("exactly these parts" in setup_page(content)) == (not is_rounded)
