@@ -64,7 +64,6 @@ SHALLOW = error("plan-blind-shallow",
 RULES = (OFF_PART, NEAR_EDGE, WALL, FILLET, NEAR_FILLET, BLIND_DEPTH, SHALLOW)
 
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
-OUTSIDE = ("o", "u", "h")  #: faces that a tool comes to from outside the section
 
 
 class FaceEdges(Struct, frozen=True):
@@ -165,7 +164,7 @@ class FinishedPart:
         if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
             return _said(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
         high_mm = wall.fillet_height(-apart)
-        outside = shape.face in OUTSIDE or self.part.profile.code == "M"
+        outside = not self.part.profile.face_depth(shape.face)
         limit, because = self._drill.clearance, "the clearance of the rapid approach"
         if outside:
             limit, because = self._deeper(shape.face), "the breakthrough behind the wall"

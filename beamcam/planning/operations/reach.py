@@ -38,6 +38,8 @@ Reached = Mapping[Face, Reach]
 
 def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
     """Range of y in which a tool reaches a face; unbounded where no flange is beside it."""
+    if profile.code == "T" and face in ("o", "u"):  # its stem, over the flange
+        return profile.web_thickness or 0.0, inf
     if face != "v" or profile.code not in ("I", "U", "C", "L"):
         return -inf, inf
     flange = profile.flange_thickness

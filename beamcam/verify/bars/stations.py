@@ -32,9 +32,11 @@ from beamcam.model.part import Face, Profile
 #     I       web, in the middle          (width - t) / 2   (width + t) / 2
 #     U, C    web, on the h side          0                 t
 #     L       leg, on the h side          0                 t
-#     T       stem, on the h side         0                 t
+#     T       flange, on the h side       0                 t
 #     M       two walls, v has its own    width - t         width
 #     B       the plate itself
+#
+# Behind o and u lie the flanges, outermost; of a T its stem, in the middle of its flange.
 
 
 def wall_thickness(profile: Profile, face: Face) -> float:
@@ -52,6 +54,8 @@ def recess(profile: Profile, face: Face) -> float:
             return width - (width + wall) / 2
         case "U" | "C" | "L" | "T", "v":
             return width - wall
+        case "T", "o" | "u":
+            return profile.height - (profile.height + profile.flange_thickness) / 2
         case _:
             return 0.0
 
@@ -117,7 +121,8 @@ def choices_of(machine: Machine, profile: Profile | None) -> dict[int, Choice]:
     """The stations of each spindle number of the program, on a section as far as it is known."""
     stations: dict[str, Station] = {s.face: _station(s, machine, profile) for s in machine.spindles}
     choices = {s.number: Choice(s.number, (stations[s.face],)) for s in machine.spindles}
-    for pair in machine.pairs:
+    # Two spindles at once into the stem of a T would meet in it.
+    for pair in machine.pairs if profile is None or profile.code != "T" else ():
         choices[pair.number] = Choice(pair.number, tuple(stations[f] for f in pair.faces))
     return choices
 
@@ -154,6 +159,8 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Sta
     if profile is not None and values["face_depth"] > 0 and profile.code in ("I", "U", "C", "L"):
         clear_from = profile.flange_thickness
         clear_to = inf if profile.code == "L" else profile.height - profile.flange_thickness
+    if profile is not None and profile.code == "T" and spindle.face in ("o", "u"):
+        clear_from = profile.web_thickness or 0.0
     across, stroke = _AXIS_INDEX[spindle.across.axis], _AXIS_INDEX[spindle.stroke.axis]
     start, near = spindle.stroke.start(values), spindle.stroke.near
     face_depth = values["face_depth"]
@@ -175,7 +182,9 @@ def _surface_known(profile: Profile | None, face: str) -> bool:
     """Whether a face lies where the section says: before a web, only if its thickness is known."""
     if profile is None:
         return False
-    return profile.web_thickness is not None or not (face in ("v", "h") and profile.code in WEBBED)
+    return profile.web_thickness is not None or not (
+        profile.code == "T" or (face in ("v", "h") and profile.code in WEBBED)
+    )
 
 
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
