@@ -22,7 +22,7 @@ _WEB: dict[Face, Face] = {"v": "h", "h": "v"}
 #: The other side of the plate behind a face, by section: a through hole is the same from there.
 OTHER_SIDE: dict[str, dict[Face, Face]] = {
     **dict.fromkeys(("I", "U", "C", "B"), _WEB),
-    **dict.fromkeys(("L", "T"), {**_WEB, "o": "u", "u": "o"}),
+    **{code: {**_WEB, "o": "u", "u": "o"} for code in ("L", "T")},
 }
 #: Faces with nothing behind them: an angle has no upper flange.
 NO_PLATE: dict[str, tuple[Face, ...]] = {"L": ("o",)}

@@ -44,6 +44,7 @@ def _refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
         yield IN_THE_WAY.at(
             line.source, what=f"{_length(line)} to mark", y=f"{out:g}", face=line.face,
             least=f"{reach.least:g}", greatest=f"{min(reach.greatest, reach.width):g}",
+            wall=reach.wall,
         )  # fmt: skip
 
 

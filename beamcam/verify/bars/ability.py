@@ -13,7 +13,13 @@ from beamcam.machine.stations import Spindle
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.bars.cuts import ends_of
 from beamcam.verify.bars.depths import REACHES
-from beamcam.verify.bars.stations import Station, choices_of, stroke_values, wall_thickness
+from beamcam.verify.bars.stations import (
+    Station,
+    choices_of,
+    lip_length,
+    stroke_values,
+    wall_thickness,
+)
 from beamcam.verify.bars.targets import (
     THREADS,
     MarkingPath,
@@ -71,7 +77,7 @@ def may_be_missing(
 
 
 def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
-    choices = choices_of(machine, part.profile)
+    choices = choices_of(machine, part.profile, lip_length(part))
     return {s.face: choices[s.number].stations[0] for s in machine.spindles}
 
 

@@ -15,7 +15,7 @@ from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.verify.bars.ability import is_within
 from beamcam.verify.bars.cuts import End
 from beamcam.verify.bars.machined_features import MachinedPath, StampedText
-from beamcam.verify.bars.stations import choices_of, stroke_values
+from beamcam.verify.bars.stations import choices_of, lip_length, stroke_values
 from beamcam.verify.bars.targets import MarkingPath, slot_corners
 from beamcam.verify.bars.tools import ToolCatalogue
 from beamcam.verify.drawn_texts import DrawnPieces, DrawnText
@@ -229,7 +229,7 @@ def _sides(face: Face, part: Part) -> tuple[float, float]:
     walled = ("v", "h") if profile.code == "I" else ("v",)
     if face not in walled or profile.code not in ("I", "U", "C", "L"):
         return 0.0, width
-    beside = profile.flange_thickness + profile.radius
+    beside = max(profile.flange_thickness + profile.radius, lip_length(part))
     return beside, (width if profile.code == "L" else width - beside)
 
 
