@@ -22,7 +22,8 @@ from beamcam.model.section import (
     section_fault,
     walls_beside,
 )
-from beamcam.model.weight import measures_of, name_of, section_area, weight_of
+from beamcam.model.weight import lip_of, measures_of, name_of, section_area, weight_of
+from beamcam.verify.bars.stations import lip_length
 
 SOURCE = Source("stranger.nc1", 1)
 #: One of each kind, its flanges and its web never equally thick.
@@ -165,6 +166,26 @@ def test_the_room_beside_a_root_fillet() -> None:
     # 9 into a fillet of 15: 15 - sqrt(225 - 81) = 3; at its end the whole radius.
     assert below.fillet_height(9.0) == pytest.approx(3.0)
     assert (below.fillet_height(0.0), below.fillet_height(15.0)) == (0.0, 15.0)
+
+
+def test_how_long_the_lips_of_a_c_are() -> None:
+    """By the length of its sheet, in the middle of it, and the weight of that.
+
+    C175 of 1.5: web 175 - 9, flanges 2 (60 - 9), lips 2 (20 - 4.5), four bends of pi / 2 x 3.75.
+    """
+    sheet = 166.0 + 102.0 + 31.0 + 4 * 5.8904862
+    for weight, lip in (
+        (sheet * 1.5 * 7.85e-3, 20.0),
+        ((sheet + 2 * 12.5) * 1.5 * 7.85e-3, 32.5),
+        ((sheet - 2 * 8.1) * 1.5 * 7.85e-3, 36.0),  # 11.9 is no lip: the longest, 0.6 x 60
+        (0.0, 36.0), (100.0, 36.0),
+    ):  # fmt: skip
+        part = Part("C", C175, 1000.0, SOURCE, weight=weight)
+        assert lip_of(part) == pytest.approx(lip, abs=1e-5)
+        assert lip_length(part) == pytest.approx(lip, abs=1e-5)
+    for profile in (U200, I300, M120):
+        part = Part("U", profile, 1000.0, SOURCE, weight=20.0)
+        assert lip_of(part) == lip_length(part) == 0.0
 
 
 def test_edges_corners_and_impossible_sections() -> None:

@@ -24,6 +24,7 @@ from beamcam.planning.turning import TURNS, turned
 ON_ITS_SIDE = next(t for t in TURNS if (t.swap, t.reverse_y, t.reverse_z) == (True, True, False))
 OPEN = ("L", "T")  #: sections without an upper flange, as they lie
 WEB_AMID = ("I", "T")  #: sections whose web stands in the middle of their flanges
+ON_END = 1e-6  #: mm; a cut that begins on a skew end lies there but for rounding
 EDGE = 0.05  #: mm; what lies so near to an edge of a wall is that edge
 
 
@@ -66,7 +67,9 @@ class Wall(Struct, frozen=True):
         x, y = place
         if not max(self.low, 0.0) <= y <= min(self.high, self.width):
             return False
-        return self.ends is None or self.ends[0].x(y) <= x <= self.ends[1].x(y)
+        if self.ends is None:
+            return True
+        return self.ends[0].x(y) - ON_END <= x <= self.ends[1].x(y) + ON_END
 
 
 def laid(part: Part) -> Part:

@@ -164,9 +164,11 @@ class FinishedPart:
         if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
             return _said(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
         high_mm = wall.fillet_height(-apart)
-        outside = not self.part.profile.face_depth(shape.face)
+        profile = self.part.profile
         limit, because = self._drill.clearance, "the clearance of the rapid approach"
-        if outside:
+        is_outside = not profile.face_depth(shape.face)
+        is_stem = profile.code == "T" and shape.face in ("o", "u")  # with fillets on both sides
+        if is_outside or (is_stem and self._deeper(shape.face) < limit):
             limit, because = self._deeper(shape.face), "the breakthrough behind the wall"
         if high_mm > limit and shape.kind != "mark":
             return _said(

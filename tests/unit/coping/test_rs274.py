@@ -98,7 +98,7 @@ def pieces(part: Part, strokes: list[Burn], stock: Any = None) -> list[Any]:
     rings = [list(section.exterior.coords)[:-1], *(list(r.coords)[:-1] for r in section.interiors)]
     bar = m.Manifold.extrude(m.CrossSection(rings, m.FillRule.EvenOdd), part.length + 2 * START)
     along = ((0.0, 0.0, 1.0, -START), (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
-    left = lying(bar.transform(along), part) if stock is None else stock
+    left = lying(bar.transform(along) if stock is None else stock, part)
     for burn in strokes:
         left = left - slab(burn)
     found = [one for one in left.decompose() if one.volume() > 1.0]
