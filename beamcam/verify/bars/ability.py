@@ -16,6 +16,7 @@ from beamcam.verify.bars.depths import REACHES
 from beamcam.verify.bars.stations import (
     Station,
     choices_of,
+    in_stem,
     lip_length,
     stroke_values,
     wall_thickness,
@@ -117,7 +118,10 @@ def _ill_placed(
     for f, feature in enumerate(part.features):
         if isinstance(feature, Contour) and feature.process != "cut":
             scribed = shop.works_on(feature.face, part) and any(shop.of("scribe", feature.face))
-            if scribed and not _is_clear(feature, stations[feature.face]):
+            if scribed and (
+                in_stem(feature.curves, part.profile, feature.face)
+                or not _is_clear(feature, stations[feature.face])
+            ):
                 yield f, "reach"
             continue
         if not isinstance(feature, Hole | Slot):

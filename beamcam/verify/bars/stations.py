@@ -11,10 +11,12 @@ straight line in y as well. Where the stroke does not follow the depth the face 
 behind 0, the outermost material on the spindle's side.
 """
 
+from collections.abc import Sequence
 from math import inf, nan, pi
 
 from msgspec import Struct
 
+from beamcam.geometry.curves import Curve
 from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
@@ -78,6 +80,15 @@ def lip_length(part: Part) -> float:
     if profile.width / 5 <= lip <= profile.height / 2:
         return lip
     return 3 * profile.width / 5
+
+
+def in_stem(curves: Sequence[Curve], profile: Profile, face: Face) -> bool:
+    """Whether a line on the flange of a T runs into its stem, which stands in the middle of it."""
+    if profile.code != "T" or face != "v":
+        return False
+    middle, half = profile.height / 2, profile.flange_thickness / 2 - 1e-6
+    ys = [y for curve in curves for y in curve.bbox[1::2]]
+    return min(ys) < middle + half and max(ys) > middle - half
 
 
 SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded

@@ -7,13 +7,14 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.model.part import Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.plan import DrillOp
 from beamcam.model.request import Request
 from beamcam.pipeline import post
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.bars import verify
+from beamcam.verify.bars import skippable, verify
 from tests.unit.planning.shop import SOURCE, part
 from tests.unit.planning.test_rules import LINE
 
@@ -80,6 +81,26 @@ def test_two_spindles_never_meet_in_a_stem() -> None:
 ])  # fmt: skip
 def test_what_no_tool_comes_to_on_a_tee_is_refused(code: str, feature: Feature) -> None:
     assert code in [d.code for d in refused(tee(feature))]
+
+
+@pytest.mark.parametrize(("low", "high", "wall"), [
+    (10.0, 44.5, ""), (55.5, 90.0, ""), (10.0, 45.0, "stem"), (55.0, 90.0, "stem"),
+    (10.0, 90.0, "stem"), (48.0, 52.0, "stem"),
+])  # fmt: skip
+def test_a_line_on_a_flange_keeps_off_the_stem(low: float, high: float, wall: str) -> None:
+    """The stem reaches from (100 - 11) / 2 to 55.5; the checker knows that by itself."""
+    line = replace(LINE, curves=(Line((400.0, low), (500.0, high)),))
+    if not wall:
+        assert not found(post((tee(line),), PUSHER).text, tee(line))
+        return
+    (said,) = refused(tee(line))
+    assert (said.code, str(said["wall"])) == ("plan-reach", wall)
+    assert skippable((tee(line),), PUSHER, ("reach",)) == {(0, 0)}
+    wider = replace(T100, height=110.0)  # whose stem begins at 49.5; Y is 55 - y there, not 50 - y
+    beside = replace(LINE, curves=(Line((400.0, 10.0), (500.0, 49.0)),))
+    text = post((part(beside, profile=wider),), PUSHER).text.replace(" L110", " L100")
+    text = text.replace("Y45 ", "Y40 ").replace("Y6 ", "Y1 ")
+    assert found(text, tee(beside)) == ["verify-hole-steel"]
 
 
 FULL = tee(
