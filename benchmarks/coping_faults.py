@@ -30,7 +30,7 @@ from beamcam.planning.coping import plan as planner
 from beamcam.planning.left_out import by_hand_sources, left_out_kinds
 from beamcam.posts import post_of
 from benchmarks.script import arguments, at_least, start
-from tests.random_copes import random_cope
+from tests.random_copes import random_cope, random_tee
 from tests.random_tubes import random_tube
 
 Lines = list[str]
@@ -135,7 +135,7 @@ def on_other_face(plan: CopePlan, chance: random.Random) -> CopePlan | None:
         same = [c for c in plan.operations if c.face == other and c.path == cut.path]
         return None if same else replace(cut, face=other)
 
-    return _changed(plan, chance, change, lambda c: c.face != "v" and plan.profile.code != "L")
+    return _changed(plan, chance, change, lambda c: c.face != "v" and plan.profile.code not in "LT")
 
 
 def too_short(plan: CopePlan, chance: random.Random) -> CopePlan | None:
@@ -427,7 +427,7 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
 
 def random_piece(seed: int) -> Part:
     """A random profile whose ends are there: what a saw leaves of it."""
-    part = random_cope(seed)
+    part = (random_tee if seed % 4 == 3 else random_cope)(seed)
     holes = tuple(f for f in part.features if not isinstance(f, Contour))
     rest = tuple(f for f in part.features if isinstance(f, Contour))
     return replace(part, features=rest, made=holes)
@@ -450,15 +450,16 @@ def piece_faults(part: Part, machine: Machine) -> Iterator[tuple[str, str]]:
 def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, str, str]], int]:
     """Wrong programs by class, those that the read-back took, and sound ones that it refused.
 
-    They are those of so many profiles, tubes and pieces that come cut.
+    They are those of so many profiles, tubes, pieces that come cut, and T sections.
     """
     chance = random.Random(seed)
     tried: Counter[str] = Counter()
     taken: list[tuple[int, str, str]] = []
     refused = 0
-    for number in range(3 * count):
-        machine = load(("coper-linuxcnc", "tube-linuxcnc", "coper-linuxcnc")[number % 3])
-        part = (random_cope, random_tube, random_piece)[number % 3](number // 3)
+    kinds = (random_cope, random_tube, random_piece, random_tee)
+    for number in range(len(kinds) * count):
+        machine = load("tube-linuxcnc" if number % len(kinds) == 1 else "coper-linuxcnc")
+        part = kinds[number % len(kinds)](number // len(kinds))
         job = Job(Request((part,), machine, name="JOB"), (0,))
         verify = post_of(machine).verify
         try:

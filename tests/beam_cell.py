@@ -44,8 +44,8 @@ class Section(NamedTuple):
 
     def below(self, face: str) -> float:
         """How far a face lies below the outermost steel on its side."""
-        if face != "v":
-            return 0.0
+        if face != "v":  # the stem of a T stands amid its flange
+            return (self.height - self.flange) / 2 if self.code == "T" else 0.0
         return {"I": (self.width - self.web) / 2, "M": 0.0}.get(self.code, self.width - self.web)
 
     def wall(self, face: str) -> float:

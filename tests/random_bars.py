@@ -14,12 +14,24 @@ SECTIONS = {
     "L": (Section("L", 150.0, 100.0, 12.0, 10.0, 12.0),
           Section("L", 120.0, 120.0, 11.0, 13.0, 13.0)),
     "M": (Section("M", 200.0, 120.0, 8.0, 8.0, 12.0),),
-    "C": (Section("C", 220.0, 90.0, 4.0, 4.0, 4.0),),
+    "C": (Section("C", 220.0, 90.0, 4.0, 4.0, 4.0),),  # its lips are LIP long
     "T": (Section("T", 180.0, 100.0, 12.0, 10.0, 8.0),),
 }  # fmt: skip
 TAKEN = {"beamline": "IUL", "beamline-annex": "IU", "beamline-pusher": "IULMCT"}
+LIP = 20.0
 DRILLED = (11.0, 13.0, 14.0, 18.0, 22.0, 26.0)
 THREADS = {12.0: (1.75, 10.2), 16.0: (2.0, 14.0), 20.0: (2.5, 17.5)}
+
+
+def weight(section: Section) -> float:
+    """Kilograms a metre as the header of a C has them, which says its lips; 1 of any other.
+
+    Web, flanges and lips between the bends, whose outside is 8, and four bends of 6 in the middle.
+    """
+    if section.code != "C":
+        return 1.0
+    middle = (220.0 - 16.0) + 2 * (90.0 - 16.0) + 2 * (LIP - 8.0) + 4 * 9.42477796076938
+    return middle * 4.0 * 7.85e-3
 
 
 class Feature(NamedTuple):
@@ -56,7 +68,8 @@ class Bar(NamedTuple):
     def file(self, mark: str) -> str:
         """The part as a DSTV file."""
         s = self.section
-        sizes = (self.length, s.height, s.width, s.flange, s.web, s.radius, 1.0, 1.0, *self.ends)
+        stock = s.height, s.width, s.flange, s.web, s.radius, weight(s), 1.0
+        sizes = (self.length, *stock, *self.ends)
         head = ["ST", "  1", "  1", "  1", f"  {mark}", "  S235JR", "  1", f"  {s.code}-STOCK",
                 f"  {s.code}", *(f"  {size:.3f}" for size in sizes), "", "", "", ""]  # fmt: skip
         lines = [f for f in self.features if f.kind == "line"]
@@ -79,11 +92,13 @@ def room(section: Section, face: str, random: Random) -> tuple[float, float] | N
             beside = wall / 2 + radius
             return (0.0, middle - beside) if random.random() < 0.5 else (middle + beside, size)
         case "T":
-            return (0.0, (size - flange) / 2 - radius) if face == "v" else None
+            return (0.0, (size - flange) / 2 - radius) if face == "v" else (first, size)
         case "L":
             return None if face == "o" else (first, size)
         case "U" | "C" if face != "v":
             return first, size - 20.0 * (section.code == "C")
+        case "C":
+            return LIP + 0.01, size - LIP - 0.01
     return first, last
 
 

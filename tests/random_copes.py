@@ -1,6 +1,8 @@
-"""Random parts for a coper: I, U and L with copes at their ends, notches, windows and holes."""
+"""Random parts for a coper: I, U, L and T with copes at their ends, notches, windows and holes."""
 
 from random import Random
+
+from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
@@ -16,6 +18,14 @@ SECTIONS = (
     Profile("U", "UPE300", 300.0, 100.0, 15.0, 9.5, 15.0),
     Profile("L", "L100*65*8", 100.0, 65.0, 8.0, 8.0, 10.0),
     Profile("L", "L150*15", 150.0, 150.0, 15.0, 15.0, 16.0),
+)  # fmt: skip
+
+
+TEES = (
+    Profile("T", "T100", 100.0, 100.0, 11.0, 11.0, 11.0),
+    Profile("T", "1/2 IPE300", 150.0, 150.0, 7.1, 10.7, 15.0),
+    Profile("T", "1/2 HEA240", 240.0, 115.0, 7.5, 12.0, 21.0),
+    Profile("T", "1/2 IPE450", 190.0, 225.0, 9.4, 14.6, 21.0),
 )  # fmt: skip
 
 
@@ -42,6 +52,61 @@ def random_cope(seed: int) -> Part:
     features.append(Contour("v", "outer", _web(profile, length, back, random), AT))
     features += _holes(profile, length, flanges, random)
     return Part(f"C{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
+def random_tee(seed: int) -> Part:
+    """A T whose copes cut stem and flange at one x, each plate drawn on either of its sides.
+
+    It is drawn as it lies under a torch, as an I without an upper flange: what is at y of its
+    flange is at height - y of v and h, what is at y of its web at y of o and u.
+    """
+    random = Random(seed)
+    tee = random.choice(TEES)
+    web, flange = tee.flange_thickness, tee.web_thickness or 0.0
+    lying = Profile("I", tee.name, tee.width, tee.height, flange, web, tee.radius)
+    length = round(random.uniform(500.0, 1500.0), 1)
+    back = {
+        ("u", end): round(random.uniform(30.0, 120.0), 2) if random.random() < 0.4 else 0.0
+        for end in (0, 1)
+    }
+    drawn = (
+        _flange(lying, "u", length, back, random),
+        Contour("v", "outer", _web(lying, length, back, random), AT),
+        *_tee_holes(lying, length, random),
+    )
+    features = tuple(_on_tee(feature, tee, random) for feature in drawn)
+    return Part(f"T{seed}", tee, length, AT, features=features, grade="S235JR")
+
+
+def _tee_holes(lying: Profile, length: float, random: Random) -> list[Feature]:
+    """Holes and slots of the stem, holes of the flange."""
+    found: list[Feature] = []
+    low, high = lying.flange_thickness + lying.radius + 25.0, lying.height - 20.0
+    for x in (180.0, 260.0, 340.0):
+        y = round(random.uniform(low, high), 2)
+        if high > low and random.random() < 0.6:
+            found.append(Hole("v", x, y, random.choice((18.0, 22.0)), AT))
+        elif high > low and random.random() < 0.6:
+            found.append(Slot("v", x, y, 18.0, 20.0, 0.0, random.choice((0.0, 10.0)), AT))
+    edge = lying.width / 2 - (lying.web_thickness or 0.0) / 2 - lying.radius
+    if edge > 45.0:
+        found.append(Hole("u", 220.0, random.choice((edge / 2, lying.width - edge / 2)), 18.0, AT))
+    return found
+
+
+def _on_tee(feature: Feature, tee: Profile, random: Random) -> Feature:
+    """A feature of the lying section, on a face of the T."""
+    assert isinstance(feature, Hole | Slot | Contour)
+    is_flange = feature.face == "u"
+    face = random.choice("vh" if is_flange else "ou")
+    if isinstance(feature, Contour):
+        curves = feature.curves
+        if is_flange:
+            curves = tuple(c.transformed(((1, 0, 0), (0, -1, tee.height))) for c in curves)
+        if face in ("v", "o"):  # seen from the other side: the ring runs the other way
+            curves = tuple(c.reversed() for c in reversed(curves))
+        return replace(feature, face=face, curves=curves)
+    return replace(feature, face=face, y=tee.height - feature.y if is_flange else feature.y)
 
 
 def _flange(

@@ -47,7 +47,8 @@ STEPS = (
 )  # fmt: skip
 STEP = {name: step for step, names in enumerate(STEPS) for name in names}
 HEAVY = (
-    "numpy", "ezdxf", "ifcopenshell", "shapely", "manifold3d", "jinja2", "svgelements", "hypothesis",
+    "numpy", "ezdxf", "ifcopenshell", "shapely", "manifold3d", "jinja2", "svgelements",
+    "hypothesis",
 )  # fmt: skip
 
 

@@ -14,15 +14,16 @@ class Coper(Keys, frozen=True):
     """The torch of a machine that copes profiles.
 
     X runs along the bar from its leading end. Y and Z are those of the section: Y 0 is the outside
-    of the lower flange, Z 0 the edge that lies on the rollers.
+    of the lower flange, Z 0 the edge that lies on the rollers. A T lies on its side, as an I that
+    has no upper flange: its flange at Y 0, its stem across.
     """
 
     max_height: Positive  #: of the section, along Y
     max_width: Positive  #: of the section, along Z
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
     turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a round tube
-    #: DSTV codes that it takes: I, U and L, or RO where the bar turns
-    profiles: tuple[Literal["I", "U", "L", "RO"], ...] = ("I", "U", "L")
+    #: DSTV codes that it takes: I, U, L and T, or RO where the bar turns
+    profiles: tuple[Literal["I", "U", "L", "T", "RO"], ...] = ("I", "U", "L")
     length: Positive = 12000.0  #: of the bar
     material: str = ""  #: of a part that does not say
     chuck: NotNegative = 0.0  #: of a bar that turns, held behind what is cut

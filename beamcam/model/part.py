@@ -58,13 +58,16 @@ class Profile(Struct, frozen=True, cache_hash=True):
         """How far the surface of `face` lies below the outermost material on its side.
 
         Flanges stand in front of the web: of an I on both sides of it, of a U, C or L (which lies
-        on its h side) on the v side only; a T stands on its flange. Section axes: page 7.
+        on its h side) on the v side only. A T lies on its flange, whose edges stand out beside
+        its stem on o and u. Section axes: page 7.
         """
         web = self.web_thickness or 0.0
         if face in ("v", "h") and self.code == "I":
             return (self.width - web) / 2
         if face == "v" and self.code in ("U", "C", "L", "T"):
             return self.width - web
+        if face in ("o", "u") and self.code == "T":
+            return (self.height - self.flange_thickness) / 2
         return 0.0
 
 

@@ -1,11 +1,11 @@
 """The walls of a section: their position behind a face, and whether they are possible.
 
    I              U, C           L              M              T
-___o___         ___o____         |            ____o___
-   |           |                 |           |        |      _________  v, from z = width
-v  |  h      h |  v              |  v      h |        | v        |
-___|___        |________         |____       |________|          |
-   u               u               u              u
+___o___         ___o____         |            ____o___      |
+   |           |                 |           |        |     |___o____
+v  |  h      h |  v              |  v      h |        | v   |   u      v, from z = width
+___|___        |________         |____       |________|     |
+   u               u               u              u         h
 """
 
 from collections.abc import Sequence
@@ -21,12 +21,11 @@ ARC_STEP_RAD = radians(1.0)
 _WEB: dict[Face, Face] = {"v": "h", "h": "v"}
 #: The other side of the plate behind a face, by section: a through hole is the same from there.
 OTHER_SIDE: dict[str, dict[Face, Face]] = {
-    **dict.fromkeys(("I", "U", "C", "T", "B"), _WEB),
-    "L": {**_WEB, "o": "u", "u": "o"},
+    **dict.fromkeys(("I", "U", "C", "B"), _WEB),
+    **{code: {**_WEB, "o": "u", "u": "o"} for code in ("L", "T")},
 }
-#: Faces with nothing behind them, or nothing at a known depth: an angle has no upper flange, and a
-#: T's stem stands somewhere amid its flange.
-NO_PLATE: dict[str, tuple[Face, ...]] = {"L": ("o",), "T": ("o", "u")}
+#: Faces with nothing behind them: an angle has no upper flange.
+NO_PLATE: dict[str, tuple[Face, ...]] = {"L": ("o",)}
 WALLED = ("I", "U", "L", "M", "C", "T")  #: codes of sections that are made of walls
 
 
@@ -59,11 +58,11 @@ def walls_beside(profile: Profile, face: Face) -> tuple[Wall, ...]:
     if code == "M":
         radius = max(0.0, radius - wall)  # a tube's radius is the outer one
     first, last = Wall(0.0, wall, radius), Wall(size - wall, size, radius)
-    if code == "M" or (code in ("I", "U", "C") and on_web):
-        return first, last
+    if code in ("M", "C") or (code in ("I", "U") and on_web):
+        return first, last  # of a C's flange the last is its lip
     if code == "I" or (code == "T" and on_web):
         return (Wall((size - wall) / 2, (size + wall) / 2, radius),)
-    return (first,) if code in ("U", "C", "L") else ()
+    return (first,) if code in ("U", "L", "T") else ()
 
 
 def free_edges(profile: Profile, face: Face) -> tuple[bool, bool]:
@@ -207,6 +206,8 @@ def face_title(face: Face, code: str) -> str:
     if face not in FACE_NAMES:
         return f"{face}   plane"
     name, (seen, edge) = FACE_NAMES[face], SEEN[face]
+    if code == "T":
+        name = "flange" if face in ("v", "h") else "stem"
     if code == "B":
         name = "front" if face == "v" else "back"
         seen = "seen from the front" if face == "v" else "drawn through the plate"

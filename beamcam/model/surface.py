@@ -82,12 +82,13 @@ class Patch(Struct, frozen=True):
 def surface_of(profile: Profile) -> tuple[Patch, ...]:
     """The patches of a section that a torch can look at; none of a section without such walls.
 
-    A corner of a rectangular tube is as round as `profile.radius` says, which is the outer one.
+    A corner of a rectangular tube is as round as `profile.radius` says, which is the outer one. A
+    T is taken as it lies under a torch, with its flange at Y 0 and its stem along Y.
     """
     h, b, r = profile.height, profile.width, profile.radius
     flange, web = profile.flange_thickness, profile.web_thickness or 0.0
     match profile.code:
-        case "I":
+        case "I" | "T":
             front, back = (b + web) / 2, (b - web) / 2
         case "U" | "C" | "L":
             front, back = web, 0.0
@@ -103,7 +104,7 @@ def surface_of(profile: Profile) -> tuple[Patch, ...]:
         Patch("h", 0.0, h, web, (0.0, back), (1.0, 0.0), (0.0, -1.0)),
         Patch("u", 0.0, b, flange, (0.0, 0.0), (0.0, 1.0), (-1.0, 0.0)),
     ]
-    if profile.code != "L":
+    if profile.code not in ("L", "T"):
         faces.append(Patch("o", 0.0, b, flange, (h, 0.0), (0.0, 1.0), (1.0, 0.0)))
     return tuple(faces)
 

@@ -94,6 +94,27 @@ def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> fl
     return None
 
 
+#: Shares of the flange's width that a lip is long (EN 1993-1-3, 5.2): the least, the greatest.
+LIP_SHARES = (0.2, 0.6)
+
+
+def lip_of(part: Part) -> float:
+    """How far the lips of a C reach over its trough, mm from the outside of its flange; else 0.
+
+    No header says it. The section is bent of one sheet, so that its weight per metre does; where
+    that gives no lip of at least 0.2 of the flange's width, the longest is taken, 0.6 of it.
+    """
+    profile = part.profile
+    wall = profile.web_thickness
+    if profile.code != "C" or not wall:
+        return 0.0
+    girth = part.weight / 1000 / STEEL_KG_MM3 / wall
+    corners = 4 * _FILLET * (2 * profile.radius + wall)  # steel that round bends have less
+    lip = (girth + corners - profile.height - 2 * profile.width + 4 * wall) / 2
+    least, greatest = (share * profile.width for share in LIP_SHARES)
+    return lip if least <= lip <= profile.height / 2 else greatest
+
+
 def _outline_area(outline: tuple[SectionPoint, ...]) -> float | None:
     """mm2 within the corners of a special section; None where its edges are round or missing."""
     if len(outline) < 3 or any(point.radius for point in outline):

@@ -42,9 +42,13 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     torch = _Torch(plan, coper) if coper.turns == "torch" else _Bar(plan, coper)
     commands: list[Command] = [StartProfile(plan.profile.height, plan.profile.width)]
     for piece in plan.pieces:
+        is_tee = plan.profile.code == "T"
+        if is_tee:
+            commands.append(Comment("THE T LIES ON ITS SIDE: FACE H AT Y 0, FACE U UP"))
         if piece.part.made is not None:
+            lies = "" if is_tee else ", FACE V UP, FACE U AT Y 0"
             commands += map(Comment, (
-                f"COMES CUT: ITS X 0 END AT X {piece.start:g}, FACE V UP, FACE U AT Y 0",
+                f"COMES CUT: ITS X 0 END AT X {piece.start:g}{lies}",
                 "WHAT ITS FILE CALLS MADE IS THERE",
             ))  # fmt: skip
     for cut in plan.operations:

@@ -155,12 +155,13 @@ class BarMade(Struct, frozen=True):
 
     def extent(self, piece: Piece) -> tuple[float, float]:
         """Bar x of the first and of the last corner of a piece."""
-        corners = [(f, y) for f in ("o", "u") for y in (0.0, self.profile.width)]
+        h, w = self.profile.height, self.profile.width
+        corners = [(self._rise(y), z) for y in (0.0, h) for z in (0.0, w)]
         start, end = 0.0, self.end
         if piece.start is not None:
-            start = min(self.x_on(piece.start, f, y) for f, y in corners) + piece.start.half_kerf
+            start = min(piece.start.along(*at) for at in corners) + piece.start.half_kerf
         if piece.end is not None:
-            end = max(self.x_on(piece.end, f, y) for f, y in corners) - piece.end.half_kerf
+            end = max(piece.end.along(*at) for at in corners) - piece.end.half_kerf
         return start, end
 
     def _rise(self, y: float) -> float:
@@ -171,7 +172,10 @@ class BarMade(Struct, frozen=True):
         """Bar x of a cut at a height of a face."""
         if face in ("v", "h"):
             return plane.along(self._rise(y), self.profile.width / 2)
-        return plane.along(self._rise(self.profile.height if face == "o" else 0.0), y)
+        up = {"o": self.profile.height, "u": 0.0}[face]
+        if self.profile.code == "T":  # the stem, in the middle of the flange
+            up = self.profile.height / 2
+        return plane.along(self._rise(up), y)
 
 
 def bar_scene(bar: BarMade, unit: Unit = "mm") -> Scene:

@@ -37,12 +37,17 @@ from beamcam.pictures.views import (
     titles,
     unshown,
 )
-from beamcam.verify.coping.section import Section
+from beamcam.verify.coping.section import Section, lying
 from beamcam.verify.coping.strokes import ProfileTorch, Stroke
 from beamcam.verify.coping.tube import TubeTorch, unrolled_pipe
 from beamcam.verify.head import head_of
 
 NUMBER_SIZE = 9.0
+#: Of a T, which lies on its side.
+TEE_TITLES = {
+    "v": "v   stem, seen from above; y = 0 is at the flange",
+    "u": "u   flange, seen from outside; y = 0 is the edge on the rollers",
+}
 
 
 class CoperProgram(Struct, frozen=True):
@@ -85,7 +90,7 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
         end, high = part.length, max(view.heights[-1], 0.0)
         corners = ((0.0, 0.0), (end, 0.0), (end, high), (0.0, high))
         drawn.append(Polyline("face", frame.all(corners), True))
-        drawn += _asked(program.parts, view, paper)
+        drawn += _asked(part if program.parts else None, view, paper)
         drawn += datum(view, frame)
         drawn += _cuts(strokes, view, paper, feeds)
         drawn += figures(view, paper, unit)
@@ -104,9 +109,9 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
 
 
 def part_of(program: CoperProgram) -> Part:
-    """The part, or one of the section and length that the program's head names."""
+    """The part as it lies, or one of the section and length that the program's head names."""
     if program.parts:
-        return program.parts[0]
+        return lying(program.parts[0])
     head = head_of(program.text)
     known = (
         measures_of(head.stock.replace("_", "*")) if head is not None else None
@@ -148,10 +153,13 @@ def _view(part: Part, face: Face, strokes: Sequence[Stroke], is_tube: bool) -> V
     """A face from x 0 to the part's end, or as far as it is cut."""
     points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
     xs, ys = [x for x, _ in points], [y for _, y in points]
+    is_tee = part.profile.code == "T"
     high, title = part.profile.face_width(face), face_title(face, part.profile.code)
     if is_tube:
         high = pi * unrolled_pipe(part).profile.height
         title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
+    elif is_tee:
+        title = TEE_TITLES[face]
     box = (min(0.0, *xs, 0.0), min(0.0, *ys, 0.0), max(part.length, *xs, 1.0), max(high, *ys, 0.0))
     ends = {round(end, 1) for s in strokes if s.face == face
             for xs in ([x for x, _ in s.points],) for end in (min(xs), max(xs))}  # fmt: skip
@@ -160,14 +168,14 @@ def _view(part: Part, face: Face, strokes: Sequence[Stroke], is_tube: bool) -> V
     return View(
         face, title, box, tuple(ends | {part.length}), (*(rises - {high}), high),
         not is_tube and runs_down(face),
-        edges=("", "") if is_tube else edges_of(face, part.profile.code),
+        edges=("", "") if is_tube or is_tee else edges_of(face, part.profile.code),
     )  # fmt: skip
 
 
-def _asked(parts: Sequence[Part], view: View, paper: Paper) -> Iterator[Shape]:
+def _asked(part: Part | None, view: View, paper: Paper) -> Iterator[Shape]:
     """What a part has on a face, in grey."""
     frame = paper.frames[view.name]
-    for feature in parts[0].features if parts else ():
+    for feature in part.features if part is not None else ():
         if face_of(feature) == view.name:
             for shape in feature_shapes(feature, frame):
                 yield replace(shape, classes="same-text" if isinstance(shape, Text) else "same")

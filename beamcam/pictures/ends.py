@@ -13,6 +13,8 @@ def _rise_and_depth(profile: Profile, face: Face, y: float) -> Point:
     """Place in the section of a point of a face: up from the lower edge, and across."""
     if face in ("v", "h"):
         return y, profile.width / 2
+    if profile.code == "T":  # the stem, in the middle of the flange
+        return profile.height / 2, y
     return (profile.height if face == "o" else 0.0), y
 
 

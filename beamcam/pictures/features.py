@@ -152,8 +152,8 @@ def section_outlines(profile: Profile) -> tuple[tuple[Point, ...], ...]:
         case "L":
             return (((0, 0), (w, 0), (w, f), (t, f), (t, h), (0, h)),)
         case "T":
-            return (((a, 0), (b, 0), (b, h - f), (w, h - f), (w, h), (0, h), (0, h - f),
-                     (a, h - f)),)  # fmt: skip
+            low, high = (h - f) / 2, (h + f) / 2
+            return (((0, 0), (t, 0), (t, low), (w, low), (w, high), (t, high), (t, h), (0, h)),)
         case "M":
             outer = ((0.0, 0.0), (w, 0.0), (w, h), (0.0, h))
             return (outer, ((t, f), (w - t, f), (w - t, h - f), (t, h - f)))

@@ -117,8 +117,8 @@ def hole_at(one: HeldUp, profile: Profile) -> Point:
     """(z, y) of the section where the hole meets its face."""
     face, front = one.spindle.face, profile.face_depth(one.spindle.face)
     return {
-        "v": (profile.width - front, one.y), "h": (front, one.y), "o": (one.y, profile.height),
-        "u": (one.y, 0.0),
+        "v": (profile.width - front, one.y), "h": (front, one.y),
+        "o": (one.y, profile.height - front), "u": (one.y, front),
     }[face]  # fmt: skip
 
 

@@ -69,7 +69,7 @@ from beamcam.pictures.views import (
     unshown,
 )
 
-FACES_OF = {"I": "ovu", "U": "ovu", "C": "ovu", "T": "ov", "L": "vu", "M": "hovu", "B": "v"}
+FACES_OF = {"I": "ovu", "U": "ovu", "C": "ovu", "T": "ovu", "L": "vu", "M": "hovu", "B": "v"}
 MAX_BLOCKED = 400  #: points of a line that callouts keep clear of; of a longer one some
 SMALL = (150.0, 60.0)  #: pixels of a small picture
 MAX_SMALL_SHAPES = 120

@@ -75,10 +75,14 @@ def _finished(part: Part, gross: float) -> float:
     Without manifold3d, or where no solid is known, only what holes and slots take is off.
     """
     if _needs_solid(part):
+        from beamcam.solid.kernel import outline
         from beamcam.solid.part_solid import part_solid
 
         with suppress(BeamcamError):  # a section or a face without figures, or no kernel
-            return float(part_solid(part).volume()) * STEEL_KG_MM3
+            left = float(part_solid(part).volume())
+            if part.profile.code == "C":  # whose solid has no lips, and whose gross weight has
+                left += gross / STEEL_KG_MM3 - outline(part).area * part.length
+            return left * STEEL_KG_MM3
     taken = sum(_taken(f, part) for f in part.features if isinstance(f, Hole | Slot))
     return gross - taken * STEEL_KG_MM3
 

@@ -6,7 +6,7 @@ leg lies along Y and the u leg stands along Z at Y = 0; the flange of a T lies a
 along Z.
 """
 
-from math import inf, nan
+from math import inf
 
 import pytest
 import shapely
@@ -22,7 +22,8 @@ from beamcam.model.section import (
     section_fault,
     walls_beside,
 )
-from beamcam.model.weight import measures_of, name_of, section_area, weight_of
+from beamcam.model.weight import lip_of, measures_of, name_of, section_area, weight_of
+from beamcam.verify.bars.stations import lip_length
 
 SOURCE = Source("stranger.nc1", 1)
 #: One of each kind, its flanges and its web never equally thick.
@@ -37,9 +38,11 @@ RO114 = Profile("RO", "CHS114.3X5", 114.3, 114.3, 0.0, 5.0)
 EVERY = (I300, U200, L150, T120, M120, C175, B10, RO114)
 
 #: Code: depth of v, o, u, h below the outermost steel on its side.
-#: I (150 - 7.1) / 2; U 75 - 8.5; L 100 - 10; T 80 - 7; C 60 - 1.5; the rest lie outermost.
+#: I (150 - 7.1) / 2; U 75 - 8.5; L 100 - 10; T 80 - 7, (120 - 9) / 2;
+#: C 60 - 1.5; the rest lie outermost.
 DEPTHS = {
-    "I": (71.45, 0, 0, 71.45), "U": (66.5, 0, 0, 0), "L": (90, 0, 0, 0), "T": (73, 0, 0, 0),
+    "I": (71.45, 0, 0, 71.45), "U": (66.5, 0, 0, 0), "L": (90, 0, 0, 0),
+    "T": (73, 55.5, 55.5, 0),
     "M": (0, 0, 0, 0), "C": (58.5, 0, 0, 0), "B": (0, 0, 0, 0), "RO": (0, 0, 0, 0),
 }  # fmt: skip
 #: Code: thickness behind v, o, u, h.
@@ -75,7 +78,7 @@ DRAWN = {
 }
 #: Where a drill comes down on v and h (its y), and on o and u (its z), clear of other walls.
 DRILLED = {
-    "I": (100, 30), "U": (100, 40), "L": (100, 60), "T": (30, nan), "M": (60, 40), "C": (90, 30),
+    "I": (100, 30), "U": (100, 40), "L": (100, 60), "T": (30, 40), "M": (60, 40), "C": (90, 30),
 }  # fmt: skip
 
 
@@ -125,22 +128,25 @@ def test_faces_and_hands() -> None:
 
 def test_the_other_side_of_a_plate() -> None:
     """A drill that comes down on v leaves by h; of an L's u leg the inside is seen from o."""
-    for code in ("I", "U", "C", "T", "B"):
+    for code in ("I", "U", "C", "B"):
         assert OTHER_SIDE[code] == {"v": "h", "h": "v"}
-    assert OTHER_SIDE["L"] == {"v": "h", "h": "v", "o": "u", "u": "o"}
+    for code in ("L", "T"):  # of a T's stem both sides are seen
+        assert OTHER_SIDE[code] == {"v": "h", "h": "v", "o": "u", "u": "o"}
     assert "M" not in OTHER_SIDE  # behind its face lies the hollow
-    assert NO_PLATE == {"L": ("o",), "T": ("o", "u")}
+    assert NO_PLATE == {"L": ("o",)}
 
 
 #: Walls that stand on a face: from, to, radius of their root. 289.3 = 300 - 10.7, 188.5 = 200 -
-#: 11.5, 55.5 = (120 - 9) / 2; a tube's 10 is its outer radius, 10 - 6 and 10 - 5 the inner ones.
+#: 11.5, 55.5 = (120 - 9) / 2; on a C's flange stands its lip; a tube's 10 is its outer radius,
+#: 10 - 6 and 10 - 5 the inner ones.
 WALLS = {
     ("I", "v"): [(0, 10.7, 15), (289.3, 300, 15)], ("I", "o"): [(71.45, 78.55, 15)],
     ("I", "u"): [(71.45, 78.55, 15)],
     ("U", "v"): [(0, 11.5, 11.5), (188.5, 200, 11.5)], ("U", "u"): [(0, 8.5, 11.5)],
     ("L", "v"): [(0, 12, 13)], ("L", "u"): [(0, 10, 13)], ("T", "v"): [(55.5, 64.5, 8)],
     ("M", "v"): [(0, 6, 4), (114, 120, 4)], ("M", "o"): [(0, 5, 5), (75, 80, 5)],
-    ("C", "v"): [(0, 2, 3), (173, 175, 3)], ("C", "o"): [(0, 1.5, 3)],
+    ("C", "v"): [(0, 2, 3), (173, 175, 3)], ("C", "o"): [(0, 1.5, 3), (58.5, 60, 3)],
+    ("T", "o"): [(0, 7, 8)], ("T", "u"): [(0, 7, 8)],
 }  # fmt: skip
 
 
@@ -160,6 +166,26 @@ def test_the_room_beside_a_root_fillet() -> None:
     # 9 into a fillet of 15: 15 - sqrt(225 - 81) = 3; at its end the whole radius.
     assert below.fillet_height(9.0) == pytest.approx(3.0)
     assert (below.fillet_height(0.0), below.fillet_height(15.0)) == (0.0, 15.0)
+
+
+def test_how_long_the_lips_of_a_c_are() -> None:
+    """By the length of its sheet, in the middle of it, and the weight of that.
+
+    C175 of 1.5: web 175 - 9, flanges 2 (60 - 9), lips 2 (20 - 4.5), four bends of pi / 2 x 3.75.
+    """
+    sheet = 166.0 + 102.0 + 31.0 + 4 * 5.8904862
+    for weight, lip in (
+        (sheet * 1.5 * 7.85e-3, 20.0),
+        ((sheet + 2 * 12.5) * 1.5 * 7.85e-3, 32.5),
+        ((sheet - 2 * 8.1) * 1.5 * 7.85e-3, 36.0),  # 11.9 is no lip: the longest, 0.6 x 60
+        (0.0, 36.0), (100.0, 36.0),
+    ):  # fmt: skip
+        part = Part("C", C175, 1000.0, SOURCE, weight=weight)
+        assert lip_of(part) == pytest.approx(lip, abs=1e-5)
+        assert lip_length(part) == pytest.approx(lip, abs=1e-5)
+    for profile in (U200, I300, M120):
+        part = Part("U", profile, 1000.0, SOURCE, weight=20.0)
+        assert lip_of(part) == lip_length(part) == 0.0
 
 
 def test_edges_corners_and_impossible_sections() -> None:

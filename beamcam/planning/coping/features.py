@@ -61,7 +61,7 @@ def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | N
     if not isinstance(feature, Hole | Slot | Contour):
         what = type(feature).__name__.lower()
         return bar_rules.OTHER.at(feature.source, found=f"a feature of kind {what}")
-    faces = {"L": "vhu", "RO": "v"}.get(profile.code, "vhou")
+    faces = {"L": "vhu", "T": "vu", "RO": "v"}.get(profile.code, "vhou")
     kind = type(feature).__name__.lower()
     if feature.face not in faces:
         expected = f"a face that the torch looks at: {', '.join(faces)}"

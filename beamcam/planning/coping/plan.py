@@ -23,7 +23,7 @@ from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
 from beamcam.planning.coping.roots import root_faults
 from beamcam.planning.coping.tube import outcomes_of, plan_tube
-from beamcam.planning.coping.walls import EDGE, Wall, ends_on, walls_of
+from beamcam.planning.coping.walls import EDGE, WEB_AMID, Wall, ends_on, laid, walls_of
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
 #: piece from the bar begins where the near end was left.
@@ -59,6 +59,7 @@ def plan_coping(
             raise PlanError(ends)
         plan = plan_tube(part, machine, coper, skips)
         return replace(plan, remarks=(*told, *plan.remarks))
+    given, part = part, laid(part)
     found = sorted_features(part, machine, coper, skips)
     refusals = [*_end_faults(part), *found.refusals]
     if refusals:
@@ -89,8 +90,10 @@ def plan_coping(
         said.append(rules.PIECE.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
         said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
+    if given is not part:
+        said.append(rules.TEE.at(part.source))
     plan = CopePlan(
-        part.profile, (Piece(part, coper.trim),), needed, tuple(cuts),
+        part.profile, (Piece(given, coper.trim),), needed, tuple(cuts),
         tuple(outcomes_of(part, found, coper.min_bevel)), tuple(said),
         min_bevel=coper.min_bevel,
     )  # fmt: skip
@@ -110,13 +113,14 @@ def _stock_faults(
         yield rules.ALONE.at(parts[0].source, found=len(parts), machine=machine.name)
         return
     (part,) = parts
-    profile, source = part.profile, part.source
+    source = part.source
+    profile = laid(part).profile
     if profile.code not in coper.profiles:
         yield bar_rules.STOCK.at(
             source, found=profile.code, machine=machine.name, expected=", ".join(coper.profiles)
         )
         return
-    fault = section_fault(profile)
+    fault = section_fault(part.profile)
     if fault is not None:
         yield bar_rules.SECTION_SHAPE.at(source, found=fault, code=profile.code)
         return
@@ -125,10 +129,12 @@ def _stock_faults(
             source, found=f"{profile.height:g} x {profile.width:g}", station="torch",
             expected=f"{coper.max_height:g} x {coper.max_width:g}",
         )  # fmt: skip
-    deep = profile.face_depth("v") + coper.clearance
-    if deep > coper.torch_length:
+    deep = profile.width - (profile.web_thickness or 0.0)
+    if profile.code in WEB_AMID:
+        deep /= 2
+    if deep + coper.clearance > coper.torch_length and coper.turns == "torch":
         expected = f"{coper.torch_length - coper.clearance:g}"
-        yield rules.DEEP.at(source, found=f"{profile.face_depth('v'):g}", expected=expected)
+        yield rules.DEEP.at(source, found=f"{deep:g}", expected=expected)
     needed = part.length + 2 * coper.trim + coper.chuck
     if needed > coper.length:
         yield bar_rules.BAR_LONG.at(source, found=f"{needed:g}", expected=f"{coper.length:g}")

@@ -52,6 +52,11 @@ ROUNDED = note("plan-coping-rounded",
 BAR = note("plan-coping-bar",
     "the part is cut from a bar of at least {found} mm, its x 0 at {trim} mm from the leading end",
     "Leads and pierces of both ends lie in the scrap before and behind the part.")
+TEE = note("plan-coping-tee",
+    "the T lies on its side: its flange at Y 0, face h outwards, its stem across, face u up; here "
+    "and in the program face u is the flange and v the stem",
+    "So the torch comes to the outside of the flange, from where the root is cut. The program's "
+    "first comment says it to the operator.")
 PIECE = note("plan-coping-piece",
     "the part comes cut to {found} mm with finished ends; its x 0 end lies at X {trim}, face v up, "
     "face u at Y 0",
@@ -67,4 +72,4 @@ NO_PIPE = error("plan-coping-no-pipe",
     "{diameter} mm in diameter",
     "Name and width of an unrolled pipe contradict each other, and only one can be right.")
 RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, PIECE)
+    BAR, TEE, PIECE)

@@ -188,11 +188,18 @@ class WallEnd(Struct, frozen=True):
 def wall_end(end: End, face: str, profile: Profile) -> WallEnd:
     """The end of the wall behind a face."""
     web, tilt = tan(radians(end.web_deg)), tan(radians(end.flange_deg))
-    inner = profile.flange_thickness
-    flange = {"o": (profile.height - inner, profile.height), "u": (0.0, inner)}.get(face)
+    flange = flange_borders(profile, face)
     lean, borders = (web, flange) if flange else (tilt, web_borders(profile, face))
     a, b = (end.x0 - border * lean for border in borders)
     return WallEnd(min(a, b), max(a, b), tilt if flange else web)
+
+
+def flange_borders(profile: Profile, face: str) -> tuple[float, float] | None:
+    """y of the two surfaces of the plate behind face o or u; None of another face."""
+    thickness, height = profile.flange_thickness, profile.height
+    if profile.code == "T" and face in ("o", "u"):
+        return (height - thickness) / 2, (height + thickness) / 2
+    return {"o": (height - thickness, height), "u": (0.0, thickness)}.get(face)
 
 
 def web_borders(profile: Profile, face: str) -> tuple[float, float]:

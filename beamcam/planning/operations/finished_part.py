@@ -64,7 +64,6 @@ SHALLOW = error("plan-blind-shallow",
 RULES = (OFF_PART, NEAR_EDGE, WALL, FILLET, NEAR_FILLET, BLIND_DEPTH, SHALLOW)
 
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
-OUTSIDE = ("o", "u", "h")  #: faces that a tool comes to from outside the section
 
 
 class FaceEdges(Struct, frozen=True):
@@ -165,9 +164,11 @@ class FinishedPart:
         if high > wall.least + TOLERANCE and low < wall.greatest - TOLERANCE:
             return _said(WALL, shape, least=f"{wall.least:g}", greatest=f"{wall.greatest:g}")
         high_mm = wall.fillet_height(-apart)
-        outside = shape.face in OUTSIDE or self.part.profile.code == "M"
+        profile = self.part.profile
         limit, because = self._drill.clearance, "the clearance of the rapid approach"
-        if outside:
+        is_outside = not profile.face_depth(shape.face)
+        is_stem = profile.code == "T" and shape.face in ("o", "u")  # with fillets on both sides
+        if is_outside or (is_stem and self._deeper(shape.face) < limit):
             limit, because = self._deeper(shape.face), "the breakthrough behind the wall"
         if high_mm > limit and shape.kind != "mark":
             return _said(

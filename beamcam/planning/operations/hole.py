@@ -98,7 +98,9 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
         return [*crowd]
     found: list[Found] = [*_repeats(repeats, planner)]
     sinks: list[Group] = []
-    for group in merge_pairs(kept, partner_faces(planner.machine), drill):
+    is_tee = planner.part.profile.code == "T"  # o and u are one plate there: the tips would meet
+    partners = {} if is_tee else partner_faces(planner.machine)
+    for group in merge_pairs(kept, partners, drill):
         if group[0][2].kind == "countersink":
             sinks.append(group)
         else:

@@ -36,14 +36,20 @@ def _needs(line: Contour, planner: PartPlanner) -> Diagnostic | None:
 
 
 def _refusals(line: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
-    """That a flange stands in the way of the scribe."""
+    """That a flange, a lip or the stem of a T stands in the way of the scribe."""
     reach = planner.reached[line.face]
     ys = [y for curve in line.curves for y in curve.bbox[1::2]]
-    out = next((y for y in (min(ys), max(ys)) if not reach.least <= y <= reach.greatest), None)
+    least, greatest, wall = reach.least, reach.greatest, reach.wall
+    if planner.part.profile.code == "T" and line.face == "v":
+        (stem,) = planner.finished.across("v").walls
+        least, greatest, wall = reach.least, stem.least, "stem"
+        if max(ys) > stem.greatest:
+            least, greatest = stem.greatest, reach.greatest
+    out = next((y for y in (min(ys), max(ys)) if not least <= y <= greatest), None)
     if out is not None:
         yield IN_THE_WAY.at(
             line.source, what=f"{_length(line)} to mark", y=f"{out:g}", face=line.face,
-            least=f"{reach.least:g}", greatest=f"{min(reach.greatest, reach.width):g}",
+            least=f"{max(least, 0.0):g}", greatest=f"{min(greatest, reach.width):g}", wall=wall,
         )  # fmt: skip
 
 

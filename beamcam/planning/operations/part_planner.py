@@ -17,7 +17,7 @@ from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
 from beamcam.planning.operations.line import BarLine
-from beamcam.planning.operations.reach import reached_by
+from beamcam.planning.operations.reach import reached_on
 from beamcam.planning.operations.working_step import Found, Said, Settled, WorkingStep
 
 FROM_BEHIND = note("plan-from-behind",
@@ -39,7 +39,7 @@ class PartPlanner:
         self.part, self.ends, self.line = part, ends, line
         self.machine, self.library = line.machine, line.library
         self.finished = FinishedPart(part, ends, line.machine, line.drill)
-        self.reached = reached_by(line.machine, part.profile)
+        self.reached = reached_on(line.machine, part)
         self.travel = travel_on(line.machine, part.profile)
         #: Features that can be made, by kind of work, each on the face that it is made from.
         self.accepted: defaultdict[str, list[tuple[int, Any]]] = defaultdict(list)

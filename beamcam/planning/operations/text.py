@@ -17,7 +17,6 @@ from beamcam.planning.by_hand import FACE
 from beamcam.planning.lettering import Lettered, place_text, remarks
 from beamcam.planning.lettering_room import Room
 from beamcam.planning.operations.ends import wall_end
-from beamcam.planning.operations.finished_part import OUTSIDE
 from beamcam.planning.operations.mark import can_scribe
 from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.slot import slot_ends
@@ -118,7 +117,7 @@ def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
     profile = planner.part.profile
     if profile.code == "M":  # closed: its walls stand behind the face, beyond round corners
         low, high = low + profile.radius, high - profile.radius
-    elif face not in OUTSIDE or (face == "h" and profile.code == "I"):
+    elif profile.face_depth(face):
         for wall in across.walls:
             if wall.least <= low:
                 low = max(low, wall.greatest + wall.radius)

@@ -32,7 +32,7 @@ from beamcam.verify.bars.machine_limits import (
 )
 from beamcam.verify.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.sequence import comment_faults, place_faults, stop_comments
-from beamcam.verify.bars.stations import Choice, choices_of
+from beamcam.verify.bars.stations import Choice, choices_of, lip_length
 from beamcam.verify.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
 from beamcam.verify.bars.turned import standing
 from beamcam.verify.head import Head, head_of, part_faults, section_told, stock_faults
@@ -64,13 +64,15 @@ class _Known:
         self.shop = ToolCatalogue(machine, drill_of(machine))
         grades = {row.grade for row in self.shop.drill.cutting}
         self.depends_on_grade = self.dialect.feeds and len(grades) > 1
-        self._choices = BoundedCache[Profile | None, dict[int, Choice]]("verify.stations")
+        self._choices = BoundedCache[tuple[Profile | None, float], dict[int, Choice]](
+            "verify.stations"
+        )
         self._data = BoundedCache[tuple[str, ...] | None, CuttingData]("verify.grades")
 
-    def choices(self, profile: Profile | None) -> dict[int, Choice]:
-        """The stations of each spindle number on a section."""
-        known = self._choices
-        return known.get(profile) or known.keep(profile, choices_of(self.machine, profile))
+    def choices(self, profile: Profile | None, lip: float = 0.0) -> dict[int, Choice]:
+        """The stations of each spindle number on a section with lips of a length."""
+        known, key = self._choices, (profile, lip)
+        return known.get(key) or known.keep(key, choices_of(self.machine, profile, lip))
 
     def data(self, grades: tuple[str, ...] | None) -> CuttingData:
         """The cutting data for steel of some grades."""
@@ -83,9 +85,9 @@ _known_of = PerObject("verify.machines", _Known)
 
 def run(
     text: str, machine: Machine, profile: Profile | None = None, name: str = "program",
-    grades: tuple[str, ...] | None = None,
+    grades: tuple[str, ...] | None = None, lip: float = 0.0,
 ) -> BarRun:  # fmt: skip
-    """A program interpreted on a bar of `profile`, of steel of some grades.
+    """A program interpreted on a bar of `profile` with lips of a length, of steel of some grades.
 
     Where they are not given, the section is what the program says, and any grade may be meant.
     """
@@ -93,18 +95,18 @@ def run(
     events, said = cell_events(text, machine, name)
     if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
-    done = run_of_events(events, machine, profile, name, grades)
+    done = run_of_events(events, machine, profile, name, grades, lip)
     told = comment_faults(stop_comments(text), done.tools, machine, name)
     return replace(done, diagnostics=(*said, *done.diagnostics, *told))
 
 
 def run_of_events(
     events: Sequence[BarEvent], machine: Machine, profile: Profile | None, name: str,
-    grades: tuple[str, ...] | None = None,
+    grades: tuple[str, ...] | None = None, lip: float = 0.0,
 ) -> BarRun:  # fmt: skip
     """What a program does whose blocks were read."""
     known = _known_of(machine)
-    choices = known.choices(profile)
+    choices = known.choices(profile, lip)
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
     unseen = tuple(sorted(cell.unseen))
@@ -168,13 +170,13 @@ def verify(
         grade = [rules.UNKNOWN_STEEL.at(Source(name))] if known.depends_on_grade else []
         return (*alone.diagnostics, *large, *unseen, *grade)
     grades = tuple(dict.fromkeys(part.grade for part in parts))
-    profile = parts[0].profile
-    done = run(text, machine, profile, name, grades)
+    profile, lip = parts[0].profile, max(map(lip_length, parts))
+    done = run(text, machine, profile, name, grades, lip)
     if turn:
         other = _lying_section(done.made, parts[0])
         if other != profile:
             profile = other
-            done = run(text, machine, profile, name, grades)
+            done = run(text, machine, profile, name, grades, lip)
     more = compared(done, parts, machine, profile, skips, name, order, turn, bar, head_of(text))
     return (*done.diagnostics, *more)
 

@@ -13,7 +13,14 @@ from beamcam.machine.stations import Spindle
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.bars.cuts import ends_of
 from beamcam.verify.bars.depths import REACHES
-from beamcam.verify.bars.stations import Station, choices_of, stroke_values, wall_thickness
+from beamcam.verify.bars.stations import (
+    Station,
+    choices_of,
+    in_stem,
+    lip_length,
+    stroke_values,
+    wall_thickness,
+)
 from beamcam.verify.bars.targets import (
     THREADS,
     MarkingPath,
@@ -71,7 +78,7 @@ def may_be_missing(
 
 
 def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
-    choices = choices_of(machine, part.profile)
+    choices = choices_of(machine, part.profile, lip_length(part))
     return {s.face: choices[s.number].stations[0] for s in machine.spindles}
 
 
@@ -111,7 +118,10 @@ def _ill_placed(
     for f, feature in enumerate(part.features):
         if isinstance(feature, Contour) and feature.process != "cut":
             scribed = shop.works_on(feature.face, part) and any(shop.of("scribe", feature.face))
-            if scribed and not _is_clear(feature, stations[feature.face]):
+            if scribed and (
+                in_stem(feature.curves, part.profile, feature.face)
+                or not _is_clear(feature, stations[feature.face])
+            ):
                 yield f, "reach"
             continue
         if not isinstance(feature, Hole | Slot):

@@ -181,7 +181,10 @@ def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, floa
         return end.x_0 - OUTLINE_TOLERANCE, end.x_0 + OUTLINE_TOLERANCE
     height, thick, web = profile.height, profile.flange_thickness, profile.web_thickness or 0.0
     if face in ("o", "u"):
-        surfaces = (height - thick, height) if face == "o" else (0.0, thick)
+        low = {"o": height - thick, "u": 0.0}[face]
+        if profile.code == "T":  # whose stem stands amid its flange
+            low = (height - thick) / 2
+        surfaces = low, low + thick
         xs = [end.x(y, q) for y in surfaces]
     else:
         middle = (profile.width - web) / 2 if profile.code == "I" else 0.0

@@ -21,7 +21,7 @@ from beamcam.verify import rules as rules
 from beamcam.verify.bars.cuts import End
 from beamcam.verify.bars.machined_features import Cut, MachinedFeatures, MachinedPath
 from beamcam.verify.bars.pieces import LaidPart
-from beamcam.verify.bars.stations import limits_of
+from beamcam.verify.bars.stations import limits_of, lip_length
 from beamcam.verify.bars.targets import PLAIN_KINDS, THREADS, Pocket, Round, Target, slot_corners
 
 TANGENT = 0.011  #: mm; holes are given to 0.01, so that those which touch may be off by it
@@ -116,6 +116,8 @@ def steel_faults(
         )
         if found:
             yield _said(shape, part, found, "steel all round it")
+        elif found := _behind_a_lip(shape, part, step):
+            yield _said(shape, part, found, "room for the tool")
     for one, other in _overlapping(shapes, machine, step):
         yield _said(other, part, *_apart(one, other))
 
@@ -219,6 +221,8 @@ def _beyond_end(shape: Shape, profile: Profile, ends: tuple[End, End], step: flo
         middle = width - web
     if on_web:
         surfaces: tuple[float, float] = (middle, middle + web)
+    elif profile.code == "T":  # its stem stands amid its flange
+        surfaces = height / 2 - flange / 2, height / 2 + flange / 2
     else:
         surfaces = (height - flange, height) if shape.face == "o" else (0.0, flange)
     for end in ends:
@@ -249,6 +253,17 @@ def _in_a_wall(shape: Shape, profile: Profile, step: float) -> str:
         if high > wall.least + step and low < wall.greatest - step:
             return f"in the wall from y {wall.least:g} to {wall.greatest:g}"
     return ""
+
+
+def _behind_a_lip(shape: Shape, part: Part, step: float) -> str:
+    """That a lip of the section stands before a hole in its web."""
+    lip = lip_length(part)
+    if shape.face != "v" or not lip:
+        return ""
+    low = min(y for _, y in shape.centres) - shape.radius
+    high = max(y for _, y in shape.centres) + shape.radius
+    inside = low >= lip - step and high <= part.profile.height - lip + step
+    return "" if inside else f"behind a lip of {lip:.3g} mm"
 
 
 def _is_one_work(one: Hole, other: Hole) -> bool:

@@ -19,7 +19,7 @@ from beamcam.verify import rules
 from beamcam.verify.bars.depths import DepthRange, path_reach
 from beamcam.verify.bars.holes import NEAR, wrong_depth
 from beamcam.verify.bars.machined_features import MachinedPath
-from beamcam.verify.bars.stations import wall_thickness
+from beamcam.verify.bars.stations import in_stem, wall_thickness
 from beamcam.verify.bars.targets import MarkingPath, Pocket
 from beamcam.verify.bars.tools import ToolCatalogue
 
@@ -214,6 +214,12 @@ def check_paths(
                 found=f"{off:.3f}", expected=f"{allowed:g}",
             ))  # fmt: skip
         said += _tool_and_depth(path, target, mark, shop, profile, Source(name, path.line))
+        if isinstance(target, MarkingPath) and in_stem(target.curves, profile, target.face):
+            x, y = target.curves[0].start
+            said.append(rules.HOLE_STEEL.at(
+                target.source.source, what=target.what, face=target.face, mark=mark, x=f"{x:g}",
+                y=f"{y:g}", found="in the stem", expected="it clear of the stem",
+            ))  # fmt: skip
     for path in left.rest:
         x, y = path.points[0]
         said.append(rules.PATH_EXTRA.at(

@@ -11,14 +11,16 @@ straight line in y as well. Where the stroke does not follow the depth the face 
 behind 0, the outermost material on the spindle's side.
 """
 
-from math import inf, nan
+from collections.abc import Sequence
+from math import inf, nan, pi
 
 from msgspec import Struct
 
+from beamcam.geometry.curves import Curve
 from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
-from beamcam.model.part import Face, Profile
+from beamcam.model.part import Face, Part, Profile
 
 # --- walls ----------------------------------------------------------------------------------------
 
@@ -32,9 +34,11 @@ from beamcam.model.part import Face, Profile
 #     I       web, in the middle          (width - t) / 2   (width + t) / 2
 #     U, C    web, on the h side          0                 t
 #     L       leg, on the h side          0                 t
-#     T       stem, on the h side         0                 t
+#     T       flange, on the h side       0                 t
 #     M       two walls, v has its own    width - t         width
 #     B       the plate itself
+#
+# Behind o and u lie the flanges, outermost; of a T its stem, in the middle of its flange.
 
 
 def wall_thickness(profile: Profile, face: Face) -> float:
@@ -52,8 +56,39 @@ def recess(profile: Profile, face: Face) -> float:
             return width - (width + wall) / 2
         case "U" | "C" | "L" | "T", "v":
             return width - wall
+        case "T", "o" | "u":
+            return profile.height - (profile.height + profile.flange_thickness) / 2
         case _:
             return 0.0
+
+
+def lip_length(part: Part) -> float:
+    """How far the lips of a C reach over its web, from the outside of its flange; else 0.
+
+    The length of the sheet it is bent of is its area by its thickness, and the middle line of the
+    section is as long. What is shorter than a fifth of the flange is no lip (EN 1993-1-3, 5.2):
+    then the weight is not that of the section, and the longest that is made is taken.
+    """
+    profile, sheet = part.profile, part.profile.web_thickness
+    if profile.code != "C" or not sheet:
+        return 0.0
+    middle_line = part.weight / 7.85e-3 / sheet  # 7.85 g/cm3, kg/m
+    bend = profile.radius + sheet
+    flat = profile.height - 2 * bend + 2 * (profile.width - 2 * bend)
+    bends = 4 * pi / 2 * (profile.radius + sheet / 2)
+    lip = bend + (middle_line - flat - bends) / 2
+    if profile.width / 5 <= lip <= profile.height / 2:
+        return lip
+    return 3 * profile.width / 5
+
+
+def in_stem(curves: Sequence[Curve], profile: Profile, face: Face) -> bool:
+    """Whether a line on the flange of a T runs into its stem, which stands in the middle of it."""
+    if profile.code != "T" or face != "v":
+        return False
+    middle, half = profile.height / 2, profile.flange_thickness / 2 - 1e-6
+    ys = [y for curve in curves for y in curve.bbox[1::2]]
+    return min(ys) < middle + half and max(ys) > middle - half
 
 
 SQUARE_DEG = 0.05  #: off the square cut, as numbers of one decimal are rounded
@@ -113,11 +148,17 @@ class Choice(Struct, frozen=True):
     stations: tuple[Station, ...]
 
 
-def choices_of(machine: Machine, profile: Profile | None) -> dict[int, Choice]:
-    """The stations of each spindle number of the program, on a section as far as it is known."""
-    stations: dict[str, Station] = {s.face: _station(s, machine, profile) for s in machine.spindles}
+def choices_of(machine: Machine, profile: Profile | None, lip: float = 0.0) -> dict[int, Choice]:
+    """The stations of each spindle number of the program, on a section as far as it is known.
+
+    `lip` is the length of its lips.
+    """
+    stations: dict[str, Station] = {
+        s.face: _station(s, machine, profile, lip) for s in machine.spindles
+    }
     choices = {s.number: Choice(s.number, (stations[s.face],)) for s in machine.spindles}
-    for pair in machine.pairs:
+    # Two spindles at once into the stem of a T would meet in it.
+    for pair in machine.pairs if profile is None or profile.code != "T" else ():
         choices[pair.number] = Choice(pair.number, tuple(stations[f] for f in pair.faces))
     return choices
 
@@ -136,7 +177,7 @@ def stroke_values(machine: Machine, profile: Profile | None, face: str) -> dict[
     return values
 
 
-def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Station:
+def _station(spindle: Spindle, machine: Machine, profile: Profile | None, lip: float) -> Station:
     values = stroke_values(machine, profile, spindle.face)
     across_0 = spindle.across.position(values)
     per_y = spindle.across.position({**values, "y": 1.0}) - across_0
@@ -152,8 +193,10 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None) -> Sta
         surface = way * values["face_depth"]
     clear_from, clear_to = -inf, inf
     if profile is not None and values["face_depth"] > 0 and profile.code in ("I", "U", "C", "L"):
-        clear_from = profile.flange_thickness
-        clear_to = inf if profile.code == "L" else profile.height - profile.flange_thickness
+        clear_from = max(profile.flange_thickness, lip)
+        clear_to = inf if profile.code == "L" else profile.height - clear_from
+    if profile is not None and profile.code == "T" and spindle.face in ("o", "u"):
+        clear_from = profile.web_thickness or 0.0
     across, stroke = _AXIS_INDEX[spindle.across.axis], _AXIS_INDEX[spindle.stroke.axis]
     start, near = spindle.stroke.start(values), spindle.stroke.near
     face_depth = values["face_depth"]
@@ -175,7 +218,9 @@ def _surface_known(profile: Profile | None, face: str) -> bool:
     """Whether a face lies where the section says: before a web, only if its thickness is known."""
     if profile is None:
         return False
-    return profile.web_thickness is not None or not (face in ("v", "h") and profile.code in WEBBED)
+    return profile.web_thickness is not None or not (
+        profile.code == "T" or (face in ("v", "h") and profile.code in WEBBED)
+    )
 
 
 def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:

@@ -15,7 +15,7 @@ from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.verify.bars.ability import is_within
 from beamcam.verify.bars.cuts import End
 from beamcam.verify.bars.machined_features import MachinedPath, StampedText
-from beamcam.verify.bars.stations import choices_of, stroke_values
+from beamcam.verify.bars.stations import choices_of, lip_length, stroke_values
 from beamcam.verify.bars.targets import MarkingPath, slot_corners
 from beamcam.verify.bars.tools import ToolCatalogue
 from beamcam.verify.drawn_texts import DrawnPieces, DrawnText
@@ -224,10 +224,12 @@ def _sides(face: Face, part: Part) -> tuple[float, float]:
     width = profile.face_width(face)
     if profile.code == "M":
         return profile.radius, width - profile.radius
+    if profile.code == "T" and face in ("o", "u"):  # its stem, from the fillet of the flange on
+        return (profile.web_thickness or 0.0) + profile.radius, width
     walled = ("v", "h") if profile.code == "I" else ("v",)
     if face not in walled or profile.code not in ("I", "U", "C", "L"):
         return 0.0, width
-    beside = profile.flange_thickness + profile.radius
+    beside = max(profile.flange_thickness + profile.radius, lip_length(part))
     return beside, (width if profile.code == "L" else width - beside)
 
 
@@ -281,7 +283,9 @@ def _ends_at(end: End, face: Face, profile: Profile, q: float) -> tuple[float, f
     height, width = profile.height, profile.width
     web, flange = profile.web_thickness or 0.0, profile.flange_thickness
     if face in ("o", "u"):
+        stem = (height - flange) / 2, (height + flange) / 2
         ys = (height - flange, height) if face == "o" else (0.0, flange)
+        ys = stem if profile.code == "T" else ys
         return end.x(ys[0], q), end.x(ys[1], q)
     if profile.code in ("M", "SO", "RO", "RU"):
         near = width - web if face == "v" else 0.0

@@ -31,7 +31,7 @@ def verify_coping(
     from beamcam.verify.coping import rules
     from beamcam.verify.coping.collisions import strike_faults
     from beamcam.verify.coping.compare import compare
-    from beamcam.verify.coping.section import Section
+    from beamcam.verify.coping.section import Section, lying
     from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
     from beamcam.verify.coping.tube import cut_square, tube_faults, unrolled_pipe
@@ -44,10 +44,11 @@ def verify_coping(
     if len(parts) > 1:
         return (*said, rules.PARTS.at(Source(name), found=len(parts)))
     part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
-    code, codes = part.profile.code, ("RO",) if coper.turns == "bar" else ("I", "U", "L")
+    code, codes = part.profile.code, ("RO",) if coper.turns == "bar" else ("I", "U", "L", "T")
     if code not in codes:
         expected = ", ".join(codes)
         return (*said, rules.SECTION.at(Source(name), found=code, expected=expected))
+    part = lying(part)
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     left = may_be_left(part, machine, coper, skips)

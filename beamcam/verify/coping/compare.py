@@ -234,7 +234,7 @@ def _stroke_faults(
     over = stroke.row.kerf / 2 + coper.over + slack
     free = (over, over)
     if stroke.face == "v":
-        free = (-stroke.row.kerf / 2, over if section.code == "L" else -stroke.row.kerf / 2)
+        free = (-stroke.row.kerf / 2, -stroke.row.kerf / 2 if section.has_upper else over)
     ys = [y for _, y in stroke.points]
     if min(ys) < low - free[0] or max(ys) > high + free[1]:
         y = min(ys) if min(ys) < low - free[0] else max(ys)

@@ -1,6 +1,7 @@
 """The section that a torch goes round, worked out from its figures for the read-back alone.
 
-Its plates as boxes in (Y, Z), its root fillets, and the plane that each face is.
+Its plates as boxes in (Y, Z), its root fillets, and the plane that each face is. A T lies on its
+side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, seen from v.
 """
 
 from collections.abc import Sequence
@@ -9,7 +10,10 @@ from itertools import pairwise
 from math import cos, pi, sin
 from typing import Any, Literal
 
-from beamcam.model.part import Profile
+from msgspec.structs import replace
+
+from beamcam.model.part import Feature, Part, Profile
+from beamcam.verify.bars.turned import Rotation, rotated
 
 FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm
 ARC = 16  #: sides of a quarter of a kerf's end
@@ -43,26 +47,53 @@ def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
     return union_all([way.buffer(half_kerf, ARC) for way in ways])
 
 
+#: Rotation of a T about X onto its side: Y is then what was Z, and Z what was -Y.
+_ON_ITS_SIDE: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0))
+
+
+def lying(part: Part) -> Part:
+    """A part as it lies under the torch; what a T has on the far sides of its plates on u and v."""
+    if part.profile.code != "T":
+        return part
+    turned = rotated(part, _ON_ITS_SIDE)
+    made = part.made
+    if made is not None:
+        made = tuple(map(_seen, rotated(replace(part, features=made), _ON_ITS_SIDE).features))
+    return replace(turned, features=tuple(map(_seen, turned.features)), made=made)
+
+
+def _seen(feature: Feature) -> Feature:
+    """A feature of a T on its side, on the face of its plate that the torch looks at."""
+    match getattr(feature, "face", ""):
+        case "o":  # the inside of the flange
+            return replace(feature, face="u")
+        case "h":
+            return replace(feature, face="v")
+    return feature
+
+
 class Section:
-    """An I, a U or an L."""
+    """An I, a U or an L, or a T on its side."""
 
     def __init__(self, profile: Profile) -> None:
         self.code = profile.code
         self.high, self.wide = profile.height, profile.width
         self.flange, self.web = profile.flange_thickness, profile.web_thickness or 0.0
         self.radius = profile.radius
-        self.back = (self.wide - self.web) / 2 if self.code == "I" else 0.0
+        self.amid = self.code in ("I", "T")  #: whether the web stands amid its flanges
+        self.has_upper = self.code in ("I", "U")  #: whether there is a flange at o
+        self.back = (self.wide - self.web) / 2 if self.amid else 0.0
         self.front = self.back + self.web
 
     @property
     def faces(self) -> tuple[str, ...]:
         """Those that a torch looks at."""
-        return ("v", "u") if self.code == "L" else ("v", "o", "u")
+        return ("v", "o", "u") if self.has_upper else ("v", "u")
 
     @property
     def web_ends(self) -> tuple[float, float]:
-        """Y at which the web ends: a flange's inner surface, of an angle also a free edge."""
-        return self.flange, self.high if self.code == "L" else self.high - self.flange
+        """Y at which the web ends: a flange's inner surface, of an L or T also a free edge."""
+        return self.flange, self.high - self.flange if self.has_upper else self.high
 
     def extent(self, face: str) -> tuple[float, float]:
         """The least and the greatest y of a wall by itself."""
@@ -80,7 +111,7 @@ class Section:
         found = [
             (0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide),
         ]  # fmt: skip
-        if self.code != "L":
+        if self.has_upper:
             found.append((self.high - self.flange, 0.0, self.high, self.wide))
         return found
 
@@ -93,12 +124,11 @@ class Section:
         corners: list[tuple[float, float, Literal[1, -1], Literal[1, -1]]] = [
             (self.flange, self.front, 1, 1)
         ]
-        if self.code != "L":
-            corners.append((self.high - self.flange, self.front, -1, 1))
-        if self.code == "I":
-            corners += [
-                (self.flange, self.back, 1, -1), (self.high - self.flange, self.back, -1, -1)
-            ]  # fmt: skip
+        if self.amid:
+            corners.append((self.flange, self.back, 1, -1))
+        if self.has_upper:
+            inner = self.high - self.flange
+            corners += [(inner, y, -1, out) for _, y, _, out in corners]
         r = self.radius
         for y, z, up, out in corners if r > 0.0 else ():
             turns = [pi / 2 * k / FILLET_STEPS for k in range(FILLET_STEPS + 1)]
@@ -129,5 +159,5 @@ class Section:
 
     def root(self, face: str) -> tuple[float, float]:
         """The y of a flange below which the web and its fillets stand."""
-        least = self.back - self.radius if self.code == "I" else 0.0
+        least = self.back - self.radius if self.amid else 0.0
         return max(0.0, least), self.front + self.radius

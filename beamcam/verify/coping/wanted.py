@@ -146,7 +146,7 @@ def _kind(feature: object, part: Part, coper: Coper) -> str:
         return "other" if feature.kind == "open" or not feature.closed else ""
     if not isinstance(feature, Hole | Slot):
         return "other"
-    faces = {"L": "vhu", "RO": "v"}.get(part.profile.code, "vhou")
+    faces = {"L": "vhu", "T": "vu", "RO": "v"}.get(part.profile.code, "vhou")
     if feature.face not in faces:
         return "face"
     wall = part.profile.web_thickness or part.profile.flange_thickness

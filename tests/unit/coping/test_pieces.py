@@ -1,7 +1,8 @@
 """Pieces that come cut: what one machine leaves, the next one gets; both programs make the part."""
 
+from collections.abc import Callable
 from contextlib import suppress
-from math import dist
+from math import dist, radians, tan
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, Severity, errors_in
 from beamcam.machine import load
 from beamcam.machine_chain import chain_of
-from beamcam.model.part import Contour, EndCuts, Hole, Part, Slot
+from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file
 from beamcam.planning.begun import RULES as BEGUN_RULES
@@ -35,7 +36,7 @@ from beamcam.verify.coping.section import Section
 from beamcam.verify.coping.stock import stock_of
 from beamcam.writers import TARGETS
 from tests.conftest import SAMPLES, examples, sampled
-from tests.random_copes import random_cope
+from tests.random_copes import random_cope, random_tee
 from tests.rs274 import needs_rs274
 from tests.unit.coping.samples import (
     AT,
@@ -269,6 +270,24 @@ def test_no_arc_starts_over_a_hole_that_is_there() -> None:
         assert not codes_after(plain, replace(plain, made=(there,)))
 
 
+def test_holes_that_are_there_lie_as_a_tee_does() -> None:
+    """Its stem, seen from u, is its web under the torch; a hole through it is the same from o."""
+    tee = Profile("T", "1/2 IPE300", 150.0, 120.0, 7.1, 10.7, 15.0)
+    window = [(250.0, 60.0), (350.0, 60.0), (350.0, 100.0), (250.0, 100.0)]
+    plain = replace(part_of(outline("u", window, "inner"), profile=tee), made=())
+    x, across = plan_coping((plain,), COPER).operations[0].path[0]
+    found = set()
+    for face in ("u", "o"):
+        for y in (across, 120.0 - across):
+            part = replace(plain, made=(Hole(face, x, y, 14.0, AT),))  # type: ignore[arg-type]
+            if codes_after(plain, part):
+                assert codes_after(plain, part) == {"verify-coping-air"}
+                program_of(part)
+                found.add((face, y))
+    assert {face for face, _ in found} == {"u", "o"}
+    assert len({y for _, y in found}) == 1
+
+
 @pytest.mark.parametrize("there", [
     Hole("v", 250.0, 150.0, 20.0, AT), Slot("v", 300.0, 100.0, 20.0, 30.0, 0.0, 0.0, AT),
     outline("v", [(340.0, 140.0), (360.0, 140.0), (360.0, 160.0), (340.0, 160.0)], "inner"),
@@ -295,6 +314,20 @@ def test_what_is_planned_beside_holes_is_read_back(
         post((replace(begun(outline("v", COPE), flange, WINDOW), made=there),), COPER)
 
 
+@pytest.mark.parametrize("web_deg", [20.0, -20.0])
+def test_a_cut_may_begin_on_a_skew_end(web_deg: float) -> None:
+    """Where x of the end and of the path differ by rounding alone."""
+    angle = Profile("L", "L120*150", 120.0, 150.0, 10.0, 8.0, 10.0)
+    slope = tan(radians(web_deg))
+    low, high = (600.0, 600.0 - 70.0 * slope) if slope > 0 else (
+        600.0 + 120.0 * slope, 600.0 + 50.0 * slope)  # fmt: skip
+    cope = [(0.0, 0.0), (low, 0.0), (high, 70.0), (480.0, 70.0), (480.0, 120.0), (0.0, 120.0)]
+    piece = replace(
+        part_of(outline("v", cope), profile=angle), cuts=EndCuts(web_end=web_deg), made=()
+    )
+    assert len(plan_coping((piece,), COPER).operations) == 1
+
+
 # --- both together --------------------------------------------------------------------------------
 
 
@@ -308,7 +341,7 @@ def after_the_saw(posted: Posted, part: Part) -> Any:
 
 
 @needs_rs274
-@pytest.mark.parametrize("name", sampled(["coped", "header", "trimmer"], 3))
+@pytest.mark.parametrize("name", sampled(["coped", "header", "trimmer", "hanger"], 4))
 def test_the_part_falls_out_of_what_both_programs_cut(name: str, tmp_path: Path) -> None:
     """The kernel machines the bar by the saw line's events, then cuts by what rs274 prints."""
     part = sample(name)
@@ -322,10 +355,31 @@ def test_the_part_falls_out_of_what_both_programs_cut(name: str, tmp_path: Path)
         compare(part, pieces(part, strokes[:-1], after_the_saw(posted, part))[0])
 
 
-@given(st.integers(0, 3000))
+@needs_rs274
+def test_a_tee_with_skew_ends_falls_out_of_what_both_programs_cut(tmp_path: Path) -> None:
+    """Its stem is coped at a mitred end, whose plane is skew to the flange too."""
+    tee = Profile("T", "1/2 IPE300", 150.0, 120.0, 7.1, 10.7, 15.0)
+    cuts = EndCuts(web_start=-12.0, flange_end=20.0)
+    # The near end is at x = y tan 12, the stem at y 75; the far end at x = 600 - z tan 20.
+    near, far = 75.0 * tan(radians(12.0)), 600.0 - 70.0 * tan(radians(20.0))
+    stem = [
+        (near, 0.0), (600.0, 0.0), (far, 70.0), (480.0, 70.0), (480.0, 120.0), (near, 120.0)
+    ]  # fmt: skip
+    window = [(200.0, 50.0), (260.0, 50.0), (260.0, 90.0), (200.0, 90.0)]
+    part = part_of(outline("u", stem), outline("o", window, "inner"), profile=tee)
+    part = replace(part, cuts=cuts)
+    posted = sawn(part)
+    path = tmp_path / "second.ngc"
+    path.write_text(program_of(rest_after(posted)))
+    compare(part, pieces(part, burns(path), after_the_saw(posted, part))[0])
+
+
+@given(st.integers(0, 3000), st.sampled_from([random_cope, random_tee]))
 @settings(max_examples=examples(25))
-def test_what_a_saw_leaves_of_a_random_part_is_made_by_the_torch(seed: int) -> None:
-    part = random_cope(seed)
+def test_what_a_saw_leaves_of_a_random_part_is_made_by_the_torch(
+    seed: int, random_part: Callable[[int], Part]
+) -> None:
+    part = random_part(seed)
     try:
         posted = post((part,), SAW, skips=("all",))
         plan_coping((part,), COPER)

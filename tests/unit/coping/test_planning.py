@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
-from shapely import LineString
+from shapely import LineString, MultiPoint
 
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc
@@ -189,11 +189,12 @@ HIGH = Profile("I", "W", 1100.0, 300.0, 20.0, 10.0, 15.0)
 LONG = [(0.0, 0.0), (603.0, 0.0), (603.0, 300.0), (0.0, 300.0)]
 REFUSED = [
     ("plan-no-parts", None, COPER),
-    ("plan-stock", part_of(profile=Profile("T", "T80", 80.0, 80.0, 9.0, 9.0, 9.0)), COPER),
+    ("plan-stock", part_of(profile=Profile("C", "C200", 200.0, 70.0, 2.0, 2.0, 3.0)), COPER),
     ("plan-section", part_of(profile=HIGH), COPER),
     ("plan-section-shape", part_of(profile=replace(IPE300, flange_thickness=200.0)), COPER),
     ("plan-bar-long", part_of(length=12000.0), COPER),
     ("plan-coping-deep", part_of(profile=DEEP), COPER),
+    ("plan-coping-deep", part_of(profile=Profile("T", "W", 390.0, 150.0, 10.0, 20.0, 15.0)), COPER),
     ("plan-coping-end", replace(part_of(), cuts=EndCuts(web_start=15.0)), COPER),
     ("plan-coping-short", replace(part_of(outline("v", LONG)), made=()), COPER),
     ("plan-coping-root", part_of(RAT_HOLE), COPER),
@@ -241,9 +242,37 @@ def test_the_bar_is_told_and_a_quantity() -> None:
     assert codes == ["plan-coping-bar", "plan-quantity"]
 
 
+TEE = Profile("T", "1/2 IPE300", 150.0, 120.0, 7.1, 10.7, 15.0)
+
+
+def test_a_tee_lies_on_its_side() -> None:
+    """Its flange stands at Y 0, h outwards; u of its stem is up: Y is its z, Z is 150 - its y.
+
+    The stem's upper side is 75 + 3.55 over the rollers; the tip pierces 6 over it, and 7 before
+    the flange, as their rows of the cut chart have it.
+    """
+    holes = (
+        Hole("v", 100.0, 30.0, 18.0, AT), Hole("h", 200.0, 30.0, 18.0, AT),
+        Hole("o", 100.0, 80.0, 18.0, AT), Hole("u", 200.0, 80.0, 18.0, AT),
+    )  # fmt: skip
+    plan = planned(part_of(*holes, profile=TEE))
+    assert [d.code for d in plan.remarks] == ["plan-coping-bar", "plan-coping-tee"]
+    inner = [cut for cut in plan.operations if cut.kind == "inner"]
+    middles = [(cut.face, *MultiPoint(cut.path[1:]).envelope.centroid.coords[0]) for cut in inner]
+    assert [(face, round(x, 1), round(y, 1)) for face, x, y in middles] == [
+        ("v", 100.0, 80.0), ("v", 200.0, 80.0), ("u", 100.0, 120.0), ("u", 200.0, 120.0),
+    ]  # fmt: skip
+    lines = program_of(part_of(*holes, profile=TEE)).splitlines()
+    assert "(THE T LIES ON ITS SIDE: FACE H AT Y 0, FACE U UP)" in lines
+    pierced = [lines[k - 1].split() for k, line in enumerate(lines) if line.startswith("M3")]
+    assert [words[3] for words in pierced[:2]] == ["Z84.55", "Z84.55"]
+    assert [words[2] for words in pierced[2:4]] == ["Y-7", "Y-7"]
+
+
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in REFUSED}
     tested |= {"plan-coping-alone", "plan-coping-rounded", "plan-coping-bar"}
     tested |= {"plan-coping-piece", "plan-coping-open"}  # in test_pieces.py
+    tested |= {"plan-coping-tee"}  # above
     tested |= {"plan-coping-pipe", "plan-coping-no-pipe"}  # in test_tubes.py
     assert {rule.code for rule in RULES} <= tested

@@ -2,6 +2,7 @@
 
 import random
 import re
+from collections.abc import Callable
 
 import pytest
 from hypothesis import given, settings
@@ -19,7 +20,7 @@ from beamcam.verify.coping.rules import RULES
 from beamcam.verify.coping.section import Section
 from benchmarks import coping_faults
 from tests.conftest import examples
-from tests.random_copes import random_cope
+from tests.random_copes import random_cope, random_tee
 from tests.unit.coping.samples import (
     AT,
     COPER,
@@ -46,10 +47,12 @@ def test_programs_of_samples_pass(name: str) -> None:
     assert not found(program_of(sample(name)), sample(name))
 
 
-@given(st.integers(0, 5000))
-@settings(max_examples=examples(40))
-def test_no_random_part_that_is_planned_is_refused(seed: int) -> None:
-    part = random_cope(seed)
+@given(st.integers(0, 5000), st.sampled_from([random_cope, random_tee]))
+@settings(max_examples=examples(60))
+def test_no_random_part_that_is_planned_is_refused(
+    seed: int, random_part: Callable[[int], Part]
+) -> None:
+    part = random_part(seed)
     try:
         plan = plan_coping((part,), COPER)
     except PlanError:
@@ -57,10 +60,11 @@ def test_no_random_part_that_is_planned_is_refused(seed: int) -> None:
     assert not found(coping_faults.program_of(plan, job_of(part)), part)
 
 
-def test_most_random_parts_are_planned() -> None:
+@pytest.mark.parametrize("random_part", [random_cope, random_tee])
+def test_most_random_parts_are_planned(random_part: Callable[[int], Part]) -> None:
     def is_planned(seed: int) -> bool:
         try:
-            return bool(plan_coping((random_cope(seed),), COPER).operations)
+            return bool(plan_coping((random_part(seed),), COPER).operations)
         except PlanError:
             return False
 
@@ -111,12 +115,12 @@ def moved(kind: str, face: str, up: float, first: int, machine: Machine = COPER)
     )
 
 
-T80 = Profile("T", "T80", 80.0, 80.0, 9.0, 9.0, 9.0)
+C200 = Profile("C", "C200", 200.0, 70.0, 2.0, 2.0, 3.0)
 THIN = outline("o", [(0.0, 60.0), (9.0, 60.0), (9.0, 60.05), (0.0, 60.05)])
 SLIM = with_keys(play=0.0001, torch_width=0.1, head_width=0.1)  # that strikes nothing
 
 WRONG = [
-    ("verify-coping-section", PROGRAM, part_of(profile=T80)),
+    ("verify-coping-section", PROGRAM, part_of(profile=C200)),
     ("verify-coping-torch", swapped("^M5$", "M3 S1"), COPED),
     ("verify-coping-torch", swapped("^M5\n", "M7\nM5\n"), COPED),
     ("verify-coping-torch", swapped("^M3 S1", "G4 P99\nM3 S1"), COPED),
