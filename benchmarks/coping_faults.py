@@ -4,7 +4,7 @@ By classes: what the planner could get wrong (the side of the kerf, a mirrored o
 sharp corners, leads in the part, a cut that is missing, made twice or ends too early, the order,
 the row of the cut chart), and what of a program's text (A, F, inverse time, heights, waits,
 switches, blending). So many random profiles are tried, as many pieces that come cut, which may
-also be taken for a bar or for a longer piece, and as many tubes:
+also be taken for a bar or for a longer piece, and as many tubes, round and rectangular:
 
     python benchmarks/coping_faults.py 20
 """
@@ -14,6 +14,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -26,10 +27,12 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, Part
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
+from beamcam.model.surface import around
 from beamcam.planning.coping import plan as planner
 from beamcam.planning.left_out import by_hand_sources, left_out_kinds
 from beamcam.posts import post_of
 from benchmarks.script import arguments, at_least, start
+from tests.random_boxes import random_box
 from tests.random_copes import random_cope, random_tee
 from tests.random_tubes import random_tube
 
@@ -324,7 +327,56 @@ def _other_way(lines: Lines) -> Lines | None:
             for line in lines]  # fmt: skip
 
 
-#: Of a program for a tube, whose torch stands still across and whose F are inverse times.
+def _corner_blocks(lines: Lines) -> list[int]:
+    """Blocks in which a rectangular tube turns and Y and Z follow, as those before and behind."""
+    ends = [re.fullmatch(r"G1 X\S+ Y(\S+) Z(\S+) A(\S+) F\S+", line) for line in lines]
+
+    def turns(k: int) -> bool:
+        a, b = ends[k - 1], ends[k]
+        return a is not None and b is not None and all(a[n] != b[n] for n in (1, 2, 3))
+
+    return [k for k in range(8, len(lines) - 8) if all(turns(k + n) for n in range(-6, 7))]
+
+
+def _chord(lines: Lines, chance: random.Random) -> Lines | None:
+    """A stretch of a corner in one block instead of thirteen."""
+    which = _corner_blocks(lines)
+    if not which:
+        return None
+    k = chance.choice(which)
+    minutes = sum(1.0 / float(line.rsplit("F", 1)[1]) for line in lines[k - 6 : k + 7])
+    last = f"{lines[k + 6].rsplit('F', 1)[0]}F{1.0 / minutes:.4f}"
+    return [*lines[: k - 6], last, *lines[k + 7 :]]
+
+
+def _straight_speed(lines: Lines, chance: random.Random) -> Lines | None:
+    """A block in a corner whose time is that of X, Y and Z, as G94 would have it."""
+    which = _corner_blocks(lines)
+    if not which:
+        return None
+    k = chance.choice(which)
+    here, there = ([float(word[1:]) for word in lines[n].split()[1:]] for n in (k - 1, k))
+    turned = abs(there[3] - here[3]) * 3.141592653589793 / 180.0
+    way = sum((b - a) ** 2 for a, b in zip(here[:3], there[:3], strict=True)) ** 0.5
+    share = way / max(turned, 1e-9)
+    return [*lines[:k], f"{lines[k].rsplit('F', 1)[0]}F{there[4] / max(share, 1.5):.4f}",
+            *lines[k + 1 :]]  # fmt: skip
+
+
+def _turned_low(lines: Lines, chance: random.Random) -> Lines | None:
+    """A turn by a right angle at least, of a rectangular tube just over its surface."""
+    height = re.search(r"HEIGHT (\S+) WIDTH (\S+):", "\n".join(lines))
+    turns = [k for k, line in enumerate(lines) if line.startswith("G0 A")]
+    pairs = [b for a, b in pairwise(turns)
+             if abs(float(lines[a][4:]) - float(lines[b][4:])) >= 90.0]  # fmt: skip
+    if height is None or not pairs or not _corner_blocks(lines):
+        return None
+    low = min(float(height[1]), float(height[2])) / 2 + 2.0
+    k = chance.choice(pairs)
+    return [*lines[: k - 1], re.sub(r"Z\S+", f"Z{low:g}", lines[k - 1]), *lines[k:]]
+
+
+#: Of a program for a tube, which turns below the torch and whose F are inverse times.
 TUBE_TEXTS: dict[str, OfText] = {
     **{name: TEXTS[name] for name in (
         "pierce too short", "torch not started", "torch not stopped", "rapid with the torch on",
@@ -340,34 +392,58 @@ TUBE_TEXTS: dict[str, OfText] = {
     ),
     "F missing": _line(r"(G1 .*) F[\d.]+", lambda m, c: m[1]),
     "no inverse time": _dropped("G93"),
-    "beside the axis": _line(r"(G1 .* Y)0( .*)", lambda m, c: f"{m[1]}3{m[2]}"),
+    "beside the normal": _line(
+        r"(G1 .* Y)(-?[\d.]+)( .*)",
+        lambda m, c: f"{m[1]}{float(m[2]) + c.choice((-3, 0.2)):g}{m[3]}",
+    ),
     "tip too high": _line(
         r"(G1 .* Z)([\d.]+)( .*)", lambda m, c: f"{m[1]}{float(m[2]) + 1:g}{m[3]}"
     ),
     "tip too low": _line(
         r"(G1 .* Z)([\d.]+)( .*)", lambda m, c: f"{m[1]}{float(m[2]) - 1:g}{m[3]}"
     ),
-    "through the tube": _line(r"G0 X(\S+) Y0 Z(\S+)", lambda m, c: f"G0 X{m[1]} Y0 Z10"),
+    "through the tube": _line(
+        r"G0 X(\S+) Y(\S+) Z(\S+)", lambda m, c: f"G0 X{m[1]} Y{m[2]} Z10"
+    ),
+    "turned too low": lambda lines, c: _turned_low(lines, c),
+    "corner by a chord": lambda lines, c: _chord(lines, c),
+    "corner at the speed of X, Y and Z": lambda lines, c: _straight_speed(lines, c),
 }  # fmt: skip
 
 
 def mirrored_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut-out of a tube whose arc counts the other way round."""
+    turn = around(plan.profile).turn
+
+    def is_same(cut: CopeCut) -> bool:
+        us = [u for _, u in cut.path[cut.lead :]]
+        return abs((min(us) + max(us) + turn / 2) % turn - turn / 2) < 1.0
+
     return _changed(
         plan, chance,
         lambda cut: replace(cut, path=tuple((x, -u) for x, u in cut.path)),
-        lambda cut: cut.kind == "inner",
+        lambda cut: cut.kind == "inner" and not is_same(cut),
     )  # fmt: skip
 
 
 def elsewhere_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A cut-out of a tube a quarter of a turn on."""
-    turn = 3.141592653589793 * plan.profile.height
+    turn = around(plan.profile).turn
     return _changed(
         plan, chance,
         lambda cut: replace(cut, path=tuple((x, u + turn / 4) for x, u in cut.path)),
         lambda cut: cut.kind == "inner",
     )  # fmt: skip
+
+
+def other_corners(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A rectangular tube with corners of another radius."""
+    profile = plan.profile
+    if profile.code != "M":
+        return None
+    return replace(
+        plan, profile=replace(profile, radius=profile.radius * chance.choice((0.8, 1.2)))
+    )
 
 
 def ends_before_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | None:
@@ -393,7 +469,7 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
     if machine.coper is not None and machine.coper.turns == "bar":
         return of_all | {
             "mirrored round": mirrored_round, "elsewhere round": elsewhere_round,
-            "ends before the seam": ends_before_the_seam,
+            "ends before the seam": ends_before_the_seam, "other corners": other_corners,
         }  # fmt: skip
     return of_all | {
         "mirrored across": mirrored_across, "face left out": face_left_out,
@@ -420,7 +496,7 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
             yield name, "\n".join(lines)
     if part.made is not None:
         yield from piece_faults(part, machine)
-    if any("corner" in said.message for said in plan.remarks):
+    if any(said.code == "plan-coping-rounded" for said in plan.remarks):
         sharp = replace(machine, coper=replace(coper, corner_radius=2.5))
         yield "sharp corners", program_of(planner.plan_coping((part,), sharp), job)
 
@@ -450,16 +526,21 @@ def piece_faults(part: Part, machine: Machine) -> Iterator[tuple[str, str]]:
 def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, str, str]], int]:
     """Wrong programs by class, those that the read-back took, and sound ones that it refused.
 
-    They are those of so many profiles, tubes, pieces that come cut, and T sections.
+    They are those of so many profiles, T sections and pieces that come cut, round and rectangular
+    tubes.
     """
     chance = random.Random(seed)
     tried: Counter[str] = Counter()
     taken: list[tuple[int, str, str]] = []
     refused = 0
-    kinds = (random_cope, random_tube, random_piece, random_tee)
+    kinds = (random_cope, random_tube, random_piece, random_box, random_tee)
     for number in range(len(kinds) * count):
-        machine = load("tube-linuxcnc" if number % len(kinds) == 1 else "coper-linuxcnc")
-        part = kinds[number % len(kinds)](number // len(kinds))
+        make = kinds[number % len(kinds)]
+        is_tube = make in (random_tube, random_box)
+        machine, part = (
+            load(f"{'tube' if is_tube else 'coper'}-linuxcnc"),
+            make(number // len(kinds)),
+        )
         job = Job(Request((part,), machine, name="JOB"), (0,))
         verify = post_of(machine).verify
         try:

@@ -10,6 +10,13 @@ from beamcam.machine.torch import TorchRow
 A_OF_FACE = {"o": -90.0, "v": 0.0, "u": 90.0}
 
 
+class TubeCorner(Keys, frozen=True):
+    """How round the corners of rectangular tubes are, up to a thickness of the wall."""
+
+    up_to: Positive  #: thickness of the wall
+    share: Positive  #: outer radius, in thicknesses
+
+
 class Coper(Keys, frozen=True):
     """The torch of a machine that copes profiles.
 
@@ -21,13 +28,15 @@ class Coper(Keys, frozen=True):
     max_height: Positive  #: of the section, along Y
     max_width: Positive  #: of the section, along Z
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
-    turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a round tube
-    #: DSTV codes that it takes: I, U, L and T, or RO where the bar turns
-    profiles: tuple[Literal["I", "U", "L", "T", "RO"], ...] = ("I", "U", "L")
+    turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a tube
+    #: DSTV codes that it takes: I, U, L and T, or RO and M where the bar turns
+    profiles: tuple[Literal["I", "U", "L", "T", "RO", "M"], ...] = ("I", "U", "L")
+    #: of rectangular tubes whose file does not say how round their corners are
+    corners: tuple[TubeCorner, ...] = ()
     length: Positive = 12000.0  #: of the bar
     material: str = ""  #: of a part that does not say
     chuck: NotNegative = 0.0  #: of a bar that turns, held behind what is cut
-    seam: float = 0.0  #: where the ends of a tube are pierced, degrees round it from u 0
+    seam: float = 0.0  #: where the ends of a tube are pierced: of 360 round its surface, from u 0
     trim: Positive = 30.0  #: of the bar before a part and behind it, for leads and pierces
     torch_width: Positive = 16.0  #: diameter of the torch from its tip to its holder
     torch_length: Positive = 200.0  #: from the tip to the holder
@@ -47,6 +56,15 @@ class Coper(Keys, frozen=True):
     min_hole: NotNegative = 0.0  #: smallest diameter that is burnt
     min_hole_share: NotNegative = 0.0  #: smallest diameter that is burnt, by the thickness
     min_bevel: NotNegative = 1.0  #: degrees; an edge with a smaller bevel is cut square
+
+    def outer_radius(self, radius: float, wall: float) -> float:
+        """That of the corners of a rectangular tube: its own, or by the table if that is 0.
+
+        0 if the table has no row for so thick a wall.
+        """
+        rows = sorted(self.corners, key=lambda row: row.up_to)
+        share = next((row.share for row in rows if wall <= row.up_to), 0.0)
+        return radius if radius > 0.0 else share * wall
 
     def reach_beside(self, radius: float, cut_height: float) -> float:
         """How near to a flange's inner surface the middle of the torch comes over the web, in mm.

@@ -1,6 +1,7 @@
 """Checks of the torch that goes round a profile that involve several keys."""
 
 from collections.abc import Iterator
+from math import hypot
 
 from beamcam.errors import MachineError, Source
 from beamcam.machine.coper import Coper
@@ -33,8 +34,17 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         if any("{" + name in line for line in words.feed) != round_bar:
             expected = f"{{{name}}} where coper.turns is bar, and nowhere else"
             yield "words.feed", list(words.feed), expected
-    if round_bar == bool({*coper.profiles} - {"RO"}):
-        yield "coper.profiles", list(coper.profiles), "RO where the bar turns, else I, U and L"
+    if round_bar == bool({*coper.profiles} - {"RO", "M"}) or not (
+        round_bar or {*coper.profiles}.isdisjoint({"RO", "M"})
+    ):
+        yield (
+            "coper.profiles",
+            list(coper.profiles),
+            "RO and M where the bar turns, else I, U and L",
+        )
+    if coper.corners and "M" not in coper.profiles:
+        yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
+    yield from _reach_faults(machine, coper)
     if coper.tcp == bool(coper.pivot):
         expected = "0 where tcp is true, and above 0 where it is false"
         yield "coper.pivot", coper.pivot, expected
@@ -53,6 +63,19 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield "coper.tolerance", coper.tolerance, expected
     if coper.head_width < coper.torch_width:
         yield "coper.head_width", coper.head_width, "at least torch_width"
+
+
+def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
+    """Axes that do not come to the corners of the tubes that they are for."""
+    if "M" not in coper.profiles:
+        return
+    half, long = coper.max_width / 2, hypot(coper.max_height, coper.max_width) / 2
+    wide = max(half, coper.max_height / 2)
+    for name, least, most in (("Y", -wide, wide), ("Z", 0.0, long + coper.clearance)):
+        for k, axis in enumerate(machine.axes):
+            if axis.moves == name and (axis.limits[0] > least or axis.limits[1] < most):
+                expected = f"{least:g} to {most:.4g} at least, for rectangular tubes"
+                yield f"axes.{k}.max", axis.max, expected
 
 
 def _row_faults(key: str, row: TorchRow, coper: Coper) -> Iterator[Fault]:

@@ -12,7 +12,7 @@ thick the wall is there. A torch that turns about x looks along the normal at
 `a_deg = atan2(-Y, Z)` of it: -90 on o, 0 on v, 90 on u.
 """
 
-from math import acos, atan2, cos, degrees, pi, sin
+from math import acos, atan2, cos, degrees, floor, hypot, inf, pi, radians, sin
 
 from msgspec import Struct
 
@@ -131,3 +131,105 @@ def _tube(h: float, b: float, r: float, flange: float, web: float) -> tuple[Patc
 def patch_of(patches: tuple[Patch, ...], face: Face) -> Patch | None:
     """The patch of a face; None if the section has none there."""
     return next((patch for patch in patches if patch.name == face), None)
+
+
+# --- once round -----------------------------------------------------------------------------------
+
+
+class Leg(Struct, frozen=True):
+    """A patch of a tube on the way round it."""
+
+    patch: Patch
+    begin: float  #: s at which it begins
+    way: int  #: 1 where u rises with s, -1 where it falls
+    turn_deg: float  #: of its normal at `begin`, from the lowest line towards v
+
+    def u(self, s: float) -> float:
+        """The u of the patch at s."""
+        return (self.patch.low if self.way > 0 else self.patch.high) + self.way * (s - self.begin)
+
+    def s(self, u: float) -> float:
+        """The s of a place of the patch."""
+        return self.begin + (u - self.patch.low if self.way > 0 else self.patch.high - u)
+
+
+class Around(Struct, frozen=True):
+    """The outside of a closed tube on the way round it: s from the middle of its lowest line.
+
+    s rises from u towards v, o and h, and goes on from turn to turn.
+    """
+
+    legs: tuple[Leg, ...]
+    turn: float  #: the way once round
+    axis: Pair  #: Y and Z of the middle of the section
+    half_diagonal: float  #: of the circle that the section sweeps as it turns
+
+    def pose(self, s: float) -> tuple[float, float, float]:
+        """A at which a place is on top, and where it lies then: Y and Z from the axis."""
+        first = self.legs[0].begin
+        turns = floor((s - first) / self.turn)
+        local = max(s - turns * self.turn, first)
+        leg = next(leg for leg in reversed(self.legs) if leg.begin <= local)
+        u, turned = leg.u(local), leg.turn_deg
+        if leg.patch.radius:
+            turned += degrees((local - leg.begin) / leg.patch.radius)
+        _, y, z = leg.patch.point(0.0, u)
+        y, z = y - self.axis[0], z - self.axis[1]
+        c, k = cos(radians(90.0 - turned)), sin(radians(90.0 - turned))
+        return 90.0 - turned - 360.0 * turns, c * y + k * z, c * z - k * y
+
+    def on_face(self, face: Face) -> Leg:
+        """The leg of a face. Raises StopIteration if there is none."""
+        return next(leg for leg in self.legs if leg.patch.name == face)
+
+    def face_at(self, s: float) -> Face:
+        """The face at s; of a corner that before its middle, or behind it."""
+        first = self.legs[0].begin
+        local = (s - first) % self.turn + first
+        leg = next(leg for leg in reversed(self.legs) if leg.begin <= local)
+        before, _, behind = leg.patch.name.partition("-")
+        half = leg.begin + leg.patch.radius * pi / 4
+        return behind if behind and local > half else before
+
+    def longest(self, s: float, chord_error: float) -> tuple[float, float]:
+        """Where the leg at s ends, and the greatest step on it that turns and moves evenly.
+
+        On a corner its middle goes round the axis, at `off` from it: the sagitta of a step of the
+        angle t is off (1 - cos(t / 2)).
+        """
+        first = self.legs[0].begin
+        turns = floor((s - first) / self.turn + 1e-12)
+        local = max(s - turns * self.turn, first)
+        k = max(k for k, leg in enumerate(self.legs) if leg.begin <= local + 1e-9)
+        leg, after = self.legs[k], (*self.legs[1:], self.legs[0])[k]
+        end = after.begin + self.turn * (turns + (k == len(self.legs) - 1))
+        y, z = leg.patch.origin
+        off = hypot(y - self.axis[0], z - self.axis[1]) if leg.patch.radius else 0.0
+        if off < chord_error:
+            return end, inf
+        return end, leg.patch.radius * 2 * acos(1 - chord_error / off)
+
+
+def around(profile: Profile) -> Around:
+    """The way round a round tube or a rectangular one with round corners.
+
+    Raises ValueError for any other section.
+    """
+    patches = surface_of(profile)
+    if profile.code == "RO":
+        half = profile.height / 2
+        return Around((Leg(patches[0], 0.0, 1, 0.0),), 2 * pi * half, (half, half), half)
+    if profile.code != "M" or len(patches) != 8:
+        raise ValueError(
+            f"expected a tube, found {profile.code} with corners of {profile.radius:g}"
+        )
+    s = patches[0].low - profile.width / 2
+    legs = []
+    for k, patch in enumerate(patches):
+        legs.append(Leg(patch, s, -1 if patch.name in ("o", "h") else 1, 90.0 * (k // 2)))
+        s += patch.high - patch.low
+    half_y, half_z = profile.height / 2, profile.width / 2
+    r = patches[1].radius
+    return Around(
+        tuple(legs), s - legs[0].begin, (half_y, half_z), hypot(half_y - r, half_z - r) + r
+    )

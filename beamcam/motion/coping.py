@@ -9,7 +9,7 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import acos, ceil, cos, degrees, dist, radians, sin
+from math import acos, ceil, cos, degrees, dist, inf, radians, sin
 
 from beamcam.machine.coper import A_OF_FACE, Coper
 from beamcam.machine.machine import Machine
@@ -27,10 +27,12 @@ from beamcam.model.program import (
     TorchTo,
     TurnTorch,
 )
-from beamcam.model.surface import Patch, patch_of, surface_of
+from beamcam.model.surface import Patch, around, patch_of, surface_of
 
 Place = tuple[float, float, float]
 
+CHORD = 0.01  #: mm that the tip leaves the surface between two places of a corner
+LEAST = 1e-6  #: mm; a shorter stretch is none
 NAMES: dict[str, str] = {
     "inner": "cut-out", "notch": "notch", "near": "near end", "far": "far end"
 }  # fmt: skip
@@ -157,53 +159,73 @@ class _Torch:
 
 
 class _Bar:
-    """A torch that stands upright over a round tube, which turns below it about Y 0, Z 0."""
+    """A torch that stands upright over a tube, which turns below it about Y 0, Z 0."""
 
     def __init__(self, plan: CopePlan, coper: Coper) -> None:
         self._coper, self._start = coper, plan.pieces[0].start
-        (self._patch,) = surface_of(plan.profile)
-        self._over = self._patch.radius + coper.clearance
+        self._way = around(plan.profile)
+        self._over = self._way.half_diagonal + coper.clearance
         self._a_deg: float | None = None
 
     def make(self, cut: CopeCut) -> Iterator[Command]:
-        """The commands of a cut, from where the torch stands clear of the tube.
+        """The commands of a cut, from where the torch stands clear of the tube as it turns.
 
         A block takes as long as its way on the surface does at the feed of the row.
         """
-        row, high = cut.row, self._patch.radius
+        row = cut.row
 
-        def at(place: tuple[float, float]) -> tuple[float, float]:
-            return place[0] + self._start, self._turn_of(place[1])
+        def at(place: tuple[float, float], height: float) -> tuple[float, float, float, float]:
+            a_deg, y, z = self._way.pose(place[1])
+            return place[0] + self._start, y, z + height, a_deg
 
-        x, a_deg = at(cut.path[0])
+        x, y, z, a_deg = at(cut.path[0], row.pierce_height)
         yield Comment(NAMES[cut.kind])
-        yield TorchTo(x, 0.0, self._over, True)
+        yield TorchTo(x, y, self._over, True)
         if a_deg != self._a_deg:
-            yield TurnTorch(x, 0.0, self._over, a_deg)
-        yield TorchTo(x, 0.0, high + row.pierce_height, True)
+            yield TurnTorch(x, y, self._over, a_deg)
+        yield TorchTo(x, y, z, True)
         yield ToolOn(
             row.process, row.feed_mm_min, row.power, row.pierce_s, cut.source, row.pierce_height,
             row.cut_height,
         )  # fmt: skip
         down = row.pierce_height - row.cut_height
         if down > 0.0:
-            yield TorchRound(x, 0.0, high + row.cut_height, a_deg, row.feed_mm_min / down)
+            yield TorchRound(*at(cut.path[0], row.cut_height), row.feed_mm_min / down)
         for before, place in pairwise(cut.path):
-            x, a_deg = at(place)
-            way = dist(before, place)
-            if way > 0.0:
-                yield TorchRound(x, 0.0, high + row.cut_height, a_deg, row.feed_mm_min / way)
+            for a, b in pairwise(self._blocks(before, place)):
+                way = dist(a, b)
+                if way > LEAST:
+                    yield TorchRound(*at(b, row.cut_height), row.feed_mm_min / way)
         yield ToolOff(row.process)
-        yield TorchTo(x, 0.0, self._over, True)
-        self._a_deg = a_deg
+        x, y, _, self._a_deg = at(cut.path[-1], 0.0)
+        yield TorchTo(x, y, self._over, True)
 
     def home(self) -> Iterator[Command]:
         """Nothing: the torch stands clear of the tube."""
         return iter(())
 
-    def _turn_of(self, u: float) -> float:
-        """A at which a place of the surface is on top, counted on from turn to turn."""
-        return 90.0 - degrees(self._patch.first_rad + u / self._patch.radius)
+    def _blocks(
+        self, a: tuple[float, float], b: tuple[float, float]
+    ) -> Iterator[tuple[float, float]]:
+        """Places from one to another of the surface, such that axes go straight between them.
+
+        A stretch ends where a face or a corner does, and on a corner it is short.
+        """
+        yield a
+        if len(self._way.legs) > 1 and a[1] != b[1]:
+            low, high = sorted((a[1], b[1]))
+            ss = [low]
+            while ss[-1] < high - LEAST:
+                end, step = self._way.longest(ss[-1], CHORD)
+                end = min(end, high)
+                count = 1 if step == inf else ceil((end - ss[-1]) / step)
+                first = ss[-1]
+                ss += [first + (end - first) * k / count for k in range(1, count + 1)]
+            for s in sorted(ss[1:], reverse=b[1] < a[1]):
+                share = (s - a[1]) / (b[1] - a[1])
+                if min(abs(s - a[1]), abs(s - b[1])) > LEAST:
+                    yield a[0] + share * (b[0] - a[0]), s
+        yield b
 
 
 def coping_time(plan: CopePlan, program: Program, machine: Machine) -> WorkTime:

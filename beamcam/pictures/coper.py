@@ -6,13 +6,13 @@ u  [==============]   numbers: order of the cuts; a tube is one face, unrolled
 """
 
 from collections.abc import Iterator, Sequence
-from math import pi
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers import cell_events
 from beamcam.errors import Source, VerifyError, errors_in
+from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import is_row_for, material_said
 from beamcam.model.part import Face, Part, Profile
@@ -37,9 +37,10 @@ from beamcam.pictures.views import (
     titles,
     unshown,
 )
+from beamcam.verify.coping.box_tube import box_outlines
 from beamcam.verify.coping.section import Section, lying
 from beamcam.verify.coping.strokes import ProfileTorch, Stroke
-from beamcam.verify.coping.tube import TubeTorch, unrolled_pipe
+from beamcam.verify.coping.tube import TubeTorch, tube_section, unrolled_pipe
 from beamcam.verify.head import head_of
 
 NUMBER_SIZE = 9.0
@@ -72,7 +73,11 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
     is_tube = coper.turns == "bar"
     faces: tuple[Face, ...] = ("v",) if is_tube else ("v", "u")
     faces = ("o", *faces) if part.profile.code in ("I", "U") else faces
-    views = tuple(_view(part, face, strokes, is_tube) for face in faces)
+    if is_tube:
+        strokes = [replace(stroke, face="v") for stroke in strokes]
+        views: tuple[View, ...] = (_tube_view(part, coper, strokes),)
+    else:
+        views = tuple(_view(part, face, strokes) for face in faces)
     ends = [x for view in views for x in (view.box[0], view.box[2])]
     views = tuple(
         replace(view, box=(min(ends), view.box[1], max(ends), view.box[3])) for view in views
@@ -90,7 +95,10 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
         end, high = part.length, max(view.heights[-1], 0.0)
         corners = ((0.0, 0.0), (end, 0.0), (end, high), (0.0, high))
         drawn.append(Polyline("face", frame.all(corners), True))
-        drawn += _asked(part if program.parts else None, view, paper)
+        if is_tube and part.profile.code == "M":
+            drawn += _box_tube(program, view, paper)
+        else:
+            drawn += _asked(part if program.parts else None, view, paper)
         drawn += datum(view, frame)
         drawn += _cuts(strokes, view, paper, feeds)
         drawn += figures(view, paper, unit)
@@ -116,7 +124,7 @@ def part_of(program: CoperProgram) -> Part:
     known = (
         measures_of(head.stock.replace("_", "*")) if head is not None else None
     )  # as comments have it
-    if head is None or known is None:
+    if head is None or known is None or known[0] == "M":  # whose corners no head has
         found = head.stock if head is not None and head.stock else "none"
         raise VerifyError(
             rules.SECTION.at(Source(program.name), found=found, machine=program.machine.name)
@@ -138,8 +146,8 @@ def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     if coper.turns == "bar":
-        radius = unrolled_pipe(part).profile.height / 2
-        torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, radius, rows, name)
+        section = tube_section(unrolled_pipe(part), coper)
+        torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, section, rows, name)
     else:
         torch = ProfileTorch(machine, coper, Section(part.profile), rows, name)
     if not errors_in(said):
@@ -149,16 +157,13 @@ def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
     return torch.strokes
 
 
-def _view(part: Part, face: Face, strokes: Sequence[Stroke], is_tube: bool) -> View:
+def _view(part: Part, face: Face, strokes: Sequence[Stroke]) -> View:
     """A face from x 0 to the part's end, or as far as it is cut."""
     points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     is_tee = part.profile.code == "T"
     high, title = part.profile.face_width(face), face_title(face, part.profile.code)
-    if is_tube:
-        high = pi * unrolled_pipe(part).profile.height
-        title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
-    elif is_tee:
+    if is_tee:
         title = TEE_TITLES[face]
     box = (min(0.0, *xs, 0.0), min(0.0, *ys, 0.0), max(part.length, *xs, 1.0), max(high, *ys, 0.0))
     ends = {round(end, 1) for s in strokes if s.face == face
@@ -167,9 +172,39 @@ def _view(part: Part, face: Face, strokes: Sequence[Stroke], is_tube: bool) -> V
              for ys in ([y for _, y in s.points],) for end in (min(ys), max(ys))}  # fmt: skip
     return View(
         face, title, box, tuple(ends | {part.length}), (*(rises - {high}), high),
-        not is_tube and runs_down(face),
-        edges=("", "") if is_tube or is_tee else edges_of(face, part.profile.code),
+        runs_down(face), edges=("", "") if is_tee else edges_of(face, part.profile.code),
     )  # fmt: skip
+
+
+def _tube_view(part: Part, coper: Coper, strokes: Sequence[Stroke]) -> View:
+    """The whole surface of a tube, unrolled."""
+    view = _view(part, "v", strokes)
+    section = tube_section(unrolled_pipe(part), coper)
+    title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
+    if part.profile.code == "M":
+        title = ("u, v, o, h, u   surface of the tube, unrolled, from outside; y = 0 is the middle "
+                 "of its lowest face")  # fmt: skip
+    left, bottom, right, top = view.box
+    lost = part.profile.face_width("v")
+    return replace(
+        view, title=title, box=(left, bottom, right, max(top, section.turn)),
+        heights=(*(y for y in view.heights if y != lost), section.turn), down=False,
+        edges=("", ""),
+    )  # fmt: skip
+
+
+def _box_tube(program: CoperProgram, view: View, paper: Paper) -> Iterator[Shape]:
+    """What stays of a rectangular tube, in grey, and where its faces end."""
+    frame, part = paper.frames[view.name], part_of(program)
+    coper = program.machine.needed(program.machine.coper, "coper")
+    section = tube_section(part, coper)
+    for face in "uvoh":
+        for y in (section.radius, part.profile.face_width(face) - section.radius):
+            s = section.around(face, y) % section.turn
+            yield Polyline("same", frame.all(((0.0, s), (part.length, s))), False)
+    if program.parts:
+        for ring in box_outlines(part, coper, section):
+            yield Polyline("same", frame.all(ring), True)
 
 
 def _asked(part: Part | None, view: View, paper: Paper) -> Iterator[Shape]:

@@ -3,22 +3,20 @@
 y   o   height + (width - Z)      the flange above v, its edge beside v at the height
     v   Y                         the web from the front
     u   -(width - Z)              the flange below
-of a tube that turns the arc from its lowest line towards v
+of a tube that turns the way round its surface, from the middle of its lowest line towards v
 """
-
-from math import pi
 
 import numpy as np
 from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.coper import Coper
-from beamcam.model.part import Profile
+from beamcam.model.part import Part
 from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
 from beamcam.pictures.table import TableMade
 from beamcam.setup_sheet.operations import Operation, table_operations
 from beamcam.simulate.trace import Trace, TraceAxis
-from beamcam.verify.coping.tube import unrolled_pipe
+from beamcam.verify.coping.tube import tube_section, unrolled_pipe
 
 ROUND = TraceAxis("round the bar", "mm", has_encoder=False)
 
@@ -30,8 +28,7 @@ def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
     """
     machine = program.machine
     coper = machine.needed(machine.coper, "coper")
-    profile = unrolled_pipe(part_of(program)).profile
-    round_bar = _round(trace.positions, profile, coper)
+    round_bar = _round(trace.positions, unrolled_pipe(part_of(program)), coper)
     positions = np.insert(trace.positions, 1, round_bar, axis=1)
     axes = (trace.axes[0], ROUND, *trace.axes[1:])
     return TableMade(
@@ -39,11 +36,13 @@ def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
     )
 
 
-def _round(positions: Floats, profile: Profile, coper: Coper) -> Floats:
+def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     """Where the torch is round the bar at each knot, mm."""
+    profile = part.profile
     _, y, z, a_deg = positions.T
     if coper.turns == "bar":
-        found: Floats = profile.height / 2 * (pi / 2 - np.radians(a_deg))
+        place = tube_section(part, coper).place
+        found: Floats = np.array([place(*row)[0] for row in positions[:, 1:].tolist()])
         return found
     a = np.radians(a_deg)
     tip_y, tip_z = y + coper.pivot * np.sin(a), z - coper.pivot * np.cos(a)
@@ -56,9 +55,10 @@ def _round(positions: Floats, profile: Profile, coper: Coper) -> Floats:
 
 def coper_operations(program: CoperProgram, made: TableMade) -> tuple[Operation, ...]:
     """The cuts with the faces that they are on; X is the machine's."""
-    strokes = strokes_of(program, part_of(program))
-    is_tube = program.machine.needed(program.machine.coper, "coper").turns == "bar"
+    part = part_of(program)
+    strokes = strokes_of(program, part)
+    is_round = part.profile.code == "RO" or unrolled_pipe(part) is not part
     return tuple(
-        replace(op, what="cut" if is_tube else f"cut on face {stroke.face}", y=None)
+        replace(op, what="cut" if is_round else f"cut on face {stroke.face}", y=None)
         for op, stroke in zip(table_operations(made), strokes, strict=True)
     )

@@ -472,4 +472,4 @@ def test_the_tube_machine_has_the_torch_of_the_coper() -> None:
     assert tube is not None
     assert coper is not None
     assert tube.rows == coper.rows
-    assert (tube.turns, tube.profiles, tube.chuck, tube.seam) == ("bar", ("RO",), 250, 0)
+    assert (tube.turns, tube.profiles, tube.chuck, tube.seam) == ("bar", ("RO", "M"), 250, 0)

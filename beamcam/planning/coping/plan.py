@@ -46,7 +46,8 @@ def plan_coping(
     told: tuple[Diagnostic, ...] = ()
     if coper.turns == "bar":
         pipes = [as_pipe(part) for part in parts]
-        parts, told = [part for part, _ in pipes], tuple(said for _, said in pipes if said)
+        parts = [_with_corners(part, coper) for part, _ in pipes]
+        told = tuple(said for _, said in pipes if said)
         if errors_in(told):
             raise PlanError(told)
     refusals = [*_stock_faults(parts, machine, coper, bar)]
@@ -54,7 +55,7 @@ def plan_coping(
         raise PlanError(refusals)
     (part,) = parts
     if coper.turns == "bar":
-        ends = [*_end_faults(part)]
+        ends = [] if part.profile.code == "M" else [*_end_faults(part)]
         if ends:
             raise PlanError(ends)
         plan = plan_tube(part, machine, coper, skips)
@@ -102,6 +103,16 @@ def plan_coping(
     return plan
 
 
+def _with_corners(part: Part, coper: Coper) -> Part:
+    """A rectangular tube whose corners are as round as the machine has them, if it does not say."""
+    profile = part.profile
+    if profile.code != "M":
+        return part
+    wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
+    radius = coper.outer_radius(profile.radius, wall)
+    return replace(part, profile=replace(profile, radius=radius))
+
+
 def _stock_faults(
     parts: Sequence[Part], machine: Machine, coper: Coper, bar: float | None
 ) -> Iterator[Diagnostic]:
@@ -124,6 +135,15 @@ def _stock_faults(
     if fault is not None:
         yield bar_rules.SECTION_SHAPE.at(source, found=fault, code=profile.code)
         return
+    if profile.code == "M":
+        least = max(profile.flange_thickness, profile.web_thickness or 0.0)
+        most = min(profile.height, profile.width) / 2
+        if not least <= profile.radius <= most:
+            yield rules.NO_RADIUS.at(
+                source, found=f"{profile.radius:g}", name=profile.name or "a tube",
+                least=f"{least:g}", most=f"{most:g}",
+            )  # fmt: skip
+            return
     if profile.height > coper.max_height or profile.width > coper.max_width:
         yield bar_rules.SECTION_SIZE.at(
             source, found=f"{profile.height:g} x {profile.width:g}", station="torch",

@@ -23,6 +23,7 @@ Shape = Any  #: of shapely
 Cut = Hole | Slot | Contour
 
 CHORD = 0.01  #: mm between a curve and its chords
+SLIVER = CHORD / 10  #: mm; what is thinner is nothing
 ROUND = 32  #: sides of a quarter of a rounded corner
 OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files differ by 0.7
 MOST_ROUNDED = 1.75  #: radii that the rounding of a corner reaches along its sides
@@ -119,7 +120,10 @@ def rounded(
         if piece.distance(places) > CHORD:
             continue
         mine = [p for p in places.geoms if piece.distance(p) <= CHORD]
-        places_round = MultiPoint(segmentize(piece.exterior, radius / 4).coords).geoms
+        # Along a side that is nearly straight a sliver may hang on it, which reaches farther.
+        round_it = piece.buffer(-SLIVER).buffer(SLIVER)
+        round_it = max(_polygons(round_it), key=lambda one: one.area, default=piece)
+        places_round = MultiPoint(segmentize(round_it.exterior, radius / 4).coords).geoms
         deep = max(MultiPoint(mine).distance(place) for place in places_round)
         if deep <= 2 * CHORD:
             continue

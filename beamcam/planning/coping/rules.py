@@ -71,5 +71,25 @@ NO_PIPE = error("plan-coping-no-pipe",
     "found a plate {found} {height} mm wide; expected {expected} mm, the circumference of a pipe "
     "{diameter} mm in diameter",
     "Name and width of an unrolled pipe contradict each other, and only one can be right.")
+NO_RADIUS = error("plan-coping-radius",
+    "found corners of {found} mm on {name}; expected their outer radius, {least} to {most} mm, in "
+    "the header of the part or by a row of coper.corners",
+    "The torch goes round the corners of a tube by their outer radius. Line 14 of a DSTV header "
+    "has it, or the machine file by the thickness of the wall; it is not guessed.")
+CORNER = error("plan-coping-corner",
+    "found {found} at the corner between faces {a} and {b}; expected contours of both faces that "
+    "go over it and meet at its edge",
+    "What is cut over a corner has to be drawn on both faces beside it, up to the edge at which "
+    "they meet; holes and slots lie beside the corner.")
+SLANT = warning("plan-coping-slant",
+    "found ends or sides skew through the wall, cut square to the surface; up to {found} mm off at "
+    "the inside of the walls {faces}",
+    "The torch stands square to the wall. It cuts a skew end where the wall reaches farthest, so "
+    "that no steel is missing; what is too much has to be ground off.")
+SLOW = warning("plan-coping-slow",
+    "found axis {axis} too slow for the corners, which are cut at {found} mm/min; expected "
+    "{expected} mm/min as on the faces",
+    "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
+    "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, TEE, PIECE)
+    BAR, TEE, PIECE, NO_RADIUS, CORNER, SLANT, SLOW)

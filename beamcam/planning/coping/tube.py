@@ -1,24 +1,28 @@
-"""The plan of a round tube that turns under a torch: its surface unrolled, and wrapped again.
+"""The plan of a tube that turns under a torch: its surface unrolled, and wrapped again.
 
    x 0                   The surface lies flat, x along the tube and u round its outside, from
-u  |   ( )     |  end    the lowest line towards v. What crosses u 0 is there again a turn on:
-   |           |         the region is laid three times above itself, and each cut is taken
-0  |___________|         once. The ends go all round, from the seam to the seam.
+u  |   ( )     |  end    the middle of its lowest line towards v. What crosses u 0 is there again
+   |           |         a turn on: the region is laid three times above itself, and each cut is
+0  |___________|         taken once. The ends go all round, from the seam to the seam.
 """
 
-from collections.abc import Collection, Iterator
-from math import asin, cos, inf, pi, sin
+from collections.abc import Collection, Iterator, Mapping
+from math import asin, cos, degrees, hypot, inf, pi, sin
+
+from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, Feature, Hole, Part
+from beamcam.model.part import Contour, Face, Feature, Hole, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
+from beamcam.model.surface import Around, around
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import BEVEL
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.box_tube import Unrolled, unrolled
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import ROUND, Chain, borders_of, chains_of, led
 from beamcam.planning.coping.features import Sorted, sorted_features
@@ -36,22 +40,30 @@ from beamcam.planning.coping.regions import (
 from beamcam.planning.coping.walls import Wall
 
 STEPS = 96  #: places round a hole
+LEAST_SLANT = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 
 
 def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
-    """The work that cuts a round tube from a bar. Raises PlanError as `plan_coping` does."""
+    """The work that cuts a tube from a bar. Raises PlanError as `plan_coping` does."""
     found = sorted_features(part, machine, coper, skips)
     if found.refusals:
         raise PlanError(found.refusals)
-    chart, wall = Chart(part, coper), part.profile.thickness("v") or part.profile.flange_thickness
+    chart, profile = Chart(part, coper), part.profile
+    wall = max(profile.thickness("v"), profile.flange_thickness)
     row = chart.row(wall)
     if row is None:
         raise PlanError(chart.too_thick(wall, "v", part.source))
-    surface = Wall("v", pi * part.profile.height, wall, -inf, inf, ())
-    region, said = _region(surface, part, found, coper)
+    way, slant = around(profile), dict[Face, float]()
+    surface = Wall("v", way.turn, wall, -inf, inf, ())
+    if profile.code == "M":
+        box_tube, said = unrolled(part, found.cut, way)
+        slant = {face: off for face, off in box_tube.slant.items() if off >= LEAST_SLANT}
+        region, said = _laid_out(surface, part, box_tube, coper, said)
+    else:
+        region, said = _region(surface, part, found, coper)
     cuts: list[CopeCut] = []
     if not errors_in(said):
-        cuts, more = _cuts(part, region, found, row, coper)
+        cuts, more = _cuts(part, region, found, row, coper, way)
         said += more
     if errors_in(said):
         raise PlanError(errors_in(said))
@@ -61,11 +73,19 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
                 part.source, count=region.rounded // 3, face="v", radius=f"{coper.corner_radius:g}"
             )
         )
+    if slant:
+        said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
+                                   faces=", ".join(slant)))  # fmt: skip
+    said += _slow_axes(part, machine, row, way)
     needed = part.length + 2 * coper.trim + coper.chuck
     said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
         said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
-    outcomes = tuple(outcomes_of(part, found, coper.min_bevel))
+    outcomes = tuple(
+        replace(o, left=BEVEL) if o.how == "made" and is_slanted(part.features[o.feature[1]], slant)
+        else o
+        for o in outcomes_of(part, found, coper.min_bevel)
+    )  # fmt: skip
     piece = Piece(part, coper.trim)
     return CopePlan(
         part.profile, (piece,), needed, tuple(cuts), outcomes, tuple(said),
@@ -88,6 +108,43 @@ def outcomes_of(part: Part, found: Sorted, least: float) -> Iterator[Outcome]:
 def has_bevels(feature: Feature, least: float) -> bool:
     """Whether edges of a contour are bevelled by so many degrees."""
     return isinstance(feature, Contour) and any(abs(b.angle) >= least for b in feature.bevels)
+
+
+def is_slanted(feature: Feature, slant: Mapping[Face, float]) -> bool:
+    """Whether a feature is an outline of a face that a square cut leaves skew."""
+    return isinstance(feature, Contour) and feature.kind == "outer" and feature.face in slant
+
+
+def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iterator[Diagnostic]:
+    """A warning where an axis does not go round the corners as fast as the row cuts."""
+    (y, z), r = way.axis, part.profile.radius
+    if part.profile.code != "M":
+        return
+    off, turn_s = hypot(y - r, z - r), row.feed_mm_min / 60.0 / r  # of the corner's middle, rad/s
+    needs = {"A": degrees(turn_s), "Y": off * turn_s, "Z": off * turn_s}
+    shares = {a.name: a.speed / needs[a.moves] for a in machine.axes if a.moves in needs}
+    name, share = min(shares.items(), key=lambda one: one[1], default=("", 1.0))
+    if share < 1.0:
+        yield rules.SLOW.at(
+            part.source, found=f"{share * row.feed_mm_min:.0f}", axis=name,
+            expected=f"{row.feed_mm_min:g}",
+        )  # fmt: skip
+
+
+def _laid_out(
+    surface: Wall, part: Part, tube: Unrolled, coper: Coper, said: list[Diagnostic]
+) -> tuple[Region, list[Diagnostic]]:
+    """What stays of a rectangular tube, three times above itself."""
+    from shapely import box, make_valid, union_all
+    from shapely.affinity import translate
+
+    turns = [k * surface.width for k in range(4)]
+    low, _, high, _ = tube.shape.bounds
+    shape = union_all([translate(tube.shape, 0.0, turn) for turn in turns])
+    shape = shape.intersection(box(low, 0.0, high, 3 * surface.width))
+    corners = [(x, u + turn) for x, u in tube.corners for turn in turns]
+    corners = [(x, u) for x, u in corners if 0.0 <= u <= 3 * surface.width]
+    return rounded(surface, make_valid(shape), corners, part, coper, said)
 
 
 def _region(
@@ -141,9 +198,12 @@ def _taken(feature: Cut, part: Part) -> Shape:
 
 
 def _cuts(
-    part: Part, region: Region, found: Sorted, row: TorchRow, coper: Coper
+    part: Part, region: Region, found: Sorted, row: TorchRow, coper: Coper, tube: Around
 ) -> tuple[list[CopeCut], list[Diagnostic]]:
-    """The cuts in order: what lies in the surface, the near end, the far end."""
+    """The cuts in order: what lies in the surface, the near end, the far end.
+
+    A place in a message is u round the tube, on the face that it lies on.
+    """
     wall, half = region.wall, row.kerf / 2
     paths = region.shape.buffer(half, ROUND)
     seam = wall.width + coper.seam * wall.width / 360.0
@@ -160,16 +220,18 @@ def _cuts(
             kind = "far" if max(xs) >= end else "near"
         way = led(chain, inside, region.shape, row, coper)
         if way is None:
-            x, y = chain.points[0]
+            x, u = chain.points[0]
             said.append(
                 rules.NARROW.at(
-                    source, what="no room to pierce", x=f"{x:g}", y=f"{y:g}", face="v",
+                    source, what="no room to pierce", x=f"{x:g}", y=f"{u % wall.width:g}",
+                    face=tube.face_at(u),
                     expected=f"scrap {2 * row.pierce_radius:g} mm wide beside the contour",
                 )
             )  # fmt: skip
             continue
         path = tuple((x, u - wall.width) for x, u in way.path)
-        cuts.append(CopeCut(kind, "v", path, way.lead, wall.thickness, row, features, source))
+        face = tube.face_at(path[way.lead][1])
+        cuts.append(CopeCut(kind, face, path, way.lead, wall.thickness, row, features, source))
     order = ("inner", "near", "far")
     cuts.sort(key=lambda cut: (order.index(cut.kind), cut.path[0]))
     if [cut.kind for cut in cuts].count("near") != 1 or cuts[-1].kind != "far":

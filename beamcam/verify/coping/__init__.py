@@ -44,7 +44,8 @@ def verify_coping(
     if len(parts) > 1:
         return (*said, rules.PARTS.at(Source(name), found=len(parts)))
     part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
-    code, codes = part.profile.code, ("RO",) if coper.turns == "bar" else ("I", "U", "L", "T")
+    codes = ("RO", "M") if coper.turns == "bar" else ("I", "U", "L", "T")
+    code = part.profile.code
     if code not in codes:
         expected = ", ".join(codes)
         return (*said, rules.SECTION.at(Source(name), found=code, expected=expected))
@@ -52,12 +53,12 @@ def verify_coping(
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     left = may_be_left(part, machine, coper, skips)
-    hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
     if coper.turns == "bar":
         said += tube_faults(events, part, machine, coper, rows, left, name)
         if errors_in(said):
             return tuple(said)
-        return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))
+        return (*said, *left_to_hand(part, machine), *left_out(part, left))
+    hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
     section = Section(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)

@@ -13,7 +13,7 @@ from math import cos, radians, sin
 from beamcam.errors import MAX_OF_A_PROGRAM, Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.verify.coping import rules
-from beamcam.verify.coping.section import Section
+from beamcam.verify.coping.section import Section, TubeSection
 from beamcam.verify.coping.strokes import Way, poses
 
 Corner = tuple[float, float]
@@ -24,7 +24,7 @@ SLACK = 0.03  #: mm: of figures as programs have them, and of a fillet's chords
 
 
 def strike_faults(
-    ways: Sequence[Way], section: Section, coper: Coper, name: str
+    ways: Sequence[Way], section: Section | TubeSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
     """The first place of each move at which the torch comes nearer to the bar than it may."""
     import numpy as np

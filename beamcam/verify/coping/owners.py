@@ -4,6 +4,7 @@ from beamcam.verify.owners import Language, Owner, Stock
 
 _ON_THE_WAY = (
     "verify-coping-strikes", "verify-coping-limit", "verify-coping-torch", "verify-coping-angle",
+    "verify-coping-square",
 )  # fmt: skip
 _CUT = (
     "verify-coping-hurt", "verify-coping-left", "verify-coping-gone", "verify-coping-holds",

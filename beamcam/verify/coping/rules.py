@@ -17,6 +17,15 @@ TORCH = error("verify-coping-torch",
 ANGLE = error("verify-coping-angle",
     "found the torch cutting at A {found}; expected -90, 0 or 90, fixed from pierce to end",
     "Any other angle cuts the wall at a slant, or another wall.")
+SQUARE = error("verify-coping-square",
+    "found the torch {found} mm beside the normal of the surface below it; expected at most "
+    "{expected} mm",
+    "Over a tube the torch stands upright, square to the wall on faces and corners alike, all the "
+    "way of a cut.")
+LOST = error("verify-coping-corner",
+    "found contours that end at the corner between faces {found}; expected them to go over it and "
+    "meet",
+    "What has to stay of a corner is not known then.")
 HEIGHT = error("verify-coping-height",
     "found the tip {found} mm over the {face} face as it {does}; expected {expected} mm",
     "Too low the torch strikes the steel, too high its arc goes out or its kerf gets wider.")
@@ -65,6 +74,6 @@ ORDER = error("verify-coping-order",
     "found a cut on face {face} behind the first one of the far end; expected those last",
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
 RULES = (
-    PARTS, SECTION, TORCH, ANGLE, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE, HURT, LEFT,
-    SHORT, GONE, HOLDS, EXTRA, ORDER,
+    PARTS, SECTION, TORCH, ANGLE, SQUARE, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE,
+    HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER,
 )  # fmt: skip

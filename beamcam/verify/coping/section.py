@@ -7,7 +7,7 @@ side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, s
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
-from math import cos, pi, sin
+from math import cos, hypot, pi, radians, sin
 from typing import Any, Literal
 
 from msgspec.structs import replace
@@ -161,3 +161,78 @@ class Section:
         """The y of a flange below which the web and its fillets stand."""
         least = self.back - self.radius if self.amid else 0.0
         return max(0.0, least), self.front + self.radius
+
+
+class TubeSection:
+    """A round tube, or a rectangular one: a rectangle with a circle round each of its corners.
+
+    Y and Z count from its axis, s goes round its outside from the middle of the lowest line to v.
+    """
+
+    def __init__(self, profile: Profile, corner: float) -> None:
+        """`corner` is the outer radius of a rectangular tube's corners."""
+        self.half_y, self.half_z = profile.height / 2, profile.width / 2
+        self.wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
+        if profile.code == "RO":
+            self.radius = self.half_z = self.half_y
+        else:
+            self.radius = corner
+        self.flat_y, self.flat_z = self.half_y - self.radius, self.half_z - self.radius
+        self.turn = 2 * pi * self.radius + 4 * (self.flat_y + self.flat_z)
+        self.reach = hypot(self.flat_y, self.flat_z) + self.radius  #: of what turns
+
+    @cached_property
+    def steel(self) -> Any:
+        """The section as a shape of shapely, without its hollow."""
+        from shapely import Point, box
+
+        if not (self.flat_y or self.flat_z):
+            return Point(0.0, 0.0).buffer(self.radius, 256)
+        inner = box(-self.flat_y, -self.flat_z, self.flat_y, self.flat_z)
+        return inner.buffer(self.radius, FILLET_STEPS)
+
+    def place(self, y: float, z: float, a_deg: float) -> tuple[float, float, float]:
+        """s below a tip, how high it is over the surface, how far beside the normal it stands.
+
+        The tip is at Y and Z of the machine while the tube has turned by A about its axis.
+        """
+        c, k = cos(radians(a_deg)), sin(radians(a_deg))
+        y, z = c * y - k * z, k * y + c * z
+        at_y = min(max(y, -self.flat_y), self.flat_y)
+        at_z = min(max(z, -self.flat_z), self.flat_z)
+        away = -k * (y - at_y) + c * (z - at_z)
+        beside = c * (y - at_y) + k * (z - at_z)
+        turned = 90.0 - a_deg
+        face = round(turned / 90.0)
+        s = self._begin(face) + (at_z, at_y, -at_z, -at_y)[face % 4]
+        return s + self.radius * radians(turned), away - self.radius, beside
+
+    def _begin(self, face: int) -> float:
+        """The way along the flats to the middle of a face; u is 0, v 1, o 2, h 3, and so on."""
+        return face * (self.flat_y + self.flat_z)
+
+    def around(self, face: str, y: float) -> float:
+        """s of a place on the flat of a face."""
+        k = "uvoh".index(face)
+        along = y - (self.half_y if face in "vh" else self.half_z)
+        return self._begin(k) + self.radius * k * pi / 2 + (along if k < 2 else -along)
+
+    def corner(self, k: int) -> float:
+        """s at which the corner behind a face begins."""
+        flat = self.flat_y if k % 2 else self.flat_z
+        return self._begin(k) + flat + self.radius * k * pi / 2
+
+    def face_at(self, s: float) -> str:
+        """The face that a place is on, or is nearest to."""
+        rest = (s + self.turn / 2) % self.turn - self.turn / 2
+        if self.radius == self.half_y == self.half_z:
+            return "v"
+        middles = {face: self.around(face, self.half_y if face in "vh" else self.half_z)
+                   for face in "uvoh"}  # fmt: skip
+        half = {"u": self.half_z, "v": self.half_y, "o": self.half_z, "h": self.half_y}
+
+        def off(face: str) -> float:
+            way = abs(rest - middles[face]) % self.turn
+            return min(way, self.turn - way) - half[face]
+
+        return min("uvoh", key=off)

@@ -174,7 +174,7 @@ class Torch(ABC):
 
     def _end(self, line: int) -> None:
         """A stroke that is whole."""
-        moves = [m for m in self._moves if isfinite(sum(m.start)) and isfinite(sum(m.end))]
+        moves = [m for m in self._moves if isfinite(sum((*m.start, *m.end, *m.a_deg)))]
         if moves:
             self._take(line, moves)
         else:
@@ -259,7 +259,10 @@ class _Filled(dict[str, str]):
 
 
 def poses(way: Way, coper: Coper, step_deg: float) -> Iterator[tuple[float, float, float]]:
-    """Y, Z and A of the tip along a move, so often that the torch turns little between."""
+    """Y, Z and A of the tip along a move, so often that the torch turns little between.
+
+    Over a bar that turns they are those that the torch has seen from the bar.
+    """
     turn = abs(way.a_deg[1] - way.a_deg[0])
     count = max(1, int(turn / step_deg) + 1) if turn else 1
     for k in range(count + 1):
@@ -267,4 +270,6 @@ def poses(way: Way, coper: Coper, step_deg: float) -> Iterator[tuple[float, floa
         _, y, z = (a + share * (b - a) for a, b in zip(way.start, way.end, strict=True))
         a_deg = way.a_deg[0] + share * (way.a_deg[1] - way.a_deg[0])
         a = radians(a_deg)
+        if coper.turns == "bar":
+            y, z = y * cos(a) - z * sin(a), y * sin(a) + z * cos(a)
         yield y + coper.pivot * sin(a), z - coper.pivot * cos(a), a_deg

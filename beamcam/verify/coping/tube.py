@@ -1,12 +1,13 @@
-"""Programs of round tubes that turn under a torch, read back on the unrolled surface.
+"""Programs of tubes that turn under a torch, read back on the unrolled surface.
 
-The torch stands upright over the axis of the tube, which is Y 0, Z 0. A place of the surface is on
-top at A; it lies at u = R (90 - A) of arc from the lowest line towards v. A block of inverse time
-turns the tube and moves along it evenly, so that its way on the surface is straight.
+The torch stands upright over the tube, whose axis is Y 0, Z 0, and square to the place below it. A
+block of inverse time turns the tube and moves along it and across evenly, so that its way on the
+surface is straight; of a round tube a place on top at A lies at u = R (90 - A) of arc.
 """
 
 import re
 from collections.abc import Collection, Iterator, Sequence
+from itertools import pairwise
 from math import asin, dist, pi, radians, sin
 from typing import Any
 
@@ -20,13 +21,18 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot
 from beamcam.verify.coping import rules
+from beamcam.verify.coping.box_tube import box_wanted
+from beamcam.verify.coping.collisions import strike_faults
 from beamcam.verify.coping.rings import FINE, ring_of, slot_ring
-from beamcam.verify.coping.section import kerf_of, line_of, pieces_of
-from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
+from beamcam.verify.coping.section import TubeSection, kerf_of, line_of, pieces_of
+from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
+from beamcam.verify.left_out import by_hand
 
 Shape = Any  #: of shapely
 
+SHARES = (0.25, 0.5, 0.75)  #: of a block, where the torch is looked at besides its ends
+MIDDLE_SLACK = 0.05  #: mm there, as on a corner the tip goes straight between two places
 SPECK = 0.05  #: mm2 that is nothing
 SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
 HOLE_STEPS = 120
@@ -35,33 +41,36 @@ TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 
 
 class TubeTorch(Torch):
-    """An upright torch over a tube of some radius."""
+    """An upright torch over a tube."""
 
     turning = True
 
     def __init__(
-        self, machine: Machine, coper: Coper, radius: float, rows: Sequence[TorchRow], name: str
-    ) -> None:
+        self, machine: Machine, coper: Coper, section: TubeSection, rows: Sequence[TorchRow],
+        name: str,
+    ) -> None:  # fmt: skip
         super().__init__(machine, coper, rows, name)
-        self._radius = radius
-        form = machine.format
+        self._section = section
         #: mm that a way may be off as its ends are written
-        self._written = 2 * (form.resolution + radius * radians(10.0**-form.angle_decimals))
-
-    def _surface(self, x: float, a_deg: float) -> Point:
-        return x - self._coper.trim, self._radius * radians(90.0 - a_deg)
+        self._written = 2 * written_step(machine, section)
 
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
-        source, top = Source(self._name, line), self._radius
-        if any(abs(y) > HEIGHT_SLACK for m in moves for _, y, _ in (m.start, m.end)):
-            self._say(rules.ANGLE.at(source, found="beside the axis of the tube"))
+        source, place = Source(self._name, line), self._section.place
+        x, y, z = moves[0].start
+        x0 = self._coper.trim
+        seen = [(x - x0, *place(y, z, moves[0].a_deg[0]))]
+        seen += [(m.end[0] - x0, *place(m.end[1], m.end[2], m.a_deg[1])) for m in moves]
+        between = [place(*_on_way(m, share)) for m in moves for share in SHARES]
+        beside = max(
+            *(abs(off) - HEIGHT_SLACK for _, _, _, off in seen),
+            *(abs(off) - MIDDLE_SLACK for _, _, off in between),
+        )
+        if beside > 0.0:
+            worst = max(abs(off) for *_, off in (*seen, *between))
+            self._say(rules.SQUARE.at(source, found=f"{worst:.2f}", expected=f"{HEIGHT_SLACK:g}"))
             return
-        points = [self._surface(moves[0].start[0], moves[0].a_deg[0])]
-        points += [self._surface(m.end[0], m.a_deg[1]) for m in moves]
-        ways = [
-            dist((*a, m.start[2]), (*b, m.end[2]))
-            for a, b, m in zip(points, points[1:], moves, strict=False)
-        ]
+        points = [(x, s) for x, s, _, _ in seen]
+        ways = [dist(a[:3], b[:3]) for a, b in pairwise(seen)]
         row = self._row(ways, moves)
         if row is None:
             shown = min((w / m.minutes if m.minutes else m.feed_mm_min)
@@ -72,13 +81,17 @@ class TubeTorch(Torch):
             )
             return
         self._pierce_time(source, row)
-        over = [moves[0].start[2] - top, *(m.end[2] - top for m in moves)]
-        self._height(source, "v", over[:1], row.pierce_height, "pierces")
-        self._height(source, "v", over[1:], row.cut_height, "cuts")
+        face, over = self._section.face_at(points[1][1]), [high for _, _, high, _ in seen]
+        self._height(source, face, over[:1], row.pierce_height, "pierces")
+        self._height(source, face, over[1:], row.cut_height, "cuts")
+        cutting = [high for _, high, _ in between[len(SHARES) :]]
+        if any(abs(high - row.cut_height) > MIDDLE_SLACK for high in cutting):
+            worst = max(cutting, key=lambda high: abs(high - row.cut_height))
+            self._height(source, face, (worst,), row.cut_height, "cuts on its way")
         if dist(points[0], points[1]) > HEIGHT_SLACK:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         places = tuple((m.end[1], m.end[2]) for m in moves)
-        self.strokes.append(Stroke(line, "v", tuple(points[1:]), places, row))
+        self.strokes.append(Stroke(line, face, tuple(points[1:]), places, row))
 
     def _row(self, ways: Sequence[float], moves: Sequence[Move[Place]]) -> TorchRow | None:
         """The row at whose feed every block goes along the surface."""
@@ -90,6 +103,26 @@ class TubeTorch(Torch):
             ):
                 return row
         return None
+
+
+def _on_way(move: Move[Place], share: float) -> tuple[float, float, float]:
+    """Y, Z and A on the way of a move, all of which go evenly."""
+    ends = ((*move.start[1:], move.a_deg[0]), (*move.end[1:], move.a_deg[1]))
+    y, z, a_deg = (a + share * (b - a) for a, b in zip(*ends, strict=True))
+    return y, z, a_deg
+
+
+def written_step(machine: Machine, section: TubeSection) -> float:
+    """mm on the surface that figures are rounded to."""
+    form = machine.format
+    return form.resolution + section.reach * radians(10.0**-form.angle_decimals)
+
+
+def tube_section(part: Part, coper: Coper) -> TubeSection:
+    """The section of a tube; corners whose radius a part does not say are those of the machine."""
+    profile = part.profile
+    wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
+    return TubeSection(profile, coper.outer_radius(profile.radius, wall))
 
 
 def unrolled_pipe(part: Part) -> Part:
@@ -115,49 +148,55 @@ def tube_faults(
     machine: Machine,
     coper: Coper,
     rows: Sequence[TorchRow],
-    left: Collection[int],
+    left: set[int],
     name: str,
 ) -> list[Diagnostic]:
-    """All that a program makes otherwise than a tube, and what is wrong on its way."""
-    radius = part.profile.height / 2
-    torch = TubeTorch(machine, coper, radius, rows, name)
+    """All that a program makes otherwise than a tube, and what is wrong on its way.
+
+    Outlines that a square cut leaves skew are on the list of manual work.
+    """
+    section = tube_section(part, coper)
+    torch = TubeTorch(machine, coper, section, rows, name)
     torch.follow(events)
-    said = [*torch.said, *_strikes(torch.ways, radius, coper, name)]
+    said = [*torch.said, *strike_faults(torch.ways, section, coper, name)]
     if errors_in(said):
         return said
-    step = machine.format.resolution + radius * radians(10.0**-machine.format.angle_decimals)
-    return [*said, *_compared(torch.strokes, part, coper, rows, left, step, name)]
-
-
-def _strikes(ways: Sequence[Way], radius: float, coper: Coper, name: str) -> Iterator[Diagnostic]:
-    """Moves at which the tip is not above the tube."""
-    for way in ways:
-        low = min(way.start[2], way.end[2]) - radius
-        if low < coper.play - HEIGHT_SLACK:
-            _, y, z = way.end
-            yield rules.STRIKES.at(
-                Source(name, way.line), found=f"{low:.2f}", a=f"{way.a_deg[1]:g}", y=f"{y:.1f}",
-                z=f"{z:.1f}", expected=f"{coper.play:g}",
-            )  # fmt: skip
-            return
+    slack = coper.tolerance + 2 * written_step(machine, section) + FINE
+    off: dict[str, float] = {}
+    if part.profile.code == "M":
+        box = box_wanted(part, coper, left, section)
+        if box.lost:
+            return [*said, rules.LOST.at(part.source, found=box.lost)]
+        drawn, wanted, off = box.drawn, box.cut, box.off
+    else:
+        drawn, wanted = _wanted(part, coper, left, section.turn)
+    found = [
+        *said,
+        *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
+    ]
+    for k, feature in enumerate(part.features):
+        outline = isinstance(feature, Contour) and feature.kind == "outer" and k not in left
+        if cut_square(feature, coper) or (outline and getattr(feature, "face", "") in off):
+            found.append(by_hand(feature, part, machine))
+    return found
 
 
 def _compared(
     strokes: Sequence[Stroke],
+    drawn: Shape,
+    wanted: Shape,
     part: Part,
+    section: TubeSection,
     coper: Coper,
     rows: Sequence[TorchRow],
-    left: Collection[int],
-    step: float,
+    slack: float,
     name: str,
 ) -> Iterator[Diagnostic]:
     """What is left of the unrolled surface, on three turns one above the other."""
     from shapely import MultiPolygon, Point, box, union_all
     from shapely.affinity import translate
 
-    turn, slack = pi * part.profile.height, coper.tolerance + 2 * step + FINE
-    drawn, wanted = _wanted(part, coper, left, turn)
-    wall = part.profile.web_thickness or part.profile.flange_thickness
+    turn, wall = section.turn, section.wall
     fits = next((r for r in sorted(rows, key=lambda r: r.up_to) if r.up_to >= wall - 1e-6), None)
     kept = wanted.buffer(-slack, join_style="mitre")
     near = wanted.boundary
@@ -178,20 +217,20 @@ def _compared(
             x, u = hurt.representative_point().coords[0]
             deep = slack + max(kept.boundary.distance(Point(p)) for p in _places(hurt))
             yield rules.HURT.at(
-                source, found=f"{deep:.2f}", face="v", x=f"{x:.1f}", y=f"{u:.1f}",
+                source, found=f"{deep:.2f}", face=section.face_at(u), x=f"{x:.1f}", y=f"{u:.1f}",
                 expected=f"{slack:.2f}",
             )  # fmt: skip
             return
         off = line_of(points[1:]).difference(near.buffer(half + slack))
         if off.length > slack:
             x, u = off.representative_point().coords[0]
-            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face="v")
+            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
             return
         if gone and run.difference(union_all(gone)).length < TWICE * run.length:
             x, u = points[0]
-            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face="v")
+            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
         if not -coper.trim - slack <= points[0][0] <= part.length + coper.trim + slack:
-            yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face="v")
+            yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face=stroke.face)
         if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
             yield rules.FEED.at(
                 source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{wall:g}",
@@ -199,7 +238,7 @@ def _compared(
             )  # fmt: skip
         is_far = max(x for x, _ in points) > drawn.bounds[2]
         if parting and not is_far:
-            yield rules.ORDER.at(source, face="v")
+            yield rules.ORDER.at(source, face=stroke.face)
         parting = parting or is_far
         gone += [translate(kerf_of(points, half), 0.0, k * turn) for k in range(-3, 3)]
     pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
@@ -212,7 +251,11 @@ def _compared(
             far = max(wanted.distance(Point(p)) for p in _places(piece))
             x, u = piece.representative_point().coords[0]
             yield rules.LEFT.at(
-                Source(name), found=f"{far:.2f}", face="v", x=f"{x:.1f}", y=f"{u:.1f}"
+                Source(name),
+                found=f"{far:.2f}",
+                face=section.face_at(u),
+                x=f"{x:.1f}",
+                y=f"{u:.1f}",
             )
             return
 

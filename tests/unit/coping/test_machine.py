@@ -41,6 +41,8 @@ WRONG = [
     ("coper.rows.0.pierce_height", ROW.replace("pierce_height = 5", "pierce_height = 2")),
     ("coper.rows.0.passes", ROW + "passes = 2\n"),
     ("coper.rows.1.feed_mm_min", ROW + ROW.replace("up_to = 10", "up_to = 20")),
+    ("coper.corners", "[coper]\ncorners = [{ up_to = 6, share = 2 }]\n"),
+    ("coper.profiles", '[coper]\nprofiles = ["I", "M"]\n'),
     ("words.turn", "[words]\nturn = []\n"),
     ("words.cut_on", '[words]\ncut_on = ["M3 S{speed}"]\n'),
     ("words.feed", '[words]\nfeed = ["G1 X{x} Y{y}"]\n'),
@@ -144,3 +146,13 @@ def test_a_folder_is_posted_and_checked(tmp_path: Path) -> None:
     done = run("batch", *names, "--machine", "coper-linuxcnc", "-o", tmp_path / "out")
     assert "3 posted" in done.stderr + done.stdout
     assert run("check", tmp_path / "out").exit_code == 0
+
+
+def test_a_tube_machine_comes_to_the_corners_of_its_tubes(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text('base = "tube-linuxcnc"\n[coper]\nmax_height = 400\n')
+    assert _faults(path) == {"axes.1.max"}
+    path.write_text('base = "tube-linuxcnc"\n[coper]\nclearance = 100\n')
+    assert _faults(path) == {"axes.2.max"}
+    path.write_text('base = "tube-linuxcnc"\n[coper]\nprofiles = ["RO"]\nclearance = 100\n')
+    assert _faults(path) == set()

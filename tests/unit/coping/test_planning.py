@@ -275,4 +275,6 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"plan-coping-piece", "plan-coping-open"}  # in test_pieces.py
     tested |= {"plan-coping-tee"}  # above
     tested |= {"plan-coping-pipe", "plan-coping-no-pipe"}  # in test_tubes.py
+    of_boxes = ("radius", "corner", "slant", "slow")  # in test_box_tubes.py
+    tested |= {f"plan-coping-{name}" for name in of_boxes}
     assert {rule.code for rule in RULES} <= tested

@@ -1,15 +1,16 @@
 """The surface of a profile: places by hand, laws, and the section that solids are made of."""
 
-from math import cos, pi, radians, sin
+from math import cos, hypot, pi, radians, sin
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from shapely import Point, Polygon
+from shapely.affinity import rotate, translate
 
 from beamcam.errors import Source
 from beamcam.model.part import Part, Profile
-from beamcam.model.surface import Patch, patch_of, surface_of
+from beamcam.model.surface import Patch, around, patch_of, surface_of
 from beamcam.solid.kernel import outline
 
 IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
@@ -133,3 +134,54 @@ def test_chords_of_the_longest_step_keep_to_the_surface(
 def test_no_chord_error_is_no_step() -> None:
     with pytest.raises(ValueError, match="above 0"):
         surface_of(CHS)[0].longest_u(0.0)
+
+
+# --- once round -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("s", "a_deg", "y", "z"),
+    [
+        (0.0, 90.0, 0.0, 60.0),  # the middle of u on top, 60 from the axis
+        (30.0, 90.0, 30.0, 60.0),
+        (30.0 + 5 * pi, 0.0, -50.0, 40.0),  # the lower end of v
+        (80.0 + 5 * pi, 0.0, 0.0, 40.0),
+        (130.0 + 10 * pi, -90.0, -30.0, 60.0),  # o, where it begins behind v
+        (160.0 + 10 * pi, -90.0, 0.0, 60.0),
+        (240.0 + 15 * pi, -180.0, 0.0, 40.0),
+        (320.0 + 20 * pi, -270.0, 0.0, 60.0),  # u again, a turn on
+        (-30.0 - 5 * pi, 180.0, 50.0, 40.0),
+    ],
+)
+def test_where_a_place_comes_on_top_by_hand(s: float, a_deg: float, y: float, z: float) -> None:
+    way = around(RHS)
+    assert way.turn == pytest.approx(320.0 + 20 * pi)
+    assert way.pose(s) == pytest.approx((a_deg, y, z), abs=1e-9)
+    assert way.half_diagonal == pytest.approx((50**2 + 30**2) ** 0.5 + 10)
+
+
+@given(st.sampled_from((RHS, CHS)), st.floats(-900.0, 900.0))
+def test_a_place_on_top_is_the_highest_of_the_section_and_moves_evenly(
+    profile: Profile, s: float
+) -> None:
+    """Turned by -A the section reaches no higher, and a step of s is a step on it."""
+    way = around(profile)
+    a_deg, y, z = way.pose(s)
+    shape = outline(Part("P", profile, 1000.0, Source("p.nc1")))
+    turned = rotate(translate(shape, -way.axis[0], -way.axis[1]), -a_deg, origin=(0.0, 0.0))
+    assert turned.bounds[3] == pytest.approx(z, abs=0.02)
+    assert turned.exterior.distance(Point(y, z)) < 0.02
+    after_deg, y2, z2 = way.pose(s + 0.01)
+    spin = radians(after_deg - a_deg)
+    on = y2 * cos(spin) - z2 * sin(spin), y2 * sin(spin) + z2 * cos(spin)
+    assert hypot(on[0] - y, on[1] - z) == pytest.approx(0.01, abs=1e-5)
+
+
+def test_faces_on_the_way_round_meet_amid_their_corners() -> None:
+    way = around(RHS)
+    corner = 30.0 + 2.5 * pi
+    places = (0.0, corner - 0.1, corner + 0.1, 160.0 + 10 * pi, 240.0 + 15 * pi, -corner + 0.1)
+    assert [way.face_at(s) for s in places] == ["u", "u", "v", "o", "h", "u"]
+    assert around(CHS).face_at(300.0) == "v"
+    with pytest.raises(ValueError, match="expected a tube"):
+        around(IPE300)

@@ -17,7 +17,7 @@ from tests.conftest import SAMPLES
 COPING = SAMPLES / "coping"
 MACHINES = {
     "coped": "coper-linuxcnc", "trimmer": "coper-linuxcnc", "cleat": "coper-linuxcnc",
-    "stub": "tube-linuxcnc",
+    "stub": "tube-linuxcnc", "leg": "tube-linuxcnc",
 }  # fmt: skip
 
 
@@ -29,7 +29,7 @@ def drawn(name: str, knows_part: bool = True) -> tuple[Part, Scene]:
     return part, program_scene(ReadProgram(text.encode(), machine, f"{name}.ngc", parts=parts))
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", [name for name in MACHINES if name != "leg"])
 def test_every_hole_is_cut_where_it_is_asked_for(name: str) -> None:
     """The path of a hole is a circle half a kerf within it; its lead starts inside."""
     part, scene = drawn(name)
@@ -67,6 +67,29 @@ def test_a_program_alone_has_the_section_of_its_head() -> None:
     (said,) = error.value.diagnostics
     assert said.code == "picture-section"
     assert "--machine tube-linuxcnc" in said.message
+
+
+def test_a_rectangular_tube_is_drawn_once_round() -> None:
+    """Its window over the corner of v and o is one path, within what is asked for there."""
+    _, scene = drawn("leg")
+    paths = [s for s in scene.shapes if isinstance(s, Polyline)
+             and s.classes.startswith("path-") and "legend" not in s.classes]  # fmt: skip
+    assert len(paths) == 7
+    assert len({len(p.points) for p in paths}) > 3
+    lines = [s for s in scene.shapes if isinstance(s, Polyline)]
+    asked = [s for s in lines if s.classes == "same" and s.closed]
+    window = paths[3].points[2:]
+    box = [f(p[k] for p in window) for k in (0, 1) for f in (min, max)]
+    around = [
+        s for s in asked
+        if (xs := [p[0] for p in s.points]) and (ys := [p[1] for p in s.points])
+        and 0 < box[0] - min(xs) < 3 and 0 < max(xs) - box[1] < 3
+        and 0 < box[2] - min(ys) < 3 and 0 < max(ys) - box[3] < 3
+    ]  # fmt: skip
+    assert len(around) == 1
+    with pytest.raises(VerifyError) as error:
+        drawn("leg", knows_part=False)
+    assert error.value.diagnostics[0].code == "picture-section"
 
 
 def test_what_is_wrong_by_itself_is_told_and_not_drawn() -> None:

@@ -69,6 +69,16 @@ def test_a_tube_is_as_wide_as_it_is_round() -> None:
     assert way.max() - way.min() == pytest.approx(np.pi * 88.9, abs=0.1)
 
 
+def test_a_rectangular_tube_has_the_face_of_each_cut_and_goes_once_round() -> None:
+    content, _ = sheet("leg", "tube-linuxcnc")
+    assert [op.what.removeprefix("cut on face ") for op in content.operations] == [
+        "v", "h", "u", "v", "u", "u", "u"
+    ]  # fmt: skip
+    first, last, _ = content.made.strokes[-1]  # type: ignore[union-attr]  # the far end, all round
+    way = content.trace.positions[first : last + 1, 1]
+    assert way.max() - way.min() == pytest.approx(2 * (100 + 60) + 20 * np.pi, abs=0.1)
+
+
 def test_page_and_paper_are_made_and_say_that_there_is_no_solid() -> None:
     content, text = sheet("trimmer", "coper-linuxcnc")
     page = setup_page(content)

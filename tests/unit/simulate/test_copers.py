@@ -19,7 +19,7 @@ from tests.conftest import SAMPLES
 COPING = SAMPLES / "coping"
 MACHINES = {
     "coped": "coper-linuxcnc", "trimmer": "coper-linuxcnc", "cleat": "coper-linuxcnc",
-    "stub": "tube-linuxcnc", "brace": "tube-linuxcnc",
+    "stub": "tube-linuxcnc", "brace": "tube-linuxcnc", "leg": "tube-linuxcnc",
 }  # fmt: skip
 
 
