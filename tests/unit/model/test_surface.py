@@ -16,6 +16,8 @@ from beamcam.solid.kernel import outline
 IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
 UPN200 = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
 L100 = Profile("L", "L100x65x8", 100.0, 65.0, 8.0, 8.0, 10.0)
+#: On its side: a stem of 130 x 7 amid a flange of 150 x 10.
+TEE = Profile("T", "T", 130.0, 150.0, 10.0, 7.0, 12.0)
 RHS = Profile("M", "RHS120x80x5", 120.0, 80.0, 5.0, 5.0, 10.0)
 CHS = Profile("RO", "CHS100x5", 100.0, 100.0, 0.0, 5.0)
 SECTIONS = (IPE300, UPN200, L100, RHS, CHS)
@@ -33,6 +35,8 @@ PATCHES = [(p, patch) for p in SECTIONS for patch in surface_of(p)]
         (UPN200, "o", 70.0, (200.0, 70.0), -90.0),
         (L100, "v", 99.0, (99.0, 8.0), 0.0),
         (L100, "u", 60.0, (0.0, 60.0), 90.0),
+        (TEE, "v", 120.0, (120.0, 78.5), 0.0),
+        (TEE, "u", 30.0, (0.0, 30.0), 90.0),
         (RHS, "v", 60.0, (60.0, 80.0), 0.0),
         (RHS, "u-v", 0.0, (0.0, 70.0), 90.0),
         (RHS, "u-v", 5.0 * pi, (10.0, 80.0), 0.0),
@@ -55,8 +59,8 @@ def test_places_worked_by_hand(
 
 def test_sections_without_such_a_surface_have_none() -> None:
     assert surface_of(Profile("B", "PL10", 100.0, 0.0, 0.0, 10.0)) == ()
-    assert surface_of(Profile("T", "T80", 80.0, 80.0, 9.0, 9.0)) == ()
     assert patch_of(surface_of(L100), "o") is None
+    assert patch_of(surface_of(TEE), "o") is None
     assert [p.name for p in surface_of(Profile("M", "RHS", 50.0, 50.0, 4.0, 4.0))] == list("uvoh")
 
 
