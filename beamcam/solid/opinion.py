@@ -27,9 +27,9 @@ from beamcam.solid.compare import (
     without_left_out,
 )
 from beamcam.solid.kernel import CHORD, kernel
-from beamcam.solid.part_solid import Margins
 from beamcam.solid.plates import sheet_faults
 from beamcam.solid.rules import NO_MACHINE, PIECES
+from beamcam.solid.stock_solid import Margins
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
