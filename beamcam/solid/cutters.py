@@ -90,7 +90,9 @@ def contour_cutters(
     if margins.outline:
         shape = shape.buffer(margins.outline, join_style="mitre")
     if part.profile.code in ("M", "B") or (wall.normal == "y") == (part.profile.code == "T"):
-        yield from _through(shape, wall)  # the wall that the others stand on, with their fillets
+        yield from through_wall(
+            shape, wall
+        )  # the wall that the others stand on, with their fillets
     else:
         yield prism(shape, 0.0, wall.thickness, wall.frame)
 
@@ -135,7 +137,7 @@ def _beside(shape: Shape, wall: Wall) -> Shape:
     return shape
 
 
-def _through(shape: Shape, wall: Wall) -> Iterator["Manifold"]:
+def through_wall(shape: Shape, wall: Wall) -> Iterator["Manifold"]:
     """A cutter through a wall, and through what fillets stand on it."""
     beside = _beside(shape, wall)
     if not beside.equals(shape):
@@ -165,7 +167,7 @@ def hole_cutters(
         return
     shape = Polygon(circle(hole.x, hole.y, radius))
     if hole.depth is None:
-        yield from _through(shape, wall)
+        yield from through_wall(shape, wall)
         return
     depth = hole.depth + margins.depth
     if hole.kind != "through" and hole.kind != "blind":
@@ -215,7 +217,7 @@ def _sink(hole: Hole, wall: Wall, margins: Margins, pilot: float) -> Iterator["M
 def slot_cutters(slot: Slot, wall: Wall, margins: Margins) -> Iterator["Manifold"]:
     shape = slot_shape(slot, margins.radius(slot.diameter))
     if slot.depth is None:
-        yield from _through(shape, wall)
+        yield from through_wall(shape, wall)
     else:
         yield from _blind(shape, wall, slot.depth + margins.depth)
 

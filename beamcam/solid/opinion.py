@@ -26,6 +26,7 @@ from beamcam.solid.compare import (
     ways_to_lie,
     without_left_out,
 )
+from beamcam.solid.copers import coper_faults
 from beamcam.solid.kernel import CHORD, kernel
 from beamcam.solid.plates import sheet_faults
 from beamcam.solid.rules import NO_MACHINE, PIECES
@@ -105,6 +106,8 @@ def solid_faults(
         kernel()
         if request.machine.stock == "beam":
             return tuple(_of_bar(text, request, bar))
+        if request.machine.stock == "profile":
+            return tuple(coper_faults(text, request.parts, request, bar))
         has_words = request.machine.controller in ("codesys", "linuxcnc", "grbl", "mach3")
         if request.machine.stock == "sheet" and has_words:
             return tuple(sheet_faults(text, pieces_asked(request), request))

@@ -14,6 +14,7 @@ from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
 from beamcam.solid.cutters import contour_cutters, hole_cutters, radial_cutter, slot_cutters
 from beamcam.solid.kernel import FREE, behind, minus, no_solid, walls
 from beamcam.solid.stock_solid import AS_DRAWN, Margins, Void, drawn_ends, is_cut, stock_solid
+from beamcam.solid.wrapped import round_cutters
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -48,8 +49,11 @@ def voids(part: Part, margins: Margins = AS_DRAWN) -> Iterator[Void]:
                 continue
             if isinstance(feature, Contour) and not is_cut(feature):
                 continue
-            if isinstance(feature, Hole) and part.profile.code in ("RO", "RU"):
-                yield feature, radial_cutter(feature, part, margins)
+            if part.profile.code in ("RO", "RU"):
+                if isinstance(feature, Hole):
+                    yield feature, radial_cutter(feature, part, margins)
+                else:
+                    yield from ((feature, one) for one in round_cutters(feature, part, margins))
                 continue
             face = _face(feature, part)
             if face not in sides:

@@ -40,4 +40,15 @@ HAND = error("solid-hand",
 LEFT_OUT = note("solid-left-out",
     "found {found} mm3 {where} left on {piece}; expected so, {what} may be left out",
     "--allow-skips, the configuration or the program's head names its kind.")
-RULES = (NO_KERNEL, NO_SOLID, NO_MACHINE, PIECES, SIZE, MISSING, EXTRA, HAND, LEFT_OUT)
+ROUNDED = note("solid-rounded",
+    "found {found} mm3 left in {count} re-entrant corner(s) of {mark}; expected so, the machine "
+    "rounds sharp ones with {radius} mm",
+    "`coper.corner_radius` of the machine's file. More steel than such a round is an error.")
+SQUARE = note("solid-square",
+    "found {found} mm3 left on {mark} as {what} are cut square to the wall; expected so, the torch "
+    "does not tilt",
+    "Wedges of bevels stand on the list of manual work. A hole of a tube is as wide as a drill "
+    "through the axis makes it outside, and narrower inside. Wedges of tubes are not computed.")
+RULES = (
+    NO_KERNEL, NO_SOLID, NO_MACHINE, PIECES, SIZE, MISSING, EXTRA, HAND, LEFT_OUT, ROUNDED, SQUARE,
+)
