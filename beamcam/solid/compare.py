@@ -11,7 +11,7 @@ which is another part. The piece is moved into the part's own axes, so that plac
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
-from math import inf
+from math import atan2, inf, pi
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
@@ -255,6 +255,9 @@ def where(lump: "Manifold", bodies: Bodies) -> str:
         if away < off:
             face, off = name, away
     q = z if face in ("o", "u") else y
+    if bodies.part.profile.code in ("RO", "RU"):  # the arc from the lowest line towards v
+        radius = bodies.part.profile.height / 2
+        q = atan2(z - radius, radius - y) % (2 * pi) * radius
     return f"on face {face} at x {x:.1f}, y {q:.1f}{end}"
 
 

@@ -22,6 +22,7 @@ from msgspec.structs import replace
 from beamcam.controllers import cell_events
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
+from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot
@@ -30,9 +31,9 @@ from beamcam.solid.compare import (
     ALIKE,
     Bodies,
     Fit,
-    best_fit,
     bodies_of,
     differences,
+    fit_of,
     likely,
     lumps,
     ways_to_lie,
@@ -83,10 +84,12 @@ def coper_faults(
     if not costs:
         return [PIECES.at(source, found="no piece", expected=part.mark or "a part")]
     near = [pieces[k] for cost, k in costs if cost <= costs[0][0] + ALIKE]
-    fits = [fit for piece in near if (fit := best_fit(_ways(piece, one, False), one.bodies))]
-    best = next((fit for fit in fits if not fit.differs), fits[0])
+    best = min((fit_of(piece, one.bodies) for piece in near), key=lambda fit: fit.differs)
     known = list(_known(best, one)) if not best.differs else []
-    mirror = _ways(near[fits.index(best)], one, True)
+    off = sum(lump.volume() for lump in best.missing) - sum(lump.volume() for lump in best.extra)
+    mirror: Iterator[Manifold] = iter(())
+    if abs(off) < best.differs / 2:  # a mirror image has as much steel
+        mirror = ways_to_lie(best.laid, one.bodies.part, one.bodies, True)
     best, told = without_left_out(best, one.bodies, "the piece", request.skips)
     return [*known, *told, *differences(best, mirror, one.bodies, "the piece", source)]
 
@@ -101,13 +104,6 @@ def _as_pipe(part: Part) -> Part:
     return replace(
         part, profile=replace(plate, code="RO", height=across, width=across, flange_thickness=wall)
     )
-
-
-def _ways(piece: "Manifold", one: Asked, mirrored: bool) -> "Iterator[Manifold]":
-    """The ways in which a piece may lie, where the program has it first."""
-    if not mirrored:
-        yield piece
-    yield from ways_to_lie(piece, one.bodies.part, one.bodies, mirrored)
 
 
 def asked(part: Part, machine: Machine, coper: Coper) -> Asked:
@@ -181,24 +177,24 @@ def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
 
 def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, int]":
     """The steel that the re-entrant corners of contours keep, and how many there are."""
-    m, stock = kernel(), stock_solid(part, margins)
+    m = kernel()
     taken: list[Manifold] = []
-    count = 0
+    found: set[tuple[str, float, float]] = set()
     if part.profile.code == "RO":
         tube, wall = round_wall(part)
         turn = 2 * pi * tube
-        for one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
-            if 0.0 <= one.representative_point().y < turn:
-                taken.append(wrapped(one, tube, -FREE, wall + FREE))
-                count += 1
+        for (x, u), one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
+            taken.append(wrapped(one, tube, -FREE, wall + FREE))
+            found.add(("v", round(x, 2), round(u % turn, 2) % round(turn, 2)))
     sides = walls(part.profile)
     for face in ("v", "o", "u") if part.profile.code != "RO" else ():
         if face in sides:
             own = [c for c in part.contours if _wall_of(c.face) == face]
-            for one in _rounds(_steel_of(part, face, sides[face]), own, radius):
+            for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
                 taken += through_wall(one, sides[face])
-                count += 1
-    return m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add) ^ stock, count
+                found.add((face, x, q))
+    whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
+    return whole ^ stock_solid(part, margins), len(found)
 
 
 def _wall_of(face: str) -> str:
@@ -238,24 +234,24 @@ def _taken(feature: Feature) -> Shape:
     return Polygon()
 
 
-def _rounds(steel: Shape, contours: Any, radius: float) -> Iterator[Shape]:
-    """What the corners of contours keep of the air beside some steel."""
-    from shapely import Point
+def _rounds(steel: Shape, contours: Any, radius: float) -> Iterator[tuple[Point, Shape]]:
+    """The corners of contours, and what each keeps of the air beside some steel."""
+    from shapely import Point as Place
 
     quarter = facets(radius) // 4
     closed = steel.buffer(radius, quad_segs=quarter).buffer(-radius, quad_segs=quarter)
-    air = steel.envelope.buffer(2 * radius).difference(closed)
+    air, more = steel.envelope.buffer(2 * radius).difference(closed), closed.difference(steel)
     filled = [
-        one for one in getattr(closed.difference(steel), "geoms", [closed.difference(steel)])
+        one for one in getattr(more, "geoms", [more])
         if one.geom_type == "Polygon" and one.area > CHORD and one.distance(air) < CHORD
     ]  # fmt: skip
-    for place, reach in (p for c in contours if is_cut(c) for p in _turns(c, radius)):
+    for corner, reach in (p for c in contours if is_cut(c) for p in _turns(c, radius)):
         for one in filled:
-            if one.distance(Point(place)) < 2 * CHORD:
-                yield one.intersection(Point(place).buffer(reach + 2 * CHORD))
+            if one.distance(Place(corner)) < 2 * CHORD:
+                yield corner, one.intersection(Place(corner).buffer(reach + 2 * CHORD))
 
 
-def _turns(contour: Contour, radius: float) -> Iterator[tuple[tuple[float, float], float]]:
+def _turns(contour: Contour, radius: float) -> Iterator[tuple[Point, float]]:
     """The corners of a contour, and how far along its sides a disc leaves them."""
     curves = [curve for curve in contour.curves if curve.length > CHORD]
     for before, after in zip(curves, (*curves[1:], *curves[:1]), strict=True):

@@ -69,8 +69,9 @@ def wrapped(shape: Shape, radius: float, low: float, high: float) -> "Manifold":
 
 
 def outline_gone(part: Part, margin: float = 0.0) -> Shape:
-    """What the outlines of a tube leave out of its surface, in (x, u) of one turn."""
-    from shapely import box, transform
+    """What the outlines of a tube leave out of its surface, in (x, u) of one turn; all of it stays
+    without one."""
+    from shapely import Polygon, box, transform
 
     radius, _ = round_wall(part)
     turn = 2 * pi * radius
@@ -82,11 +83,11 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
         u[abs(u - turn) <= OUTLINE_NOISE] = turn
         return points
 
-    gone = box(-FREE, 0.0, part.length + FREE, turn)
-    for one in part.contours:
-        if one.kind == "outer" and is_cut(one):
-            gone = gone.difference(transform(shape_of(one.curves), on_seam).buffer(0))
-    if margin:
+    outlines = [one for one in part.contours if one.kind == "outer" and is_cut(one)]
+    gone = box(-FREE, 0.0, part.length + FREE, turn) if outlines else Polygon()
+    for one in outlines:
+        gone = gone.difference(transform(shape_of(one.curves), on_seam).buffer(0))
+    if margin and outlines:
         gone = all_round(gone, turn).buffer(margin, join_style="mitre")
         gone = gone.intersection(box(-FREE, 0.0, part.length + FREE, turn))
     return gone
