@@ -49,6 +49,7 @@ from benchmarks.solid_cases import (
     mirrored,
     posted,
     random_part,
+    stock_of,
     with_feature,
 )
 
@@ -213,10 +214,8 @@ def main() -> None:
     wrong: list[str] = []
     stocks = [asked.stock] if asked.stock else [*KINDS]
     sound: dict[str, list[Case]] = {stock: [] for stock in stocks}
-    for case in cases(corpus):
-        stock = case.stock
-        if stock not in stocks:
-            continue
+    for case in cases(corpus, stocks):
+        stock = stock_of(case.part, case.machine)
         said = case.said(case.text, ("all",))
         if any(d.code in NO_SOLID for d in said):
             agreed[f"{stock} without a solid"] += 1

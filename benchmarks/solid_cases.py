@@ -3,7 +3,7 @@
 A part of which nothing is symmetric has a mirror image that is another one.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from math import pi
 from pathlib import Path
 from random import Random
@@ -46,18 +46,17 @@ class Case(Struct, frozen=True):
     machine: Machine
     text: str
 
-    @property
-    def stock(self) -> str:
-        """What its machine works on."""
-        coper = self.machine.coper
-        if coper is not None:
-            return "profiles" if coper.turns == "torch" else "tubes"
-        return "plates" if self.part.profile.code == "B" else "bars"
-
     def said(self, text: str, skips: tuple[str, ...] = ()) -> list[Diagnostic]:
         """What is wrong with a program for the part, notes aside; `skips` may be left out."""
         found = solid_faults(text, Request((self.part,), self.machine, skips))
         return [d for d in found if d.severity is not Severity.NOTE]
+
+
+def stock_of(part: Part, machine: Machine) -> str:
+    """What kind of stock a machine makes a part from."""
+    if machine.coper is not None:
+        return "profiles" if machine.coper.turns == "torch" else "tubes"
+    return "plates" if part.profile.code == "B" else "bars"
 
 
 def posted(part: Part, machine: Machine) -> str | None:
@@ -110,12 +109,12 @@ def machines_for(part: Part) -> Iterator[Machine]:
         )
 
 
-def cases(corpus: Path | None) -> Iterator[Case]:
-    """Each part on each machine that makes it."""
+def cases(corpus: Path | None, stocks: Collection[str]) -> Iterator[Case]:
+    """Each part on each machine that makes it, of some kinds of stock."""
     for path in files(corpus):
         for part in parts_in(path):
             for machine in machines_for(part):
-                text = posted(part, machine)
+                text = posted(part, machine) if stock_of(part, machine) in stocks else None
                 if text is not None:
                     name = f"{path.name} {part.mark} {machine.name}"
                     yield Case(name, part, machine, text)

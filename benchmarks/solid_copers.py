@@ -18,7 +18,7 @@ from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.coping.plan import plan_coping
 from benchmarks import coping_faults
-from benchmarks.solid_cases import Case, posted
+from benchmarks.solid_cases import Case, posted, stock_of
 
 _TURN = re.compile(r"(?m)^G0 A(-?\d+)$")
 _PLACE = re.compile(r"(?m)^(G1 .* A)(-?[\d.]+)( .*)$")
@@ -66,7 +66,7 @@ def cope_moved(case: Case, rng: Random) -> str | None:
 
 def angle(case: Case, rng: Random) -> str | None:
     """The torch looks at another wall for a cut; of a tube, one place of a cut-out is elsewhere."""
-    if case.stock == "tubes":
+    if stock_of(case.part, case.machine) == "tubes":
         inner = case.text.find("(cut-out)")
         rest = case.text.find("(", inner + 1)
         places = [] if inner < 0 else [*_PLACE.finditer(case.text, inner, rest)][4:-4]

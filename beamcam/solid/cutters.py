@@ -37,6 +37,7 @@ from beamcam.solid.stock_solid import (
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+FAR = 1e5  #: mm
 OUTLINE_NOISE = 1.0  #: mm between a header's figures and an outline; real files differ by 0.7
 #: Pitch of ISO metric coarse threads by their diameter (ISO 261).
 COARSE_PITCH = {
@@ -85,8 +86,8 @@ def contour_cutters(
         shape = box(-FREE, -FREE, part.length + FREE, wall.width + FREE)
         for one in outlines:
             shape = shape.difference(shape_of(one.curves))
-        if part.profile.code != "B" and _is_of_ends(shape, wall, part):
-            return
+        if part.profile.code != "B":
+            shape = _beside_ends(shape, wall, part)
     if margins.outline:
         shape = shape.buffer(margins.outline, join_style="mitre")
     if part.profile.code in ("M", "B") or (wall.normal == "y") == (part.profile.code == "T"):
@@ -97,28 +98,45 @@ def contour_cutters(
         yield prism(shape, 0.0, wall.thickness, wall.frame)
 
 
-def _is_of_ends(gone: Shape, wall: Wall, part: Part) -> bool:
-    """Whether what an outline leaves out is what the end planes cut off anyway.
+def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
+    """What an outline leaves out, without what the end planes cut off anyway.
 
     A skew plane leaves the end of a wall skew through its thickness, and an outline shows either
-    surface; exporters round outlines by up to OUTLINE_NOISE.
+    surface; exporters round outlines by up to OUTLINE_NOISE. A cut that comes to such an end goes
+    on along x there, and the rest of the end is the plane's.
     """
-    from shapely import Polygon
+    from shapely import LineString, Polygon, box, union_all
 
     ends: list[list[tuple[float, float]]] = []  # of the start and the end, (x, q) at both edges
+    skew: list[bool] = []
     for (x, _, _), (side, along_y, along_z) in end_planes(part, drawn=True):
         chain = []
-        for q in (0.0, wall.width):
+        for q in (-FREE, wall.width + FREE):
             xs = []
-            for depth in (0.0, wall.thickness):
+            for depth in (-wall.before, wall.thickness + wall.behind):
                 at = wall.surface + wall.inward * depth
                 y, z = (at, q) if wall.normal == "y" else (q, at)
                 xs.append(x - side * (along_y * y + along_z * z))
             chain.append(((min(xs) if side > 0 else max(xs)), q))
         ends.append(chain)
+        skew.append(bool(along_y or along_z))
     (a, b), (c, d) = ends
-    inner = Polygon([a, c, d, b]).buffer(-OUTLINE_NOISE)
-    return bool(gone.intersection(inner).buffer(-CHORD).is_empty)
+    inner = box(-FAR, 0.0, FAR, wall.width).intersection(Polygon([a, c, d, b]))
+    if gone.intersection(inner.buffer(-OUTLINE_NOISE)).buffer(-CHORD).is_empty:
+        return Polygon()
+    for (low, high), way, is_skew in zip(ends, (1.0, -1.0), skew, strict=True):
+        if is_skew:
+            line = [(x + way * OUTLINE_NOISE, q) for x, q in (low, high)]
+            beyond = Polygon([*line, (-way * FAR, high[1]), (-way * FAR, low[1])])
+            reached = gone.intersection(LineString([(x + way * CHORD, q) for x, q in line]))
+            cuts = [
+                Polygon([(xa, qa), (xb, qb), (-way * FAR, qb), (-way * FAR, qa)])
+                for one in getattr(reached, "geoms", [reached])
+                if one.geom_type == "LineString" and not one.is_empty
+                for (xa, qa), (xb, qb) in [(one.coords[0], one.coords[-1])]
+            ]
+            gone = union_all([gone.difference(beyond), *cuts])
+    return gone
 
 
 def _beside(shape: Shape, wall: Wall) -> Shape:
