@@ -30,7 +30,6 @@ from beamcam.model.request import Request
 from beamcam.solid.compare import (
     ALIKE,
     Bodies,
-    Fit,
     bodies_of,
     differences,
     fit_of,
@@ -41,7 +40,7 @@ from beamcam.solid.compare import (
 )
 from beamcam.solid.coper_solid import burns_of, pieces_of, stock_of
 from beamcam.solid.cutters import slot_shape, through_wall
-from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, walls
+from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, minus, walls
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.rules import PIECES, ROUNDED, SQUARE
 from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
@@ -64,7 +63,6 @@ class Asked(Struct, frozen=True):
     count: int  #: of the corners
     radius: float
     square: str  #: what is cut square to the wall that is drawn otherwise; "" for nothing
-    slack: float
 
 
 def coper_faults(
@@ -79,19 +77,21 @@ def coper_faults(
     events, _ = cell_events(text, machine, name)
     burns = list(burns_of(events, machine, coper, part, name))
     pieces = pieces_of(stock_of(part, coper, bar), burns, coper, part)
-    one = asked(part, machine, coper)
+    one = _asked(part, machine, coper)
     costs = likely(pieces, one.bodies)
     if not costs:
         return [PIECES.at(source, found="no piece", expected=part.mark or "a part")]
     near = [pieces[k] for cost, k in costs if cost <= costs[0][0] + ALIKE]
     best = min((fit_of(piece, one.bodies) for piece in near), key=lambda fit: fit.differs)
-    known = list(_known(best, one)) if not best.differs else []
+    beyond = best.extra
+    best, told = without_left_out(best, one.bodies, "the piece", request.skips)
+    if not best.differs:
+        return [*_known(best.laid, beyond, one), *told]
     off = sum(lump.volume() for lump in best.missing) - sum(lump.volume() for lump in best.extra)
     mirror: Iterator[Manifold] = iter(())
     if abs(off) < best.differs / 2:  # a mirror image has as much steel
         mirror = ways_to_lie(best.laid, one.bodies.part, one.bodies, True)
-    best, told = without_left_out(best, one.bodies, "the piece", request.skips)
-    return [*known, *told, *differences(best, mirror, one.bodies, "the piece", source)]
+    return [*told, *differences(best, mirror, one.bodies, "the piece", source)]
 
 
 def _as_pipe(part: Part) -> Part:
@@ -106,10 +106,10 @@ def _as_pipe(part: Part) -> Part:
     )
 
 
-def asked(part: Part, machine: Machine, coper: Coper) -> Asked:
+def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
     """A part with the steel that a sound program leaves of it at least and at most."""
-    step, form = machine.format.resolution, machine.format
-    slack = coper.tolerance + 2 * step + 3 * CHORD
+    form = machine.format
+    slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
     if coper.turns == "bar":
         slack += part.profile.height / 2 * radians(10.0**-form.angle_decimals)
     whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
@@ -119,23 +119,22 @@ def asked(part: Part, machine: Machine, coper: Coper) -> Asked:
     as_cut, square = _cut_square(whole)
     corners, count = _corners(whole, narrow, coper.corner_radius)
     most = (part_solid(as_cut, narrow) if square else found.most) + corners
-    return Asked(
-        replace(found, most=most), found.most, corners, count, coper.corner_radius, square, slack
-    )
+    return Asked(replace(found, most=most), found.most, corners, count, coper.corner_radius, square)
 
 
-def _known(fit: Fit, one: Asked) -> Iterator[Diagnostic]:
-    """The steel on a sound piece that is more than what is drawn."""
+def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Iterator[Diagnostic]:
+    """The steel on a sound piece that is more than what is drawn, without what may be left out."""
     mark, source = one.bodies.part.mark or "the part", one.bodies.part.source
-    more = fit.laid - one.plain
     if one.count:
-        left = float((fit.laid ^ one.corners).volume())
+        left = float((piece ^ one.corners).volume())
         yield ROUNDED.at(
             source, found=f"{left:.1f}", count=one.count, mark=mark, radius=f"{one.radius:g}"
         )
     if one.square:
-        left = sum(lump.volume() for lump in lumps(more - one.corners))
-        yield SQUARE.at(source, what=one.square, mark=mark, found=f"{left:.1f}")
+        more = minus(piece, [one.plain, one.corners, *beyond])
+        left = sum(lump.volume() for lump in lumps(more))
+        if left or one.bodies.part.profile.code == "RO":  # else bevels that a skew end shows
+            yield SQUARE.at(source, what=one.square, mark=mark, found=f"{left:.1f}")
 
 
 # --- cut square -----------------------------------------------------------------------------------

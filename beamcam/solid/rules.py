@@ -11,11 +11,12 @@ NO_KERNEL = error("solid-kernel",
 NO_SOLID = error("solid-none",
     "found {found}; expected what a solid can be made of",
     "Without the figures of the section, or with features on planes of their own, the solid of the "
-    "part is not known. The read-back without --solid still counts.")
+    "part is not known; nor is what a torch cuts that turns on its way, or at a speed of no row. "
+    "The read-back without --solid still counts.")
 NO_MACHINE = error("solid-machine",
-    "found {found}; expected a saw and drilling line, or a table whose torch runs G-code",
-    "What is machined as a solid is bars and plates; tables of steps and triggers are read back "
-    "without --solid.")
+    "found {found}; expected a saw and drilling line, a coper, or a table whose torch runs G-code",
+    "What is machined as a solid is bars, profiles, tubes and plates; tables of steps and triggers "
+    "are read back without --solid.")
 PIECES = error("solid-pieces",
     "found {found} in what the program leaves; expected {expected}",
     "The pieces are what holds together after all cuts. A cut that is missing leaves two parts in "

@@ -199,9 +199,10 @@ def test_holes_of_a_tube_are_narrower_inside_and_told() -> None:
 
 
 def test_what_may_be_left_out_is_told() -> None:
-    part = part_of(Hole("v", 300.0, 150.0, 9.0, AT))
+    part = part_of(Hole("v", 200.0, 150.0, 9.0, AT), SHARP)
     text = posted(part, COPER, ("tool",))
-    assert [d.code for d in said(text, part, COPER, ("tool",))] == ["solid-left-out"]
+    codes = [d.code for d in said(text, part, COPER, ("tool",))]
+    assert codes == ["solid-rounded", "solid-left-out"]
     assert list(wrong(text, part)) == ["solid-extra"]
 
 
