@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 CORNER_DEG = 20.0  #: what a corner turns more than
+ALONG_ARC = 1.3  #: reaches of a corner's round along a side that bends towards the other one
 SKIN = 0.05  #: mm off surfaces that no one cuts: those that lie in one another are dear to cut
 _CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 
@@ -257,4 +258,6 @@ def _turns(contour: Contour, radius: float) -> Iterator[tuple[Point, float]]:
         (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
         turn = degrees(abs(atan2(ax * by - ay * bx, ax * bx + ay * by)))
         if turn > CORNER_DEG:
-            yield after.start, radius / tan(radians(max(180.0 - turn, 1.0)) / 2)
+            reach = radius / tan(radians(max(180.0 - turn, 1.0)) / 2)
+            straight = isinstance(before, Line) and isinstance(after, Line)
+            yield after.start, reach if straight else ALONG_ARC * reach
