@@ -98,9 +98,9 @@ def solid_faults(
     """Where the pieces that a program leaves differ from those of a request.
 
     They may lie in any order and turned, but that of a coper lies where its machine puts it; `bar`
-    is the length of the bar. What no solid shows is not
-    looked for: marks, texts, scribed lines, threads. A machine or a section that has no solid is
-    said (`solid-machine`, `solid-none`), as is a missing manifold3d.
+    is the length of the bar. What no solid shows is not looked for: marks, texts, scribed lines,
+    threads. A machine or a section that has no solid is said (`solid-machine`, `solid-none`), as is
+    a missing manifold3d.
     """
     text = program if isinstance(program, str) else program.decode("utf-8", "replace")
     try:
