@@ -78,8 +78,8 @@ def command(
     operations before it, of the program that was stopped (--after) or of the one that `post`
     makes of the PARTs; so is the rest of a sheet's program (--from-contour).
 
-    --solid asks for a third opinion: bar or plate are machined as a solid from PROGRAM alone, and
-    each piece is compared with the solid of its part.
+    --solid asks for a third opinion: bar, profile, tube or plate are machined as a solid from
+    PROGRAM alone, and each piece is compared with the solid of its part.
 
     \b
     beamcam verify job.gcode --against M58.nc1

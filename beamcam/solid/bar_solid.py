@@ -33,8 +33,8 @@ from beamcam.solid.kernel import (
     turned,
     walls,
 )
-from beamcam.solid.part_solid import ALONG
 from beamcam.solid.rules import NO_MACHINE
+from beamcam.solid.stock_solid import ALONG
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -11,7 +11,7 @@ which is another part. The piece is moved into the part's own axes, so that plac
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
-from math import inf
+from math import atan2, inf, pi
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
@@ -19,8 +19,9 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
 from beamcam.solid.kernel import Frame, minus, outline, walls
-from beamcam.solid.part_solid import Margins, part_solid, stock_solid, voids
+from beamcam.solid.part_solid import part_solid, voids
 from beamcam.solid.rules import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
+from beamcam.solid.stock_solid import Margins, stock_solid
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -254,6 +255,9 @@ def where(lump: "Manifold", bodies: Bodies) -> str:
         if away < off:
             face, off = name, away
     q = z if face in ("o", "u") else y
+    if bodies.part.profile.code in ("RO", "RU"):  # the arc from the lowest line towards v
+        radius = bodies.part.profile.height / 2
+        q = atan2(z - radius, radius - y) % (2 * pi) * radius
     return f"on face {face} at x {x:.1f}, y {q:.1f}{end}"
 
 

@@ -75,6 +75,11 @@ def circle(x: float, y: float, radius: float) -> list[tuple[float, float]]:
 
 def prism(shape: Any, low: float, high: float, frame: Frame) -> "Manifold":
     """A plane shape of shapely, in (u, v) of a frame, from one depth to another."""
+    return extruded(shape, low, high).transform(frame)
+
+
+def extruded(shape: Any, low: float, high: float) -> "Manifold":
+    """A plane shape of shapely in (u, v), from one depth to another along the third axis."""
     m = kernel()
     rings = [
         ring.coords[:-1]
@@ -85,7 +90,7 @@ def prism(shape: Any, low: float, high: float, frame: Frame) -> "Manifold":
     if not rings or high <= low:
         return m.Manifold()
     section = m.CrossSection([[p[:2] for p in ring] for ring in rings], m.FillRule.EvenOdd)
-    return m.Manifold.extrude(section, high - low).translate((0.0, 0.0, low)).transform(frame)
+    return m.Manifold.extrude(section, high - low).translate((0.0, 0.0, low))
 
 
 def turned(

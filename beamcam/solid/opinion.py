@@ -26,10 +26,11 @@ from beamcam.solid.compare import (
     ways_to_lie,
     without_left_out,
 )
+from beamcam.solid.copers import coper_faults
 from beamcam.solid.kernel import CHORD, kernel
-from beamcam.solid.part_solid import Margins
 from beamcam.solid.plates import sheet_faults
 from beamcam.solid.rules import NO_MACHINE, PIECES
+from beamcam.solid.stock_solid import Margins
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -96,15 +97,18 @@ def solid_faults(
 ) -> tuple[Diagnostic, ...]:
     """Where the pieces that a program leaves differ from those of a request.
 
-    They may lie in any order and turned; `bar` is the length of the bar. What no solid shows is not
-    looked for: marks, texts, scribed lines, threads. A machine or a section that has no solid is
-    said (`solid-machine`, `solid-none`), as is a missing manifold3d.
+    They may lie in any order and turned, but that of a coper lies where its machine puts it; `bar`
+    is the length of the bar. What no solid shows is not looked for: marks, texts, scribed lines,
+    threads. A machine or a section that has no solid is said (`solid-machine`, `solid-none`), as is
+    a missing manifold3d.
     """
     text = program if isinstance(program, str) else program.decode("utf-8", "replace")
     try:
         kernel()
         if request.machine.stock == "beam":
             return tuple(_of_bar(text, request, bar))
+        if request.machine.stock == "profile":
+            return tuple(coper_faults(text, request.parts, request, bar))
         has_words = request.machine.controller in ("codesys", "linuxcnc", "grbl", "mach3")
         if request.machine.stock == "sheet" and has_words:
             return tuple(sheet_faults(text, pieces_asked(request), request))

@@ -11,11 +11,12 @@ NO_KERNEL = error("solid-kernel",
 NO_SOLID = error("solid-none",
     "found {found}; expected what a solid can be made of",
     "Without the figures of the section, or with features on planes of their own, the solid of the "
-    "part is not known. The read-back without --solid still counts.")
+    "part is not known; nor is what a torch cuts that turns on its way, or at a speed of no row. "
+    "The read-back without --solid still counts.")
 NO_MACHINE = error("solid-machine",
-    "found {found}; expected a saw and drilling line, or a table whose torch runs G-code",
-    "What is machined as a solid is bars and plates; tables of steps and triggers are read back "
-    "without --solid.")
+    "found {found}; expected a saw and drilling line, a coper, or a table whose torch runs G-code",
+    "What is machined as a solid is bars, profiles, tubes and plates; tables of steps and triggers "
+    "are read back without --solid.")
 PIECES = error("solid-pieces",
     "found {found} in what the program leaves; expected {expected}",
     "The pieces are what holds together after all cuts. A cut that is missing leaves two parts in "
@@ -40,4 +41,15 @@ HAND = error("solid-hand",
 LEFT_OUT = note("solid-left-out",
     "found {found} mm3 {where} left on {piece}; expected so, {what} may be left out",
     "--allow-skips, the configuration or the program's head names its kind.")
-RULES = (NO_KERNEL, NO_SOLID, NO_MACHINE, PIECES, SIZE, MISSING, EXTRA, HAND, LEFT_OUT)
+ROUNDED = note("solid-rounded",
+    "found {found} mm3 left in {count} re-entrant corner(s) of {mark}; expected so, the machine "
+    "rounds sharp ones with {radius} mm",
+    "`coper.corner_radius` of the machine's file. More steel than such a round is an error.")
+SQUARE = note("solid-square",
+    "found {found} mm3 left on {mark} as {what} are cut square to the wall; expected so, the torch "
+    "does not tilt",
+    "Wedges of bevels stand on the list of manual work. A hole of a tube is as wide as a drill "
+    "through the axis makes it outside, and narrower inside. Wedges of tubes are not computed.")
+RULES = (
+    NO_KERNEL, NO_SOLID, NO_MACHINE, PIECES, SIZE, MISSING, EXTRA, HAND, LEFT_OUT, ROUNDED, SQUARE,
+)

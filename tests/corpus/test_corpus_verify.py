@@ -4,10 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.errors import PlanError, ReadError
+from beamcam.errors import PlanError, ReadError, errors_in
 from beamcam.machine import load
+from beamcam.model.request import Request
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.rules import SKIP_NAMES
+from beamcam.solid.opinion import solid_faults
 from beamcam.verify.bars import verify
 from beamcam.verify.left_out import BY_HAND, LEFT_OUT, TEXT_MOVED
 from tests.conftest import CORPUS
@@ -41,6 +43,22 @@ def test_real_parts_are_read_back(name: str) -> None:
     assert len(found) >= 5
     for path, _, said in found:
         assert said == "", path.name
+
+
+def test_solids_of_real_parts_agree_with_programs_of_copers() -> None:
+    made = []
+    for name in ("coper-linuxcnc", "tube-linuxcnc"):
+        machine = load(name)
+        for path in FILES:
+            try:
+                parts, _ = parts_of([read_file(str(path))])
+                posted = post(parts[:1], machine, skips=SKIP_NAMES, verified=False)
+            except (ReadError, PlanError):
+                continue
+            made.append(path.name)
+            said = solid_faults(posted.text, Request((parts[0],), machine, SKIP_NAMES))
+            assert not [str(one) for one in errors_in(said)], path.name
+    assert "0008-SE0008.nc1" in made
 
 
 def test_a_web_too_deep_for_the_machines_stroke_is_refused() -> None:

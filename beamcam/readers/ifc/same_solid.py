@@ -28,9 +28,11 @@ from beamcam.readers.ifc.section import BareStock, Section, Wall, area_by_measur
 from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.solid_body import across, section_area, solid_of, stretches
 from beamcam.readers.ifc.space import cross, dot
+from beamcam.solid.cutters import slot_corners
 from beamcam.solid.kernel import FREE, kernel, outline, prism
-from beamcam.solid.part_solid import ALONG as SECTIONS
-from beamcam.solid.part_solid import Margins, part_solid, shape_of, slot_corners
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.stock_solid import ALONG as SECTIONS
+from beamcam.solid.stock_solid import Margins, shape_of
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -113,9 +113,13 @@ def test_commands_that_do_not_know_copers_say_so(words: tuple[str, ...], program
     assert "machine-coper: found coper-linuxcnc, which copes profiles" in said[0]
 
 
-def test_a_solid_of_it_is_not_made(program: Path) -> None:
+def test_its_solid_is_the_part(program: Path) -> None:
     done = run("verify", program, "--against", COPED, "--machine", "coper-linuxcnc", "--solid")
-    assert "solid-machine" in done.stderr
+    assert done.exit_code == 0
+    assert "note solid-rounded: found 610.4 mm3 left in 4 re-entrant corner(s) of C1" in done.stderr
+    other = SAMPLES / "coping" / "trimmer.nc1"
+    done = run("verify", program, "--against", other, "--machine", "coper-linuxcnc", "--solid")
+    assert "error solid-" in done.stderr
 
 
 def test_the_program_is_read_back_by_the_machine_in_its_head(program: Path) -> None:

@@ -25,7 +25,8 @@ from beamcam.model.part import (
 from beamcam.model.section import corners
 from beamcam.model.weight import section_area
 from beamcam.solid.kernel import corners as corners_of_steel
-from beamcam.solid.part_solid import Margins, part_solid, stock_solid
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.stock_solid import Margins, stock_solid
 
 SRC = Source("hand.nc1", 1)
 IPE = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)

@@ -1,0 +1,152 @@
+"""A bar or a tube cut as a solid by the events of a coper's program alone.
+
+    stock of the section - what the jet sweeps, pierced holes among it -> pieces
+
+The jet goes from the tip along the torch, whose head is at Y -sin A, Z cos A of its tip. How wide
+and how deep it cuts says the row of the cut chart whose speed the cut has. A tube turns below an
+upright torch, so that its wall is cut square to its surface.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import cos, dist, isfinite, radians, sin
+from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.controllers.events import BarEvent, Move, Place, Switch
+from beamcam.errors import BeamcamError, Source
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.machine.materials import is_row_for, material_said
+from beamcam.machine.torch import TorchRow
+from beamcam.model.part import Part
+from beamcam.solid.kernel import Frame, facets, minus, outline, prism
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.rules import NO_SOLID
+from beamcam.solid.sheet_solid import starting_words
+from beamcam.solid.stock_solid import ALONG
+from beamcam.solid.wrapped import wrapped
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+SAME_SPEED = 0.05  #: share by which a cut may differ from the speed of its row
+STEADY_DEG = 1e-6  #: by which a torch may turn as it cuts
+DUST = 1.0  #: mm3; smaller pieces are chips
+
+
+class Burn(Struct, frozen=True):
+    """What is cut from the start of the torch to its stop."""
+
+    line: int
+    row: TorchRow
+    a_deg: float  #: of the torch; of a tube, which turns, that of its first place
+    path: tuple[tuple[float, float], ...]  #: x of the part and across, or round a tube
+    heights: tuple[float, ...]  #: of the tip along the torch, from the part's axis or a tube's skin
+
+
+def stock_of(part: Part, coper: Coper, bar: float | None) -> "Manifold":
+    """What a program begins with, in the part's axes: a bar, or a piece with all that is there."""
+    if part.made is not None:
+        return part_solid(replace(part, features=part.made, made=None))
+    length = bar if bar is not None else part.length + 2 * coper.trim + coper.chuck
+    return prism(outline(part), -coper.trim, length - coper.trim, ALONG)
+
+
+def burns_of(
+    events: Sequence[BarEvent], machine: Machine, coper: Coper, part: Part, name: str
+) -> Iterator[Burn]:
+    """The cuts of a program.
+
+    Raises BeamcamError where one begins nowhere, has the speed of no row, or where the torch turns
+    on the way, or stands beside the axis of its tube.
+    """
+    known = [one for one in starting_words(machine) if one.process == "cut"]
+    material = material_said(part.grade, coper.material)
+    rows = [row for row in coper.rows if is_row_for(row.material, material)]
+    line, moves = 0, list[Move[Place]]()
+    for event in (*events, Switch(0, 2, {})):
+        if isinstance(event, Move) and line:
+            moves.append(event)
+        elif isinstance(event, Switch):
+            if moves:
+                yield _burn(Source(name, line), moves, coper, rows, part)
+            line = event.line if any(one.takes(event) for one in known) else 0
+            moves = []
+
+
+def _burn(
+    source: Source, moves: Sequence[Move[Place]], coper: Coper, rows: Sequence[TorchRow], part: Part
+) -> Burn:
+    """A cut by its moves; its speed, which says its row, is that of all of them together."""
+    places = [(moves[0].start, moves[0].a_deg[0]), *((m.end, m.a_deg[1]) for m in moves)]
+    if not all(isfinite(a_deg) and all(map(isfinite, place)) for place, a_deg in places):
+        raise BeamcamError(NO_SOLID.at(source, found="a cut from or to nowhere"))
+    where = _round_tube if coper.turns == "bar" else _across_bar
+    turned = [where(place, a_deg, places[0][1], coper, part) for place, a_deg in places]
+    if any(one is None for one in turned):
+        what = "a torch beside the axis of its tube" if coper.turns == "bar" else (
+            "a torch that turns as it cuts")  # fmt: skip
+        raise BeamcamError(NO_SOLID.at(source, found=what))
+    seen = [one for one in turned if one is not None]
+    ways = [dist(a, b) for a, b in pairwise(seen)]
+    minutes = [
+        move.minutes or (way / move.feed_mm_min if move.feed_mm_min > 0.0 else 0.0)
+        for move, way in zip(moves, ways, strict=True)
+    ]
+    speed = sum(ways) / sum(minutes) if sum(minutes) > 0.0 else 0.0
+    row = min(rows, key=lambda one: abs(one.feed_mm_min - speed), default=None)
+    if row is None or abs(row.feed_mm_min - speed) > SAME_SPEED * row.feed_mm_min:
+        found = f"a cut at {speed:.0f} mm/min, the speed of no row of the chart"
+        raise BeamcamError(NO_SOLID.at(source, found=found))
+    path, heights = tuple((x, q) for x, q, _ in seen), tuple(h for *_, h in seen)
+    return Burn(source.line or 0, row, places[0][1], path, heights)
+
+
+def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper, part: Part) -> Any:
+    """x, the way across and the height of the tip of a torch that goes round; None if it turns."""
+    x, y, z = place
+    if abs(a_deg - first_deg) > STEADY_DEG:
+        return None
+    a = radians(a_deg)
+    return x - coper.trim, y * cos(a) + z * sin(a), z * cos(a) - y * sin(a) - coper.pivot
+
+
+def _round_tube(place: Place, a_deg: float, first_deg: float, coper: Coper, part: Part) -> Any:
+    """x, the arc and the height of the tip over a tube; None if it stands beside its axis."""
+    x, y, z = place
+    if abs(y) > coper.tolerance / 2:
+        return None
+    radius = part.profile.height / 2
+    return x - coper.trim, radius * radians(90.0 - a_deg), z - radius
+
+
+def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
+    """What a cut takes: the hole that is pierced, and the kerf behind the way down to the steel."""
+    from shapely import LineString, Point, union_all
+
+    row, half = burn.row, burn.row.kerf / 2
+    quarter = facets(half) // 4
+    ways = [LineString(way) for way in pairwise(burn.path[1:]) if way[0] != way[1]]
+    shape = union_all([
+        Point(burn.path[0]).buffer(row.pierce_radius, quad_segs=facets(row.pierce_radius) // 4),
+        *(way.buffer(half, quad_segs=quarter) for way in ways),
+    ])  # fmt: skip
+    tips = burn.heights[1:] or burn.heights
+    high, low = max(tips), min(tips) - row.cut_height - row.up_to
+    if coper.turns == "bar":
+        return wrapped(shape, part.profile.height / 2, -high, -low)
+    a = radians(burn.a_deg)
+    frame: Frame = ((1.0, 0.0, 0.0, 0.0), (0.0, cos(a), -sin(a), 0.0), (0.0, sin(a), cos(a), 0.0))
+    return prism(shape, low, high, frame)
+
+
+def pieces_of(
+    stock: "Manifold", burns: Sequence[Burn], coper: Coper, part: Part
+) -> "list[Manifold]":
+    """The pieces that a stock falls into, along x, what falls out of holes among them."""
+    left = minus(stock, [taken_by(burn, coper, part) for burn in burns])
+    pieces = [one for one in left.decompose() if one.volume() > DUST]
+    return sorted(pieces, key=lambda one: one.bounding_box()[0] + one.bounding_box()[3])

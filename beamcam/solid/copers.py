@@ -1,0 +1,263 @@
+"""The piece that a coper's program leaves of its bar or tube beside the part that it should be.
+
+The part lies where its program says, x 0 at `coper.trim`. How far a sound program's piece may be
+off follows from the machine's file:
+
+    slack     the tolerance of the cut, and the last decimals of X, Y, Z and A
+    corners   a re-entrant corner that is drawn sharp keeps the round of `coper.corner_radius`
+    square    an edge with a bevel keeps its wedge, a hole of a tube what a drill takes inside
+
+The last two are told, by how much steel they leave.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import asin, atan2, degrees, pi, radians, tan
+from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.controllers import cell_events
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Line
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.model.request import Request
+from beamcam.solid.compare import (
+    ALIKE,
+    Bodies,
+    bodies_of,
+    differences,
+    fit_of,
+    likely,
+    lumps,
+    ways_to_lie,
+    without_left_out,
+)
+from beamcam.solid.coper_solid import burns_of, pieces_of, stock_of
+from beamcam.solid.cutters import slot_shape, through_wall
+from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, minus, walls
+from beamcam.solid.part_solid import part_solid
+from beamcam.solid.rules import PIECES, ROUNDED, SQUARE
+from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
+from beamcam.solid.wrapped import all_round, outline_gone, round_wall, wrapped
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+CORNER_DEG = 20.0  #: what a corner turns more than
+ALONG_ARC = 1.3  #: reaches of a corner's round along a side that bends towards the other one
+SKIN = 0.05  #: mm off surfaces that no one cuts: those that lie in one another are dear to cut
+_CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
+
+
+class Asked(Struct, frozen=True):
+    """A part with the steel that its machine may leave on it."""
+
+    bodies: Bodies  #: its most steel has the round of its corners, its bevels and straight holes
+    plain: "Manifold"  #: the most steel of what is drawn
+    corners: "Manifold"  #: what the corners keep
+    count: int  #: of the corners
+    radius: float
+    square: str  #: what is cut square to the wall that is drawn otherwise; "" for nothing
+
+
+def coper_faults(
+    text: str, parts: Sequence[Part], request: Request, bar: float | None
+) -> list[Diagnostic]:
+    """Where the piece that a program leaves differs from its part, and what is known to differ."""
+    machine, name, source = request.machine, request.name, Source(request.name)
+    coper = machine.needed(machine.coper, "coper")
+    if len({*parts}) > 1:
+        return [PIECES.at(source, found="1 piece", expected=f"{len(parts)}, one for each part")]
+    part = _as_pipe(parts[0]) if coper.turns == "bar" else parts[0]
+    events, _ = cell_events(text, machine, name)
+    burns = list(burns_of(events, machine, coper, part, name))
+    pieces = pieces_of(stock_of(part, coper, bar), burns, coper, part)
+    one = _asked(part, machine, coper)
+    costs = likely(pieces, one.bodies)
+    if not costs:
+        return [PIECES.at(source, found="no piece", expected=part.mark or "a part")]
+    near = [pieces[k] for cost, k in costs if cost <= costs[0][0] + ALIKE]
+    best = min((fit_of(piece, one.bodies) for piece in near), key=lambda fit: fit.differs)
+    beyond = best.extra
+    best, told = without_left_out(best, one.bodies, "the piece", request.skips)
+    if not best.differs:
+        return [*_known(best.laid, beyond, one), *told]
+    off = sum(lump.volume() for lump in best.missing) - sum(lump.volume() for lump in best.extra)
+    mirror: Iterator[Manifold] = iter(())
+    if abs(off) < best.differs / 2:  # a mirror image has as much steel
+        mirror = ways_to_lie(best.laid, one.bodies.part, one.bodies, True)
+    return [*told, *differences(best, mirror, one.bodies, "the piece", source)]
+
+
+def _as_pipe(part: Part) -> Part:
+    """A plate that is called a pipe as the tube that it is the unrolled surface of."""
+    plate = part.profile
+    if plate.code != "B" or not _CALLED_PIPE.match(plate.name):
+        return part
+    across = plate.height / pi
+    wall = plate.web_thickness or 0.0
+    return replace(
+        part, profile=replace(plate, code="RO", height=across, width=across, flange_thickness=wall)
+    )
+
+
+def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
+    """A part with the steel that a sound program leaves of it at least and at most."""
+    form = machine.format
+    slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
+    if coper.turns == "bar":
+        slack += part.profile.height / 2 * radians(10.0**-form.angle_decimals)
+    whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
+    wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN)
+    narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
+    found = bodies_of(whole, wide, narrow, 2 * slack, slack)
+    as_cut, square = _cut_square(whole)
+    corners, count = _corners(whole, narrow, coper.corner_radius)
+    most = (part_solid(as_cut, narrow) if square else found.most) + corners
+    return Asked(replace(found, most=most), found.most, corners, count, coper.corner_radius, square)
+
+
+def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Iterator[Diagnostic]:
+    """The steel on a sound piece that is more than what is drawn, without what may be left out."""
+    mark, source = one.bodies.part.mark or "the part", one.bodies.part.source
+    if one.count:
+        left = float((piece ^ one.corners).volume())
+        yield ROUNDED.at(
+            source, found=f"{left:.1f}", count=one.count, mark=mark, radius=f"{one.radius:g}"
+        )
+    if one.square:
+        more = minus(piece, [one.plain, one.corners, *beyond])
+        left = sum(lump.volume() for lump in lumps(more))
+        if left or one.bodies.part.profile.code == "RO":  # else bevels that a skew end shows
+            yield SQUARE.at(source, what=one.square, mark=mark, found=f"{left:.1f}")
+
+
+# --- cut square -----------------------------------------------------------------------------------
+
+
+def _cut_square(part: Part) -> tuple[Part, str]:
+    """A part as a torch that stands square to its wall cuts it, and what is drawn otherwise."""
+    features: list[Feature] = []
+    bevels = holes = 0
+    for feature in part.features:
+        if isinstance(feature, Contour) and feature.bevels:
+            bevels += len(feature.bevels)
+            feature = replace(feature, bevels=())
+        elif isinstance(feature, Hole) and feature.kind == "through" and part.profile.code == "RO":
+            holes += 1
+            feature = Contour("v", "inner", tuple(_drilled(feature, part)), feature.source)
+        features.append(feature)
+    said = [f"{bevels} edge(s) with a bevel"] if bevels else []
+    said += [f"{holes} hole(s) round its axis"] if holes else []
+    return replace(part, features=tuple(features)), " and ".join(said)
+
+
+def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
+    """Where a drill through the axis of a tube meets its outside, unrolled."""
+    radius = part.profile.height / 2
+    ring = circle(0.0, 0.0, min(hole.diameter / 2, radius))
+    places = [(hole.x + x, hole.y + radius * asin(across / radius)) for x, across in ring]
+    yield from (Line(a, b) for a, b in pairwise([*places, places[0]]))
+
+
+# --- corners --------------------------------------------------------------------------------------
+
+# What a disc, rolled through the air, does not reach at a re-entrant corner stays:
+#
+#      steel |            between two straight sides with the angle a it ends r / tan(a / 2) from
+#      ______| r          the corner; what goes on farther is a notch that is too narrow, and is
+#     steel  (            no corner's.
+
+
+def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, int]":
+    """The steel that the re-entrant corners of contours keep, and how many there are."""
+    m = kernel()
+    taken: list[Manifold] = []
+    found: set[tuple[str, float, float]] = set()
+    if part.profile.code == "RO":
+        tube, wall = round_wall(part)
+        turn = 2 * pi * tube
+        for (x, u), one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
+            taken.append(wrapped(one, tube, -FREE, wall + FREE))
+            found.add(("v", round(x, 2), round(u % turn, 2) % round(turn, 2)))
+    sides = walls(part.profile)
+    for face in ("v", "o", "u") if part.profile.code != "RO" else ():
+        if face in sides:
+            own = [c for c in part.contours if _wall_of(c.face) == face]
+            for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
+                taken += through_wall(one, sides[face])
+                found.add((face, x, q))
+    whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
+    return whole ^ stock_solid(part, margins), len(found)
+
+
+def _wall_of(face: str) -> str:
+    return "v" if face == "h" else face
+
+
+def _steel_of(part: Part, face: str, wall: Wall) -> Shape:
+    """What is drawn of a wall, in (x, q) of its face."""
+    from shapely import box, union_all
+
+    own = [f for f in part.features if _wall_of(getattr(f, "face", "")) == face]
+    outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
+    whole = box(0.0, 0.0, part.length, wall.width)
+    if outer:
+        whole = whole.intersection(union_all([shape_of(f.curves) for f in outer]))
+    return whole.difference(union_all([_taken(f) for f in own]))
+
+
+def _steel_of_tube(part: Part, turn: float) -> Shape:
+    """What is drawn of a tube, on three turns."""
+    from shapely import box, union_all
+
+    gone = union_all([outline_gone(part), *(_taken(f) for f in part.features)])
+    return box(0.0, -turn, part.length, 2 * turn).difference(all_round(gone, turn))
+
+
+def _taken(feature: Feature) -> Shape:
+    """What a hole, a slot or a cut-out takes of its wall."""
+    from shapely import Polygon
+
+    if isinstance(feature, Hole) and feature.kind != "mark":
+        return Polygon(circle(feature.x, feature.y, feature.diameter / 2))
+    if isinstance(feature, Slot):
+        return slot_shape(feature)
+    if isinstance(feature, Contour) and feature.kind == "inner" and is_cut(feature):
+        return shape_of(feature.curves)
+    return Polygon()
+
+
+def _rounds(steel: Shape, contours: Any, radius: float) -> Iterator[tuple[Point, Shape]]:
+    """The corners of contours, and what each keeps of the air beside some steel."""
+    from shapely import Point as Place
+
+    quarter = facets(radius) // 4
+    closed = steel.buffer(radius, quad_segs=quarter).buffer(-radius, quad_segs=quarter)
+    air, more = steel.envelope.buffer(2 * radius).difference(closed), closed.difference(steel)
+    filled = [
+        one for one in getattr(more, "geoms", [more])
+        if one.geom_type == "Polygon" and one.area > CHORD and one.distance(air) < CHORD
+    ]  # fmt: skip
+    for corner, reach in (p for c in contours if is_cut(c) for p in _turns(c, radius)):
+        for one in filled:
+            if one.distance(Place(corner)) < 2 * CHORD:
+                yield corner, one.intersection(Place(corner).buffer(reach + 2 * CHORD))
+
+
+def _turns(contour: Contour, radius: float) -> Iterator[tuple[Point, float]]:
+    """The corners of a contour, and how far along its sides a disc leaves them."""
+    curves = [curve for curve in contour.curves if curve.length > CHORD]
+    for before, after in zip(curves, (*curves[1:], *curves[:1]), strict=True):
+        (ax, ay), (bx, by) = before.tangent(1.0), after.tangent(0.0)
+        turn = degrees(abs(atan2(ax * by - ay * bx, ax * bx + ay * by)))
+        if turn > CORNER_DEG:
+            reach = radius / tan(radians(max(180.0 - turn, 1.0)) / 2)
+            straight = isinstance(before, Line) and isinstance(after, Line)
+            yield after.start, reach if straight else ALONG_ARC * reach

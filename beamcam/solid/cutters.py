@@ -1,0 +1,308 @@
+"""What each feature of a part takes of the wall of its face.
+
+A hole goes through the wall of its face, and through a root fillet in its way, but not through
+other walls; a cope of a web takes the fillets on it.
+"""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from math import cos, hypot, radians, sin, tan
+from typing import TYPE_CHECKING
+
+from beamcam.geometry.polylines import polylines
+from beamcam.model.part import Bevel, Contour, Hole, Part, Slot
+from beamcam.solid.kernel import (
+    CHORD,
+    FLAT_DEG,
+    FREE,
+    Frame,
+    Wall,
+    behind,
+    circle,
+    drill_profile,
+    moved,
+    prism,
+    turned,
+)
+from beamcam.solid.stock_solid import (
+    Margins,
+    Shape,
+    end_planes,
+    has_outline,
+    is_cut,
+    shape_of,
+    stock_solid,
+)
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+FAR = 1e5  #: mm
+OUTLINE_NOISE = 1.0  #: mm between a header's figures and an outline; real files differ by 0.7
+#: Pitch of ISO metric coarse threads by their diameter (ISO 261).
+COARSE_PITCH = {
+    1.6: 0.35, 2.0: 0.4, 2.5: 0.45, 3.0: 0.5, 4.0: 0.7, 5.0: 0.8, 6.0: 1.0, 7.0: 1.0, 8.0: 1.25,
+    10.0: 1.5, 12.0: 1.75, 14.0: 2.0, 16.0: 2.0, 18.0: 2.5, 20.0: 2.5, 22.0: 2.5, 24.0: 3.0,
+    27.0: 3.0, 30.0: 3.5, 33.0: 3.5, 36.0: 4.0, 39.0: 4.0, 42.0: 4.5, 45.0: 4.5, 48.0: 5.0,
+    52.0: 5.0, 56.0: 5.5, 60.0: 5.5, 64.0: 6.0,
+}  # fmt: skip
+
+
+def slot_shape(slot: Slot, larger: float = 0.0) -> Shape:
+    """A slot or a rectangle with round corners, in (x, q) of its face."""
+    from shapely import MultiPoint
+
+    radius = slot.diameter / 2 + larger
+    return MultiPoint([p for at in slot_corners(slot) for p in circle(*at, radius)]).convex_hull
+
+
+def slot_corners(slot: Slot) -> list[tuple[float, float]]:
+    """The centres of the circles at its corners."""
+    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
+    return [
+        (slot.x + a * c - b * s, slot.y + a * s + b * c)
+        for a in (-slot.length / 2, slot.length / 2)
+        for b in (-slot.height / 2, slot.height / 2)
+    ]
+
+
+def contour_cutters(
+    contour: Contour, wall: Wall, part: Part, margins: Margins
+) -> Iterator["Manifold"]:
+    """What a contour takes of its wall: outside an outer one, inside an inner one; its bevels."""
+    from shapely import box
+
+    yield from _bevels(contour, wall, part, margins)
+    if part.profile.code == "B" and has_outline(part):
+        return
+    shape = shape_of(contour.curves)
+    if contour.kind == "outer":
+        outlines = [
+            c for c in part.contours
+            if c.kind == "outer" and is_cut(c) and c.face == contour.face
+        ]  # fmt: skip
+        if contour is not outlines[0]:
+            return  # all of a face take the same
+        shape = box(-FREE, -FREE, part.length + FREE, wall.width + FREE)
+        for one in outlines:
+            shape = shape.difference(shape_of(one.curves))
+        if part.profile.code != "B":
+            shape = _beside_ends(shape, wall, part)
+    if margins.outline:
+        shape = shape.buffer(margins.outline, join_style="mitre")
+    if part.profile.code in ("M", "B") or (wall.normal == "y") == (part.profile.code == "T"):
+        yield from through_wall(
+            shape, wall
+        )  # the wall that the others stand on, with their fillets
+    else:
+        yield prism(shape, 0.0, wall.thickness, wall.frame)
+
+
+def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
+    """What an outline leaves out, without what the end planes cut off anyway.
+
+    A skew plane leaves the end of a wall skew through its thickness, and an outline shows either
+    surface; exporters round outlines by up to OUTLINE_NOISE. A cut that comes to such an end goes
+    on along x there, and the rest of the end is the plane's.
+    """
+    from shapely import LineString, Polygon, box, union_all
+
+    ends: list[list[tuple[float, float]]] = []  # of the start and the end, (x, q) at both edges
+    skew: list[bool] = []
+    for (x, _, _), (side, along_y, along_z) in end_planes(part, drawn=True):
+        chain = []
+        for q in (-FREE, wall.width + FREE):
+            xs = []
+            for depth in (-wall.before, wall.thickness + wall.behind):
+                at = wall.surface + wall.inward * depth
+                y, z = (at, q) if wall.normal == "y" else (q, at)
+                xs.append(x - side * (along_y * y + along_z * z))
+            chain.append(((min(xs) if side > 0 else max(xs)), q))
+        ends.append(chain)
+        skew.append(bool(along_y or along_z))
+    (a, b), (c, d) = ends
+    inner = box(-FAR, 0.0, FAR, wall.width).intersection(Polygon([a, c, d, b]))
+    if gone.intersection(inner.buffer(-OUTLINE_NOISE)).buffer(-CHORD).is_empty:
+        return Polygon()
+    for (low, high), way, is_skew in zip(ends, (1.0, -1.0), skew, strict=True):
+        if is_skew:
+            line = [(x + way * OUTLINE_NOISE, q) for x, q in (low, high)]
+            beyond = Polygon([*line, (-way * FAR, high[1]), (-way * FAR, low[1])])
+            reached = gone.intersection(LineString([(x + way * CHORD, q) for x, q in line]))
+            cuts = [
+                Polygon([(xa, qa), (xb, qb), (-way * FAR, qb), (-way * FAR, qa)])
+                for one in getattr(reached, "geoms", [reached])
+                if one.geom_type == "LineString" and not one.is_empty
+                for (xa, qa), (xb, qb) in [(one.coords[0], one.coords[-1])]
+            ]
+            gone = union_all([gone.difference(beyond), *cuts])
+    return gone
+
+
+def _beside(shape: Shape, wall: Wall) -> Shape:
+    """A shape on a wall where no other wall stands on it."""
+    from shapely import box
+
+    if shape.is_empty:
+        return shape
+    x0, q0, x1, q1 = shape.bounds
+    for low, high in wall.others:
+        # Beyond an outermost wall there is air.
+        low = q0 - FREE if low <= 0.0 else low
+        high = q1 + FREE if high >= wall.width else high
+        if low < high:
+            shape = shape.difference(box(x0 - FREE, low, x1 + FREE, high))
+    return shape
+
+
+def through_wall(shape: Shape, wall: Wall) -> Iterator["Manifold"]:
+    """A cutter through a wall, and through what fillets stand on it."""
+    beside = _beside(shape, wall)
+    if not beside.equals(shape):
+        yield prism(shape, 0.0, wall.thickness, wall.frame)
+    yield prism(beside, -wall.before - FREE, wall.thickness + wall.behind + FREE, wall.frame)
+
+
+def _blind(shape: Shape, wall: Wall, depth: float) -> Iterator["Manifold"]:
+    """A cutter into a wall, through the fillet before it."""
+    yield prism(shape, 0.0, depth, wall.frame)
+    yield prism(_beside(shape, wall), -wall.before - FREE, min(depth, FREE) / 2, wall.frame)
+
+
+def hole_cutters(
+    hole: Hole, wall: Wall, part: Part, margins: Margins, pilot: float
+) -> Iterator["Manifold"]:
+    from shapely import Polygon
+
+    diameter = hole.diameter
+    if hole.kind in ("thread", "left-thread"):
+        diameter -= margins.minor * COARSE_PITCH.get(diameter, diameter / 8)
+    radius = diameter / 2 + margins.radius(hole.diameter)
+    if radius <= 0.0:
+        return
+    if hole.kind == "countersink":
+        yield from _sink(hole, wall, margins, pilot)
+        return
+    shape = Polygon(circle(hole.x, hole.y, radius))
+    if hole.depth is None:
+        yield from through_wall(shape, wall)
+        return
+    depth = hole.depth + margins.depth
+    if hole.kind != "through" and hole.kind != "blind":
+        depth = min(max(depth, wall.thickness), depth + margins.run_out)
+    yield from _blind(shape, wall, depth)
+    if margins.point_deg < FLAT_DEG:
+        profile = drill_profile(radius, depth / 2, depth, margins.point_deg)
+        body = turned(profile, moved(wall.frame, hole.x, hole.y))
+        yield body ^ _within(wall, hole, radius)
+
+
+def _within(wall: Wall, hole: Hole, radius: float) -> "Manifold":
+    """The wall round a hole, beyond which a point does not go."""
+    from shapely import box
+
+    x, y = hole.x, hole.y
+    square = box(x - radius - 1, y - radius - 1, x + radius + 1, y + radius + 1)
+    return prism(square, -FREE, wall.thickness, wall.frame)
+
+
+def _sink(hole: Hole, wall: Wall, margins: Margins, pilot: float) -> Iterator["Manifold"]:
+    """A counterbore is flat at its depth; a cone is as wide as its diameter at the surface.
+
+    A cone that goes deeper than it would alone has a cylinder above it and meets the hole that it
+    sinks at its depth.
+    """
+    from shapely import Polygon
+
+    radius = hole.diameter / 2 + margins.radius(hole.diameter)
+    depth = (hole.depth or 0.0) + margins.depth + margins.sink
+    if hole.angle is None or hole.angle >= FLAT_DEG:
+        yield from _blind(Polygon(circle(hole.x, hole.y, radius)), wall, depth)
+        return
+    slope = tan(radians(hole.angle) / 2)
+    alone = (hole.diameter - pilot) / 2 / slope
+    shoulder = max(0.0, (hole.depth or 0.0) - alone) if pilot else 0.0
+    shoulder = shoulder if shoulder > 0.2 else 0.0  # countersunk to a diameter, rounded to a depth
+    # Deeper by a margin, a cone is as much wider at the surface, within its cylinder.
+    point = shoulder + margins.sink + radius / slope
+    profile = [(radius, -FREE), (radius, shoulder + margins.sink), (0.0, point)]
+    if shoulder + margins.sink < 0.0:
+        mouth = radius + (shoulder + margins.sink + FREE) * slope
+        profile = [(mouth, -FREE), (0.0, point)]
+    yield turned(profile, moved(wall.frame, hole.x, hole.y)) ^ _within(wall, hole, radius)
+
+
+def slot_cutters(slot: Slot, wall: Wall, margins: Margins) -> Iterator["Manifold"]:
+    shape = slot_shape(slot, margins.radius(slot.diameter))
+    if slot.depth is None:
+        yield from through_wall(shape, wall)
+    else:
+        yield from _blind(shape, wall, slot.depth + margins.depth)
+
+
+def radial_cutter(hole: Hole, part: Part, margins: Margins) -> "Manifold":
+    """A hole square to a round section: its y is the arc from the lowest line, towards v."""
+    radius = part.profile.height / 2
+    angle = hole.y / radius
+    out = (-cos(angle), sin(angle))  # of the axis to the surface, in (Y, Z)
+    # u along x, v along the arc, depth inwards from the surface
+    frame: Frame = (
+        (1.0, 0.0, 0.0, hole.x),
+        (0.0, sin(angle), -out[0], radius + radius * out[0]),
+        (0.0, cos(angle), -out[1], radius + radius * out[1]),
+    )
+    depth = 2 * radius + FREE if part.profile.code == "RU" else radius
+    if hole.depth is not None:
+        depth = hole.depth + margins.depth
+    wide = hole.diameter / 2 + margins.radius(hole.diameter)
+    return turned([(wide, -FREE), (wide, depth)], frame)
+
+
+def _bevels(contour: Contour, wall: Wall, part: Part, margins: Margins) -> Iterator["Manifold"]:
+    """The wedges of its bevels; of a bar not those that only show its skew end."""
+    if not contour.bevels:
+        return
+    short = None
+    if part.profile.code != "B":
+        short = stock_solid(part, Margins(section=margins.section))
+        for point, normal in end_planes(part, Margins(end=OUTLINE_NOISE / 2), True):
+            short = behind(short, point, normal)
+    inside = shape_of(contour.curves)
+    for bevel in contour.bevels:
+        wedge = _bevel(contour, inside, bevel, wall, margins.outline)
+        if short is None or (wedge ^ short).volume() > OUTLINE_NOISE:
+            yield wedge
+
+
+def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: float) -> "Manifold":
+    """What a bevel takes: a wedge along its edge, from a surface to its land."""
+    from shapely import Point, Polygon
+
+    body = prism(Polygon(), 0.0, 0.0, wall.frame)
+    if not bevel.curve < len(contour.curves):
+        return body
+    deep = wall.thickness - bevel.land
+    wide = deep * tan(radians(min(abs(bevel.angle), 89.0)))
+    if deep <= 0.0 or wide <= 0.0:
+        return body
+    near = bevel.angle > 0
+    chain = polylines((contour.curves[bevel.curve],), CHORD).points.tolist()
+    for (ax, aq), (bx, bq) in pairwise(chain):
+        long = hypot(bx - ax, bq - aq)
+        if long <= 0.0:
+            continue
+        ex, eq = (bx - ax) / long, (bq - aq) / long
+        nx, nq = -eq, ex
+        if not inside.contains(Point((ax + bx) / 2 + nx * 0.01, (aq + bq) / 2 + nq * 0.01)):
+            nx, nq = -nx, -nq
+        # (across the edge, depth, along) to (x, q, depth)
+        to_face = wall.frame
+        rows = []
+        for a, b, c, d in to_face:
+            across, along = a * nx + b * nq, a * ex + b * eq
+            rows.append((across, c, along, d + a * ax + b * aq))
+        grown = wide * FREE / deep
+        top, foot = (-FREE, deep) if near else (wall.thickness + FREE, wall.thickness - deep)
+        wedge = Polygon([(-FREE, top), (wide + grown + margin, top), (margin, foot), (-FREE, foot)])
+        body += prism(wedge, 0.0, long, (rows[0], rows[1], rows[2]))
+    return body
