@@ -60,9 +60,11 @@ def burns_of(
 ) -> Iterator[Burn]:
     """The cuts of a program.
 
-    Raises BeamcamError where one begins nowhere, has the speed of no row, or where the torch turns
+    Raises BeamcamError for a rectangular tube, and where one begins nowhere, has the speed of no row, or where the torch turns
     on the way, or stands beside the axis of its tube.
     """
+    if part.profile.code == "M":
+        raise BeamcamError(NO_SOLID.at(Source(name), found="a rectangular tube that turns"))
     known = [one for one in starting_words(machine) if one.process == "cut"]
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
@@ -139,7 +141,10 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     if coper.turns == "bar":
         return wrapped(shape, part.profile.height / 2, -high, -low)
     a = radians(burn.a_deg)
-    frame: Frame = ((1.0, 0.0, 0.0, 0.0), (0.0, cos(a), -sin(a), 0.0), (0.0, sin(a), cos(a), 0.0))
+    y, z = (0.0, cos(a), -sin(a), 0.0), (0.0, sin(a), cos(a), 0.0)
+    if part.profile.code == "T":  # on its side: Y is its z, Z its height less its y
+        y, z = (0.0, -sin(a), -cos(a), part.profile.height), y
+    frame: Frame = ((1.0, 0.0, 0.0, 0.0), y, z)
     return prism(shape, low, high, frame)
 
 

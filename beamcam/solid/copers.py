@@ -189,7 +189,7 @@ def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, in
     sides = walls(part.profile)
     for face in ("v", "o", "u") if part.profile.code != "RO" else ():
         if face in sides:
-            own = [c for c in part.contours if _wall_of(c.face) == face]
+            own = [c for c in part.contours if _wall_of(c.face, part) == face]
             for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
                 taken += through_wall(one, sides[face])
                 found.add((face, x, q))
@@ -197,15 +197,16 @@ def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, in
     return whole ^ stock_solid(part, margins), len(found)
 
 
-def _wall_of(face: str) -> str:
-    return "v" if face == "h" else face
+def _wall_of(face: str, part: Part) -> str:
+    """The face of a wall, seen from either side: a T has two of them."""
+    return {"h": "v", "o": "u" if part.profile.code == "T" else "o"}.get(face, face)
 
 
 def _steel_of(part: Part, face: str, wall: Wall) -> Shape:
     """What is drawn of a wall, in (x, q) of its face."""
     from shapely import box, union_all
 
-    own = [f for f in part.features if _wall_of(getattr(f, "face", "")) == face]
+    own = [f for f in part.features if _wall_of(getattr(f, "face", ""), part) == face]
     outer = [f for f in own if isinstance(f, Contour) and f.kind == "outer" and is_cut(f)]
     whole = box(0.0, 0.0, part.length, wall.width)
     if outer:

@@ -18,7 +18,7 @@ from beamcam.solid.wrapped import wrapped
 from benchmarks.coping_faults import random_piece
 from benchmarks.solid import KINDS, mutants
 from tests.conftest import sampled
-from tests.random_copes import random_cope
+from tests.random_copes import random_cope, random_tee
 from tests.random_tubes import SECTIONS, random_tube, window
 from tests.unit.coping.samples import AT, COPER, outline, part_of, sample, with_keys
 
@@ -28,6 +28,7 @@ TURN = pi * 168.3
 SAMPLES = (
     ("coped", COPER, ()), ("brace", TUBE, ()), ("trimmer", COPER, ()), ("stub", TUBE, ()),
     ("header-rest", COPER, ()), ("cleat", COPER, ()), ("header", COPER, ("tool",)),
+    ("hanger", COPER, ()),
 )  # fmt: skip
 
 
@@ -50,6 +51,23 @@ def wrong(text: str, part: Part, machine: Machine = COPER) -> dict[str, str]:
 
 def tube(*features: Hole | Slot | Contour, length: float = 500.0) -> Part:
     return Part("T1", CHS, length, AT, features=features, grade="S235JR")
+
+
+def test_a_rectangular_tube_is_told_to_have_no_solid() -> None:
+    part = sample("leg")
+    assert set(wrong(posted(part, TUBE), part, TUBE)) >= {"solid-none"}
+
+
+@pytest.mark.parametrize("seed", sampled(range(12), 6))
+def test_random_tees_agree(seed: int) -> None:
+    part = random_tee(seed)
+    try:
+        text = posted(part)
+    except PlanError:
+        return
+    assert not wrong(text, part)
+    other = re.sub(r"Y(-?[\d.]+)", lambda m: f"Y{float(m[1]) + 1.0:.4f}", text)
+    assert wrong(other, part)
 
 
 @pytest.mark.parametrize(("name", "machine", "skips"), sampled(SAMPLES, 2))
