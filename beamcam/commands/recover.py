@@ -86,7 +86,7 @@ def command(
             voice.stop(said)
         voice.did(f"read {name} on {machine.name}: {len(found.parts)} part(s)")
         named = name if output == STANDARD or is_folder(output) else output
-        parts = with_marks(found.parts, PurePath(named).stem)
+        parts = found.parts if found.marked else with_marks(found.parts, PurePath(named).stem)
         read = files_read(config, (program, *((profile,) if profile else ())))
         if is_folder(output):
             said = (*said, *write_folder(read, parts, target, output, voice))

@@ -7,7 +7,7 @@ import shapely.affinity
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from beamcam.diff.differ import diff_programs
+from beamcam.diff.bars import diff_programs
 from beamcam.errors import PlanError, Source, VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile, Slot
