@@ -8,7 +8,6 @@
 """
 
 from collections.abc import Iterator
-from itertools import pairwise
 from math import acos, ceil, cos, degrees, dist, radians, sin
 
 from beamcam.machine.coper import A_OF_FACE, Coper
@@ -51,6 +50,10 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
         commands += torch.make(cut)
     commands += torch.home()
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
+
+
+#: mm of a block of inverse time; the figure of a shorter one would have more digits than are read.
+SHORTEST = 0.001
 
 
 class _Torch:
@@ -184,11 +187,14 @@ class _Bar:
         down = row.pierce_height - row.cut_height
         if down > 0.0:
             yield TorchRound(x, 0.0, high + row.cut_height, a_deg, row.feed_mm_min / down)
-        for before, place in pairwise(cut.path):
-            x, a_deg = at(place)
+        before = cut.path[0]
+        for place in cut.path[1:]:
             way = dist(before, place)
-            if way > 0.0:
-                yield TorchRound(x, 0.0, high + row.cut_height, a_deg, row.feed_mm_min / way)
+            if way < SHORTEST:
+                continue
+            x, a_deg = at(place)
+            yield TorchRound(x, 0.0, high + row.cut_height, a_deg, row.feed_mm_min / way)
+            before = place
         yield ToolOff(row.process)
         yield TorchTo(x, 0.0, self._over, True)
         self._a_deg = a_deg

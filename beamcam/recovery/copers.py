@@ -18,7 +18,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, ContourKind, Face, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain
 from beamcam.recovery.rings import (
@@ -214,7 +214,8 @@ class _Features:
         if not is_whole or self._part.profile.code == "B":
             for outline in outlines:
                 ring = _ring(orient(outline).exterior)
-                yield self._contour(wall.face, "outer", ring, source)
+                curves = curves_of(ring, self._within, (0.0, wall.wide))
+                yield Contour(wall.face, "outer", curves, source)
         for piece in pieces:
             for hole in piece.interiors:
                 _, low, _, high = hole.bounds
@@ -237,15 +238,10 @@ class _Features:
         if slot is None or (
             slot.height > 0.0 and abs(slot.diameter / 2 - self._corner_radius) <= self._within
         ):
-            return self._contour(face, "inner", ring, source)
+            return Contour(face, "inner", curves_of(ring, self._within), source)
         return Slot(
             face, slot.x, slot.y, slot.diameter, slot.length, slot.height, slot.angle, source
         )
-
-    def _contour(
-        self, face: Face, kind: ContourKind, ring: Sequence[Point], source: Source
-    ) -> Contour:
-        return Contour(face, kind, curves_of(ring, self._within), source)
 
 
 def _ring(ring: Shape) -> list[Point]:

@@ -19,12 +19,12 @@ from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.recovery.found import plain
+from beamcam.verify.coping.wanted import EDGE_NOISE
 
 Shape = Any  #: of shapely
 
 FAN = 0.3  #: mm that the chords of a fan are long together
 FAN_DEEP = 0.03  #: mm from a fan to where the long chords beside it meet, at most
-TOUCH = 0.1  #: mm along a line from where an arc touches it to where its chords begin, at most
 STRAIGHT = 0.002  #: mm that a place may lie off a line through its neighbours
 LEAST_ROUND = 12  #: places of a circle
 PLACE = 0.003  #: mm to which corners and middles are known
@@ -67,7 +67,7 @@ def round_of(ring: Sequence[Point], within: float) -> Round | None:
     away = np.hypot(points[:, 0] - x, points[:, 1] - y)
     half = (points + np.roll(points, -1, axis=0)) / 2
     inside = np.hypot(half[:, 0] - x, half[:, 1] - y)
-    diameter = plain(2 * float(away.max()), 2 * SIZE, DECIMALS)
+    diameter = _plain_size(2 * float(away.max()))
     off = max(float(np.abs(away - diameter / 2).max()), diameter / 2 - float(inside.min()))
     return Round(x, y, diameter) if off <= within else None
 
@@ -102,7 +102,7 @@ def pocket_of(ring: Sequence[Point], within: float) -> Pocket | None:
               for corner in ((max(us), max(vs)), (min(us), min(vs))))  # fmt: skip
     diameter = 2 * off / (sqrt(2) - 1)
     # Of a plain slot the width is its diameter, which is known better.
-    diameter = high if abs(diameter - high) <= 8 * within else plain(diameter, 4 * SIZE, DECIMALS)
+    diameter = high if abs(diameter - high) <= 8 * within else _plain_size(diameter)
     length, height = wide - diameter, high - diameter
     if length <= 0.0 or height < 0.0 or diameter < SLOT_SHARE * high:
         return None
@@ -119,14 +119,28 @@ def pocket_of(ring: Sequence[Point], within: float) -> Pocket | None:
     return Pocket(x, y, diameter, round(length, DECIMALS), round(height, DECIMALS), angle)
 
 
-def curves_of(ring: Sequence[Point], within: float) -> tuple[Curve, ...]:
-    """A closed ring as lines and arcs within some mm, figures as plain as they are known."""
+def curves_of(
+    ring: Sequence[Point], within: float, edges: Sequence[float] = ()
+) -> tuple[Curve, ...]:
+    """A closed ring as lines and arcs within some mm, figures as plain as they are known.
+
+    `edges` are the y of a wall's edges. What ends at one does so with a line: places of an arc
+    that are as near to an edge as EDGE_NOISE would be taken for it.
+    """
     places = _without_straight(_with_corners(ring))
     sides = list(zip(places, [*places[1:], places[0]], strict=True))
     first = max(range(len(sides)), key=lambda k: dist(*sides[k]))
-    places = [*places[first:], *places[: first + 1]]
-    found = arcs_and_lines(places, within)
-    if isinstance(found[0], Arc):  # all round, without a straight stretch
+    places = _clear_of_edges([*places[first:], *places[: first + 1]], within, edges)
+    on_edge = [any(abs(y - edge) <= PLACE for edge in edges) for _, y in places]
+    found: list[Line | Arc] = []
+    begin = 0
+    for k, (a, b) in enumerate(pairwise(places)):
+        if on_edge[k] or on_edge[k + 1]:
+            found += arcs_and_lines(places[begin : k + 1], within)
+            found.append(Line(a, b))
+            begin = k + 1
+    found += arcs_and_lines(places[begin:], within)
+    if not any(isinstance(curve, Line) for curve in found):
         return tuple(found)
     ends = [
         _plain_place(_joint(before, curve, within))
@@ -134,6 +148,32 @@ def curves_of(ring: Sequence[Point], within: float) -> tuple[Curve, ...]:
     ]
     around = zip(found, ends, [*ends[1:], ends[0]], strict=True)
     return tuple([_between(curve, a, b, within) for curve, a, b in around if a != b])
+
+
+def _clear_of_edges(places: list[Point], within: float, edges: Sequence[float]) -> list[Point]:
+    """Places without those between an edge and EDGE_NOISE off it, where a line does as well."""
+    from shapely import LineString
+    from shapely import Point as Place
+
+    for edge in edges:
+        off = [abs(y - edge) for _, y in places]
+        near = [PLACE < d <= EDGE_NOISE + PLACE for d in off]
+        kept = [places[0]]
+        k = 1
+        while k < len(places):
+            last = k
+            while last + 1 < len(places) and near[last]:
+                last += 1
+            line = LineString((kept[-1], places[last]))
+            at_edge = min(off[k - 1], off[last]) <= PLACE < max(off[k - 1], off[last])
+            if last > k and at_edge and all(
+                line.distance(Place(p)) <= within for p in places[k:last]
+            ):  # fmt: skip
+                k = last
+            kept.append(places[k])
+            k += 1
+        places = kept
+    return places
 
 
 def _with_corners(ring: Sequence[Point]) -> list[Point]:
@@ -193,7 +233,10 @@ def _joint(before: Line | Arc, after: Line | Arc, within: float) -> Point:
         along = (x - ax) * dx + (y - ay) * dy
         foot = ax + along * dx, ay + along * dy
         touches = abs(dist(foot, arc.centre) - arc.radius) <= within
-        if touches and dist(foot, after.start) <= TOUCH:
+        # At d along a line from where an arc touches it they are about d^2 / 2R apart. A chord
+        # of the arc has its own foot in its middle.
+        most = min(sqrt(2 * arc.radius * within), line.length / 4)
+        if touches and dist(foot, after.start) <= most:
             return foot
     return after.start
 
@@ -212,19 +255,26 @@ def _between(curve: Line | Arc, a: Point, b: Point, within: float) -> Curve:
         return Line(a, b)
     half, side = dist(a, b) / 2, 1.0 if own.sweep_deg > 0.0 else -1.0
     to_right = (b[1] - a[1]) / (2 * half), (a[0] - b[0]) / (2 * half)
+    radius = _plain_size(own.radius)
+    if radius <= half:
+        return own
+    rise = radius - sqrt(radius * radius - half * half)
+    if abs(own.sweep_deg) > 180.0:
+        rise = 2 * radius - rise
+    on = ((a[0] + b[0]) / 2 + side * rise * to_right[0],
+          (a[1] + b[1]) / 2 + side * rise * to_right[1])  # fmt: skip
+    plainer = arc_by_points(a, on, b)
+    if plainer is None or abs(dist(middle, plainer.centre) - plainer.radius) > within:
+        return own
+    return plainer
+
+
+def _plain_size(value: float) -> float:
+    """A diameter or a radius: of those with one decimal at most the one that it is near to."""
     for places, slack in ((0, 4 * SIZE), (1, 2 * SIZE)):
-        radius = round(own.radius, places)
-        if radius <= half or abs(radius - own.radius) > slack:
-            continue
-        rise = radius - sqrt(radius * radius - half * half)
-        if abs(own.sweep_deg) > 180.0:
-            rise = 2 * radius - rise
-        on = ((a[0] + b[0]) / 2 + side * rise * to_right[0],
-              (a[1] + b[1]) / 2 + side * rise * to_right[1])  # fmt: skip
-        plainer = arc_by_points(a, on, b)
-        if plainer is not None and dist(on, middle) <= within:
-            return plainer
-    return own
+        if abs(round(value, places) - value) <= slack:
+            return round(value, places) + 0.0
+    return round(value, DECIMALS)
 
 
 def rounded_corners(curves: Sequence[Curve], radius: float, within: float) -> int:
