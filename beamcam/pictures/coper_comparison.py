@@ -116,13 +116,15 @@ def _reach(cut: object) -> float:
 
 def _words(sides: Sequence[_Side], cut: object) -> Pieces:
     """The size of what falls out of a wall; nothing of a cut that ends elsewhere."""
+    from shapely import Polygon
+
     if not isinstance(cut, Stroke) or not is_closed(cut):
         return ()
-    ring = cut.points[1:-1]
     own = sides[0] if any(cut is one for one in sides[0].cuts) else sides[1]
-    kerf, radius = cut.row.kerf, own.tube_radius
+    opening = Polygon(cut.points[1:]).buffer(cut.row.kerf / 2)
+    ring, radius = list(opening.exterior.coords)[:-1], own.tube_radius
     found = round_of(ring, WITHIN) if radius is None else drilled_of(ring, radius, WITHIN)
     if found is not None:
-        return ("Ø", round(found.diameter + kerf, 1))
-    xs, ys = zip(*ring, strict=True)
-    return (round(max(xs) - min(xs) + kerf, 1), " x ", round(max(ys) - min(ys) + kerf, 1))
+        return ("Ø", round(found.diameter, 1))
+    left, low, right, high = opening.bounds
+    return (round(right - left, 1), " x ", round(high - low, 1))
