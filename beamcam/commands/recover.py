@@ -55,8 +55,8 @@ def command(
 
     Of a bar each piece between two cuts is a part, with its end cuts, holes, slots and marks;
     alike ones are one file with their number. Of a sheet it is its contours, without leads and
-    kerf. The program is read back against what was found: nothing is written that it does not
-    make exactly.
+    kerf; of a coper what falls out of each wall. The program is read back against what was
+    found: nothing is written that it does not make exactly.
 
     \b
     beamcam recover job.gcode --profile UPN200 -o part.nc1
