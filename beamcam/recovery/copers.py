@@ -133,6 +133,8 @@ def _below_flanges(web: Shape, section: Section) -> Iterator[Shape]:
     """The web within its flanges, where it stands on them."""
     from shapely import LineString, box
 
+    if web.is_empty:
+        return
     low, high = section.extent("v")
     ends = [(low, 0.0)] if section.code == "L" else [(low, 0.0), (high, section.high)]
     for inner, outer in ends:

@@ -42,8 +42,8 @@ CROWDED = error("recover-crowded",
     "What lies inside of what cannot be told, and the work would grow with every crossing.")
 BY_HAND = warning("recover-by-hand",
     "found {found} mark(s) left for manual work; they are not in the recovered part",
-    "The machine does not make the marks and bevels on the list of manual work, so the program does "
-    "not say what they are. The list is the `.hand.csv` beside the program.")
+    "The machine does not make the marks and bevels on the list of manual work, so the program "
+    "does not say what they are. The list is the `.hand.csv` beside the program.")
 LEFT_OUT = warning("recover-left-out",
     "found {found} feature(s) left out of the program; they are not in the recovered part",
     "The head counts what --allow-skips left out, and says neither what it is nor where.")

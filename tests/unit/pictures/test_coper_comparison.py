@@ -10,7 +10,8 @@ from beamcam.cli import main
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Feature, Hole, Part, Profile, Slot
-from beamcam.pictures.comparison import Compared, compared_programs
+from beamcam.pictures.comparison import compared_programs
+from beamcam.pictures.overlay import Compared
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.svg import to_svg
 from tests.unit.coping.samples import AT, COPER, IPE300, UPN200, part_of, program_of
