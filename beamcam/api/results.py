@@ -141,7 +141,7 @@ def diff(
     Raises VerifyError where the blocks of a program are not understood.
     """
     if _is_parts(a) and _is_parts(b):
-        from beamcam.diff.differ import diff_parts
+        from beamcam.diff.parts import diff_parts
 
         return Compared(diff_parts(parts_asked(a), parts_asked(b)), ())  # type: ignore[arg-type]
     if _is_parts(a) or _is_parts(b):

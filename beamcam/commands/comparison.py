@@ -8,8 +8,8 @@ import click
 from beamcam import readers
 from beamcam.api.results import compared
 from beamcam.commands.kinds import KINDS, STANDARD, expected
-from beamcam.diff.differ import diff_parts
 from beamcam.diff.pairing import Difference
+from beamcam.diff.parts import diff_parts
 from beamcam.diff.programs import ProgramText
 from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine import Machine

@@ -55,8 +55,8 @@ def command(
 
     Of a bar each piece between two cuts is a part, with its end cuts, holes, slots and marks;
     alike ones are one file with their number. Of a sheet it is its contours, without leads and
-    kerf. The program is read back against what was found: nothing is written that it does not
-    make exactly.
+    kerf; of a coper what falls out of each wall. The program is read back against what was
+    found: nothing is written that it does not make exactly.
 
     \b
     beamcam recover job.gcode --profile UPN200 -o part.nc1
@@ -86,7 +86,7 @@ def command(
             voice.stop(said)
         voice.did(f"read {name} on {machine.name}: {len(found.parts)} part(s)")
         named = name if output == STANDARD or is_folder(output) else output
-        parts = with_marks(found.parts, PurePath(named).stem)
+        parts = found.parts if found.marked else with_marks(found.parts, PurePath(named).stem)
         read = files_read(config, (program, *((profile,) if profile else ())))
         if is_folder(output):
             said = (*said, *write_folder(read, parts, target, output, voice))

@@ -176,3 +176,26 @@ def pairs_of(
     for j, thing in enumerate(free):
         if j not in theirs:
             yield None, thing
+
+
+class Pair(Struct, frozen=True):
+    """A thing of A and what it is in B; None where it is not there."""
+
+    a: object | None
+    b: object | None
+    place_a: tuple[float, float] | None
+    place_b: tuple[float, float] | None
+    is_same: bool
+
+
+def paired(
+    a: Sequence[T],
+    b: Sequence[T],
+    place: Callable[[T], tuple[float, float]],
+    changes: Callable[[T, T], list[str]],
+) -> Iterator[Pair]:
+    """The things of A and B, each with its like in the other."""
+    for x, y in pairs_of(a, b, place, changes):
+        same = x is not None and y is not None and not changes(x, y)
+        at, to = (None if t is None else place(t) for t in (x, y))
+        yield Pair(x, y, at, to, same)

@@ -2,8 +2,9 @@
 
 from typing import NamedTuple
 
-from beamcam.diff.differ import diff_programs, diff_statements, statements
+from beamcam.diff.bars import diff_programs
 from beamcam.diff.pairing import Difference
+from beamcam.diff.statements import diff_statements, statements
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 

@@ -46,6 +46,26 @@ def refit_runs(curves: Sequence[Curve], tolerance: float) -> tuple[Curve, ...]:
     return tuple(curves) if len(found) == len(curves) else tuple(found)
 
 
+def arcs_and_lines(points: Sequence[Point], tolerance: float) -> list[Line | Arc]:
+    """Curves from the first of some places to the last, through ends of theirs.
+
+    Arcs within `tolerance` of LEAST_ARC chords at least and of both sides, whatever the length of
+    those chords; each other chord is a line by itself.
+    """
+    places = np.array(points)
+    found: list[Line | Arc] = []
+    at = 0
+    while at + 1 < len(points):
+        arc, reach = _longest(places, at, tolerance)
+        if arc is None:
+            reach = at + 1
+            found.append(Line(points[at], points[reach]))
+        else:
+            found.append(arc)
+        at = reach
+    return found
+
+
 def _goes_on(run: Sequence[Line], line: Line) -> bool:
     if not run:
         return True

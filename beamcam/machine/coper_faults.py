@@ -3,18 +3,10 @@
 from collections.abc import Iterator
 from math import hypot
 
-from beamcam.errors import MachineError, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.faults import Fault
 from beamcam.machine.machine import Machine
-from beamcam.machine.rules import NO_COPER
 from beamcam.machine.torch import TorchRow
-
-
-def refuse_coper(machine: Machine, what: str) -> None:
-    """Raises MachineError for a machine that copes profiles, of which `what` knows nothing."""
-    if machine.stock == "profile":
-        raise MachineError(NO_COPER.at(Source(machine.name), found=machine.name, what=what))
 
 
 def coper_faults(machine: Machine) -> Iterator[Fault]:

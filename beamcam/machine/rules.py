@@ -42,12 +42,7 @@ KEY_TWICE = error("machine-key-twice",
     "found {found!r}, the older name of {expected!r}, beside it; expected one of them",
     "Two names of one key could have two values. Remove the older one.")
 
-NO_COPER = error("machine-coper",
-    "found {found}, which copes profiles; expected one for bars or sheets, {what} takes no other; "
-    "`plot` and `report` show its programs",
-    "`post`, `plan`, `verify`, `batch`, `diff`, `plot`, `report` and `simulate` know machines of "
-    "which the torch goes round a profile; other commands do not yet.")
 RULES = (
-    NO_COPER, UNKNOWN_MACHINE, NAME_TWICE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD,
+    UNKNOWN_MACHINE, NAME_TWICE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD,
     BASE_LOOP, CHART, FORMER_KEY, KEY_TWICE,
 )  # fmt: skip

@@ -59,6 +59,10 @@ def coping_program(plan: CopePlan, machine: Machine, job: str) -> Program:
     return Program(job, tuple(commands), part_data([piece.part for piece in plan.pieces]))
 
 
+#: mm of a block of inverse time; the figure of a shorter one would have more digits than are read.
+SHORTEST = 0.001
+
+
 class _Torch:
     """The torch and where it is."""
 
@@ -191,11 +195,13 @@ class _Bar:
         down = row.pierce_height - row.cut_height
         if down > 0.0:
             yield TorchRound(*at(cut.path[0], row.cut_height), row.feed_mm_min / down)
+        last = cut.path[0]
         for before, place in pairwise(cut.path):
-            for a, b in pairwise(self._blocks(before, place)):
-                way = dist(a, b)
-                if way > LEAST:
+            for b in self._blocks(before, place):
+                way = dist(last, b)
+                if way >= SHORTEST:
                     yield TorchRound(*at(b, row.cut_height), row.feed_mm_min / way)
+                    last = b
         yield ToolOff(row.process)
         x, y, _, self._a_deg = at(cut.path[-1], 0.0)
         yield TorchTo(x, y, self._over, True)

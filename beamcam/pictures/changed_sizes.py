@@ -5,7 +5,7 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from beamcam.diff.differ import Pair
+from beamcam.diff.pairing import Pair
 from beamcam.model.part import Hole, Slot
 from beamcam.pictures.callouts import Callouts, Place, Size, callouts, hole_words, slot_words
 from beamcam.pictures.scene import Labels, Pieces, Shape
@@ -27,10 +27,21 @@ def bore_words(thing: Any) -> Pieces:
     return ("" if thing.kind == "drill" else f"{thing.kind} ", "Ø", thing.diameter)
 
 
+def radius_of_round(thing: Any) -> float:
+    """Half the diameter of what has one, else 0."""
+    return float(getattr(thing, "diameter", 0.0)) / 2
+
+
 def changed_sizes(
-    pairs: Iterable[Pair], words_of: Callable[[Any], Pieces], origin: float = 0.0
+    pairs: Iterable[Pair],
+    words_of: Callable[[Any], Pieces],
+    origin: float = 0.0,
+    radius_of: Callable[[Any], float] = radius_of_round,
 ) -> list[Size]:
-    """The sizes of what is not as it was, in A and in B, each with its places from `origin` on."""
+    """The sizes of what is not as it was, in A and in B, each with its places from `origin` on.
+
+    A leader begins `radius_of` a thing from its middle.
+    """
     found: dict[Pieces, list[Place]] = {}
     for pair in pairs:
         a, b = words_of(pair.a), words_of(pair.b)
@@ -41,8 +52,8 @@ def changed_sizes(
             words: Pieces = ("only A: ", *a) if pair.b is None else ("only B: ", *b)
         else:
             words = a if a == b else ("A ", *a, ", B ", *b)
-        radius = getattr(pair.b or pair.a, "diameter", 0.0) / 2
-        found.setdefault(words, []).append(Place((at[0] - origin, at[1]), radius))
+        place = Place((at[0] - origin, at[1]), radius_of(pair.b or pair.a))
+        found.setdefault(words, []).append(place)
     return [Size(words, tuple(places), True) for words, places in found.items()]
 
 

@@ -1,49 +1,42 @@
-"""Two parts or two programs drawn over each other: what moved, what is new, what is gone.
+"""Two parts or two programs drawn over each other: what moved, what is new, what is gone."""
 
-same    grey       in both, unchanged
-gone    red        only in A, or where A has it     - - -
-new     green      only in B, or where B has it     -----
-moved   violet     from where A has a thing to where B has it
-"""
-
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
-from math import dist
 from pathlib import PurePath
-from typing import Any
 
 import numpy as np
-from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.diff.differ import Pair, made_pairs, part_pairs
+from beamcam.diff.bars import made_pairs
+from beamcam.diff.parts import part_pairs
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import join_boxes
-from beamcam.machine.coper_faults import refuse_coper
 from beamcam.model.part import Face, Part
 from beamcam.model.section import FACE_NAMES, face_title, runs_down
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.changed_sizes import bore_words, called_on, changed_sizes, feature_words
 from beamcam.pictures.ends import end_lines
 from beamcam.pictures.features import feature_shapes, lettering
+from beamcam.pictures.overlay import (
+    Compared,
+    changed_places,
+    compared_pairs,
+    drawn_pair,
+    overlay_scene,
+    program_names,
+    rising,
+)
 from beamcam.pictures.part import face_of, faces_of, view_of
 from beamcam.pictures.program import ReadProgram, bar_made
 from beamcam.pictures.scene import (
     Circle,
     Frame,
-    Point,
     Polyline,
-    Scene,
     Shape,
-    Text,
 )
 from beamcam.pictures.views import (
-    SIDE,
-    WIDTH,
-    Paper,
     View,
     figures,
-    footing,
     head_height,
     heading,
     laid_out,
@@ -51,18 +44,7 @@ from beamcam.pictures.views import (
 )
 from beamcam.verify.bars.machined_features import Bore, MachinedPath, StampedText
 
-MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
-
-
-class Compared(Struct, frozen=True):
-    """A picture of two things, and how many of what they hold is as it was."""
-
-    scene: Scene
-    same: int
-    changed: int
-    gone: int
-    new: int
 
 
 def compared_parts(a: Part, b: Part) -> Compared:
@@ -70,7 +52,7 @@ def compared_parts(a: Part, b: Part) -> Compared:
     faces = [f for f in ("h", "o", "v", "u") if f in {*faces_of(a), *faces_of(b)}]
     pairs = list(part_pairs(a, b))
     views = tuple(
-        replace(_joined(view_of(a, face), view_of(b, face)), places=_changed_places(
+        replace(_joined(view_of(a, face), view_of(b, face)), places=changed_places(
             pair for pair in pairs if face_of(pair.a or pair.b) == face  # type: ignore[arg-type]
         ))
         for face in faces
@@ -89,18 +71,11 @@ def compared_parts(a: Part, b: Part) -> Compared:
     for view in views:
         frame = paper.frames[view.name]
         drawn += _stock(a, b, view.name, frame)
-        for pair in _rising(pairs):
+        for pair in rising(pairs):
             if face_of(pair.a or pair.b) == view.name:  # type: ignore[arg-type]
-                drawn += _pair(pair, partial(feature_shapes, frame=frame), frame)
+                drawn += drawn_pair(pair, partial(feature_shapes, frame=frame), frame)
         drawn += figures(view, paper, "mm")
-    return _done(f"{a.mark} and {b.mark}", lines, drawn, paper, pairs)
-
-
-def _changed_places(pairs: Iterable[Pair], origin: float = 0.0) -> tuple[float, ...]:
-    """Where along x things lie that are not as they were, from `origin` on."""
-    changed = [pair for pair in pairs if not pair.is_same]
-    places = {p[0] for pair in changed for p in (pair.place_a, pair.place_b) if p is not None}
-    return tuple(sorted(round(place - origin, 3) for place in places))
+    return compared_pairs(f"{a.mark} and {b.mark}", lines, drawn, paper, pairs)
 
 
 def _joined(a: View, b: View) -> View:
@@ -123,45 +98,12 @@ def _stock(a: Part, b: Part, face: Face, frame: Frame) -> Iterator[Polyline]:
     yield Polyline("new stock-outline", corners[1], True, "stock of B")
 
 
-def _rising(pairs: Iterable[Pair]) -> list[Pair]:
-    """Equal features first, so that differences are drawn on top."""
-    return sorted(pairs, key=lambda pair: not pair.is_same)
-
-
-def _pair(pair: Pair, shapes: Callable[[Any], Iterable[Shape]], frame: Frame) -> Iterator[Shape]:
-    """A thing as both have it."""
-    if pair.is_same:
-        yield from _in_style(shapes(pair.b), "same")
-        return
-    if pair.a is not None:
-        yield from _in_style(shapes(pair.a), "gone")
-    if pair.b is not None:
-        yield from _in_style(shapes(pair.b), "new")
-    if pair.place_a is not None and pair.place_b is not None:
-        yield from _arrow(frame.at(*pair.place_a), frame.at(*pair.place_b))
-
-
-def _in_style(shapes: Iterable[Shape], style: str) -> Iterator[Shape]:
-    for shape in shapes:
-        name = f"{style}-text" if isinstance(shape, Text) else style
-        yield replace(shape, classes=f"{name} {shape.classes.rpartition(' ')[2]}-of")
-
-
-def _arrow(a: Point, b: Point) -> Iterator[Polyline]:
-    """An arrow from one place to the other, where they can be told apart."""
-    length = dist(a, b)
-    if length < MIN_ARROW:
-        return
-    dx, dy = (b[0] - a[0]) / length, (b[1] - a[1]) / length
-    size = min(6.0, length / 2)
-    left = (b[0] - size * dx + size / 2 * dy, b[1] - size * dy - size / 2 * dx)
-    right = (b[0] - size * dx - size / 2 * dy, b[1] - size * dy + size / 2 * dx)
-    yield Polyline("moved arrow", (a, b, left, b, right), tip="moved")
-
-
 def compared_programs(a: ReadProgram, b: ReadProgram) -> Compared:
     """Overlay of what two programs make. Raises VerifyError where one is not understood."""
-    refuse_coper(a.machine, "a picture")
+    if a.machine.stock == "profile":
+        from beamcam.pictures.coper_comparison import compared_copers
+
+        return compared_copers(a, b)
     if a.machine.stock == "beam":
         return _compared_bars(bar_made(a), bar_made(b))
     return _compared_ways(a, b)
@@ -179,11 +121,11 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
     views = tuple(
         View(f, face_title(f, a.profile.code),
              (0.0, 0.0, end, max(a.profile.face_width(f), b.profile.face_width(f)) or width),
-             _changed_places((p for p in pairs if getattr(p.a or p.b, "face", "") == f), drill),
+             changed_places((p for p in pairs if getattr(p.a or p.b, "face", "") == f), drill),
              down=runs_down(f))
         for f in faces
     )  # fmt: skip
-    lines = _names(a.name, a.sha256, b.name, b.sha256)
+    lines = program_names(a.name, a.sha256, b.name, b.sha256)
     sizes = {
         str(f): changed_sizes(
             (p for p in pairs if getattr(p.a or p.b, "face", "") == f), bore_words, drill
@@ -198,16 +140,12 @@ def _compared_bars(a: BarMade, b: BarMade) -> Compared:
         drawn.append(Polyline("same stock-outline", size, True))
         drawn += _cuts(a, b, view.name, frame)
         shifted = replace(frame, left=frame.left - drill * frame.scale)
-        for pair in _rising(pairs):
+        for pair in rising(pairs):
             thing = pair.a or pair.b
             if isinstance(thing, Bore | MachinedPath | StampedText) and thing.face == view.name:
-                drawn += _pair(pair, partial(_made_shapes, frame=shifted), shifted)
+                drawn += drawn_pair(pair, partial(_made_shapes, frame=shifted), shifted)
         drawn += figures(view, paper, "mm", -drill)
-    return _done("two programs", lines, drawn, paper, pairs)
-
-
-def _names(a: str, hash_a: str, b: str, hash_b: str) -> list[str]:
-    return ["two programs", f"A {a}   sha-256 {hash_a}", f"B {b}   sha-256 {hash_b}"]
+    return compared_pairs("two programs", lines, drawn, paper, pairs)
 
 
 def _cuts(a: BarMade, b: BarMade, face: str, frame: Frame) -> Iterator[Polyline]:
@@ -258,7 +196,7 @@ def _compared_ways(a: ReadProgram, b: ReadProgram) -> Compared:
     points = [p for way in both for move in way for p in move] or [(0, 0), (1, 1)]
     low, high = np.min(points, axis=0) * ROUND, np.max(points, axis=0) * ROUND
     box = (float(low[0]), float(low[1]), float(high[0]), max(float(high[1]), float(low[1]) + 1.0))
-    lines_ = _names(a.name, a.sha256, b.name, b.sha256)
+    lines_ = program_names(a.name, a.sha256, b.name, b.sha256)
     paper = laid_out((View("way", "", box),), head_height(lines_))
     frame = paper.frames["way"]
     same = [m for m in second if m in first]
@@ -268,7 +206,7 @@ def _compared_ways(a: ReadProgram, b: ReadProgram) -> Compared:
     for style, moves, line_of in (("same", same, second), ("gone", gone, first),
                                   ("new", new, second)):  # fmt: skip
         drawn += _chains(style, moves, line_of, frame)
-    scene = _scene("two programs", lines_, drawn, paper, f"{len(gone)} gone, {len(new)} new")
+    scene = overlay_scene("two programs", lines_, drawn, paper, f"{len(gone)} gone, {len(new)} new")
     return Compared(scene, len(same), 0, len(gone), len(new))
 
 
@@ -324,28 +262,3 @@ def _chains(
 def _chain(style: str, run: Sequence[tuple[int, int]], line: int, frame: Frame) -> Polyline:
     points = frame.all([(x * ROUND, y * ROUND) for x, y in run])
     return Polyline(f"{style} way-of", points, False, f"line {line} of {'BA'[style == 'gone']}")
-
-
-def _done(
-    title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, pairs: Sequence[Pair]
-) -> Compared:
-    same = sum(pair.is_same for pair in pairs)
-    gone = sum(pair.b is None for pair in pairs)
-    new = sum(pair.a is None for pair in pairs)
-    changed = len(pairs) - same - gone - new
-    about = f"{same} the same, {changed} changed, {gone} gone, {new} new"
-    return Compared(_scene(title, lines, drawn, paper, about), same, changed, gone, new)
-
-
-def _scene(title: str, lines: Sequence[str], drawn: list[Shape], paper: Paper, about: str) -> Scene:
-    y = paper.bottom + 8.0
-    x = SIDE
-    for style, text in (("same", "the same"), ("gone", "in A"), ("new", "in B"),
-                        ("moved", "moved")):  # fmt: skip
-        drawn.append(Polyline(f"{style} legend", ((x, y), (x + 18.0, y))))
-        drawn.append(Text("label", (x + 23.0, y + 4.0), text))
-        x += 100.0
-    has_figures = any(isinstance(shape, Text) and shape.mm is not None for shape in drawn)
-    notes = ["lengths in mm; figures are where things differ"] if has_figures else []
-    drawn += footing([about, *notes], y + 10.0)
-    return Scene(title, about, WIDTH, y + 53.0, tuple(drawn))

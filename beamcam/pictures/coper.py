@@ -10,14 +10,11 @@ from collections.abc import Iterator, Sequence
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.controllers import cell_events
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for, material_said
-from beamcam.model.part import Face, Part, Profile
+from beamcam.model.part import Face, Part
 from beamcam.model.section import face_title, runs_down
-from beamcam.model.weight import measures_of
 from beamcam.pictures import rules
 from beamcam.pictures.features import feature_shapes
 from beamcam.pictures.part import face_of
@@ -38,9 +35,11 @@ from beamcam.pictures.views import (
     unshown,
 )
 from beamcam.verify.coping.box_tube import box_outlines
-from beamcam.verify.coping.section import Section, lying
-from beamcam.verify.coping.strokes import ProfileTorch, Stroke
-from beamcam.verify.coping.tube import TubeTorch, tube_section, unrolled_pipe
+from beamcam.verify.coping.program import head_part, head_profile
+from beamcam.verify.coping.program import strokes_of as stroke_list
+from beamcam.verify.coping.section import lying
+from beamcam.verify.coping.strokes import Stroke
+from beamcam.verify.coping.tube import tube_section, unrolled_pipe
 from beamcam.verify.head import head_of
 
 NUMBER_SIZE = 9.0
@@ -71,13 +70,8 @@ def coper_scene(program: CoperProgram, unit: Unit = "mm") -> Scene:
     strokes = strokes_of(program, part)
     coper = program.machine.needed(program.machine.coper, "coper")
     is_tube = coper.turns == "bar"
-    faces: tuple[Face, ...] = ("v",) if is_tube else ("v", "u")
-    faces = ("o", *faces) if part.profile.code in ("I", "U") else faces
-    if is_tube:
-        strokes = [replace(stroke, face="v") for stroke in strokes]
-        views: tuple[View, ...] = (_tube_view(part, coper, strokes),)
-    else:
-        views = tuple(_view(part, face, strokes) for face in faces)
+    strokes = on_views(strokes, coper)
+    views = tuple(face_view(part, face, strokes, coper) for face in faces_of(part, is_tube))
     ends = [x for view in views for x in (view.box[0], view.box[2])]
     views = tuple(
         replace(view, box=(min(ends), view.box[1], max(ends), view.box[3])) for view in views
@@ -121,18 +115,13 @@ def part_of(program: CoperProgram) -> Part:
     if program.parts:
         return lying(program.parts[0])
     head = head_of(program.text)
-    known = (
-        measures_of(head.stock.replace("_", "*")) if head is not None else None
-    )  # as comments have it
-    if head is None or known is None or known[0] == "M":  # whose corners no head has
+    profile = head_profile(head)
+    if profile is None or profile.code == "M":  # whose corners no head has
         found = head.stock if head is not None and head.stock else "none"
         raise VerifyError(
             rules.SECTION.at(Source(program.name), found=found, machine=program.machine.name)
         )
-    code, (height, width, flange, web, radius) = known
-    profile = Profile(code, head.stock, height, width, flange, web, radius)
-    length = head.parts[0].size[0] if head.parts and head.parts[0].size else 0.0
-    return Part("", profile, length, Source(program.name), grade=head.grade)
+    return head_part(head, profile, program.name)
 
 
 def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
@@ -140,25 +129,31 @@ def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
 
     Raises VerifyError for a program that is not understood, or wrong by itself.
     """
-    machine, name = program.machine, program.name
-    coper = machine.needed(machine.coper, "coper")
-    events, said = cell_events(program.text, machine, name)
-    material = material_said(part.grade, coper.material)
-    rows = [row for row in coper.rows if is_row_for(row.material, material)]
-    if coper.turns == "bar":
-        section = tube_section(unrolled_pipe(part), coper)
-        torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, section, rows, name)
-    else:
-        torch = ProfileTorch(machine, coper, Section(part.profile), rows, name)
-    if not errors_in(said):
-        torch.follow(events)
-    if errors_in(said := [*said, *torch.said]):
+    strokes, said = stroke_list(program.text, part, program.machine, program.name)
+    if errors_in(said):
         raise VerifyError(said)
-    return torch.strokes
+    return strokes
+
+
+def on_views(strokes: Sequence[Stroke], coper: Coper) -> list[Stroke]:
+    """Strokes by the view that shows them: a tube has one, whichever face they are on."""
+    return [replace(one, face="v") if coper.turns == "bar" else one for one in strokes]
+
+
+def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
+    """The faces that a torch looks at, from the uppermost one; a tube is one."""
+    if is_tube:
+        return ("v",)
+    return ("o", "v", "u") if part.profile.code in ("I", "U") else ("v", "u")
+
+
+def face_view(part: Part, face: Face, strokes: Sequence[Stroke], coper: Coper) -> View:
+    """A face from x 0 to the part's end, or as far as it is cut; of a tube all of its surface."""
+    view = _view(part, face, strokes)
+    return _round(view, part, coper) if coper.turns == "bar" else view
 
 
 def _view(part: Part, face: Face, strokes: Sequence[Stroke]) -> View:
-    """A face from x 0 to the part's end, or as far as it is cut."""
     points = [place for stroke in strokes if stroke.face == face for place in stroke.points]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     is_tee = part.profile.code == "T"
@@ -176,9 +171,8 @@ def _view(part: Part, face: Face, strokes: Sequence[Stroke]) -> View:
     )  # fmt: skip
 
 
-def _tube_view(part: Part, coper: Coper, strokes: Sequence[Stroke]) -> View:
-    """The whole surface of a tube, unrolled."""
-    view = _view(part, "v", strokes)
+def _round(view: View, part: Part, coper: Coper) -> View:
+    """The view of the whole surface of a tube, unrolled."""
     section = tube_section(unrolled_pipe(part), coper)
     title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
     if part.profile.code == "M":

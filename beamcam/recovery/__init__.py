@@ -2,12 +2,12 @@
 
     bars     machined features (verify/bars) -> pieces between the cuts -> parts
     sheets   strokes (verify/sheets) -> closed contours without leads and kerf -> one part
+    copers   strokes (verify/coping) -> what falls out of each wall without its scrap -> one part
 
 What comes back was proved: the program, read back against the parts, makes exactly them.
 """
 
 from beamcam.errors import Source, errors_in
-from beamcam.machine.coper_faults import refuse_coper
 from beamcam.machine.machine import Machine
 from beamcam.recovery import rules
 from beamcam.recovery.bars import recover_bars
@@ -25,10 +25,13 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
     `stock` is what is known of the bar or the sheet. Where an error is among what is said there are
     no parts. A program that was made for another machine is remarked upon first.
     """
-    refuse_coper(machine, "recover")
     head = head_of(text)
     said = tuple(head_remarks(head, machine, name))
-    if machine.torch is None:
+    if machine.stock == "profile":
+        from beamcam.recovery.copers import recover_coped
+
+        found = recover_coped(text, machine, name, stock)
+    elif machine.torch is None:
         found = recover_bars(text, machine, name, stock)
     else:
         from beamcam.recovery.sheets import recover_sheet
@@ -39,4 +42,6 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
         return Recovered((), said)
     if head is not None and head.by_hand:
         said = (*said, rules.BY_HAND.at(Source(name), found=head.by_hand))
-    return Recovered(found.parts, said)
+    if head is not None and head.left_out:
+        said = (*said, rules.LEFT_OUT.at(Source(name), found=head.left_out))
+    return Recovered(found.parts, said, found.marked)

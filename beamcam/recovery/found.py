@@ -25,6 +25,7 @@ class Recovered(Struct, frozen=True):
 
     parts: tuple[Part, ...]
     said: tuple[Diagnostic, ...]
+    marked: bool = False  #: whether they have the marks of the program's head
 
 
 def plain(value: float, slack: float, decimals: int) -> float:

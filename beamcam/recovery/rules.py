@@ -42,7 +42,36 @@ CROWDED = error("recover-crowded",
     "What lies inside of what cannot be told, and the work would grow with every crossing.")
 BY_HAND = warning("recover-by-hand",
     "found {found} mark(s) left for manual work; they are not in the recovered part",
-    "The machine does not make the marks on the list of manual work, so the program does not say "
-    "what they are. The list is the `.hand.csv` beside the program.")
+    "The machine does not make the marks and bevels on the list of manual work, so the program "
+    "does not say what they are. The list is the `.hand.csv` beside the program.")
+LEFT_OUT = warning("recover-left-out",
+    "found {found} feature(s) left out of the program; they are not in the recovered part",
+    "The head counts what --allow-skips left out, and says neither what it is nor where.")
+UNNAMED = error("recover-unnamed-section",
+    "found the section {found} in the program's head; expected one of the catalogue, or --profile "
+    "with a part file or the name of a section",
+    "Where the walls are below the torch follows from the section, whose thicknesses a program "
+    "does not say.")
+COMES_CUT = error("recover-comes-cut",
+    "found a program for a piece that comes cut; expected one that cuts the part from a bar",
+    "Its ends, and what another machine made, are not in the program. The part is in the rest file "
+    "that it was posted from.")
+NOT_PARTED = error("recover-not-parted",
+    "found no piece of face {face} that the cuts part from both ends of the bar, beside the scrap "
+    "in which they begin; expected the wall of a part",
+    "The part is what lies between the cut of the near end and that of the far end. A cut is "
+    "pierced, or begins on an edge, in what is scrap.")
+REFITTED = note("recover-refitted",
+    "found {count} contour(s) of chords, taken as lines and arcs within {within} mm of the cut",
+    "A torch that goes round a profile runs along chords, and the program does not say what curves "
+    "they replace.")
+ROUNDED = note("recover-rounded",
+    "found {count} re-entrant corner(s) with the machine's own radius of {radius} mm, which may "
+    "have been drawn sharp",
+    "The torch cuts a corner that is drawn sharp with coper.corner_radius; a radius that is drawn "
+    "looks the same.")
 
-RULES = (NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, CROWDED, BY_HAND)
+RULES = (
+    NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, CROWDED, BY_HAND, LEFT_OUT,
+    UNNAMED, COMES_CUT, NOT_PARTED, REFITTED, ROUNDED,
+)

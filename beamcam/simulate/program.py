@@ -12,7 +12,7 @@ from msgspec import Struct
 from beamcam.controllers.simotion.axes import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
 from beamcam.controllers.step_table.rows import Rows
-from beamcam.errors import Diagnostic, VerifyError, errors_in
+from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.geometry.ramps import move_seconds, ramp
 from beamcam.machine.machine import Machine
@@ -108,10 +108,17 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
 
 def _triggers(text: str, machine: Machine, name: str) -> Simulated:
     from beamcam.controllers.simotion import read_program
+    from beamcam.controllers.simotion.rules import SPEED
 
     job, said = read_program(text, machine, name)
     if job is None:
         raise VerifyError(said)
+    for op in job.operations:
+        if (op.kind == 0 or op.kind >= ARC) and not op.speed > 0.0:  # it would never arrive
+            wrong = SPEED.at(
+                Source(name, op.line), found=f"{op.speed:g}", what="move", expected="above 0"
+            )
+            raise VerifyError((*said, wrong))
     return Simulated(trigger_trace(job, machine), tuple(said))
 
 

@@ -60,8 +60,8 @@ def burns_of(
 ) -> Iterator[Burn]:
     """The cuts of a program.
 
-    Raises BeamcamError for a rectangular tube, and where one begins nowhere, has the speed of no row, or where the torch turns
-    on the way, or stands beside the axis of its tube.
+    Raises BeamcamError for a rectangular tube, and where one begins nowhere, has the speed of no
+    row, or where the torch turns on the way, or stands beside the axis of its tube.
     """
     if part.profile.code == "M":
         raise BeamcamError(NO_SOLID.at(Source(name), found="a rectangular tube that turns"))

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.diff.differ import diff_programs
+from beamcam.diff.bars import diff_programs
 from beamcam.errors import errors_in
 from beamcam.verify.bars import run
 from benchmarks import feed_faults, sheet_faults

@@ -7,13 +7,14 @@ import shapely.affinity
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from beamcam.diff.differ import diff_programs
-from beamcam.errors import PlanError, Source, VerifyError
+from beamcam.diff.bars import diff_programs
+from beamcam.errors import PlanError, Source, VerifyError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.recovery import Stock, recover
 from beamcam.verify.bars import run
+from beamcam.verify.coping import verify_coping
 from tests.conftest import examples
 from tests.property.test_sheet_plan_laws import (
     crosses,
@@ -24,6 +25,8 @@ from tests.property.test_sheet_plan_laws import (
 )
 from tests.property.test_verify import MACHINES
 from tests.property.test_verify import bars as bars_of_all_kinds
+from tests.random_copes import random_cope
+from tests.random_tubes import random_tube
 from tests.strategies import BEAM, bars
 from tests.unit.sheets.parts import table
 
@@ -126,6 +129,34 @@ def test_a_slot_comes_back(slot: Slot) -> None:
     assert found.depth == slot.depth
     off = steel_left(found).symmetric_difference(steel_left(slot))
     assert off.buffer(-0.03).is_empty
+
+
+def coped(machine: Machine, part: Part) -> None:
+    """The law of copers: each of two programs makes the part of the other."""
+    text = posted((part,), machine)
+    found = recover(text, machine, "p", Stock(part.profile, part.grade))
+    assert not errors_in(found.said), [str(d) for d in found.said]
+    (made,) = found.parts
+    assert abs(made.length - part.length) <= 1e-3
+    again = post((made,), machine).text  # read back
+    for program, other in ((text, made), (again, part)):
+        assert not errors_in(verify_coping(program, (other,), machine))
+
+
+@settings(max_examples=examples(10), deadline=None)
+@given(st.integers(0, 10**6))
+@example(15)  # a small window, whose corners have the machine's radius
+@example(25)  # two openings in one
+def test_the_part_of_a_coper_comes_back(seed: int) -> None:
+    coped(load("coper-linuxcnc"), random_cope(seed))
+
+
+@settings(max_examples=examples(10), deadline=None)
+@given(st.integers(0, 10**6))
+@example(208)  # arcs end at the seam
+@example(254)  # places of an end lie less than a micron apart
+def test_the_part_of_a_tube_comes_back(seed: int) -> None:
+    coped(load("tube-linuxcnc"), random_tube(seed))
 
 
 def region(part: Part) -> shapely.Geometry:

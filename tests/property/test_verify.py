@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.diff.differ import diff_programs
+from beamcam.diff.bars import diff_programs
 from beamcam.errors import PlanError, Source, errors_in
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot

@@ -51,7 +51,7 @@ def compare(
         if wanted[face].short:
             yield rules.SHORT.at(Source(name), found=f"{wanted[face].short:.2f}", face=face)
         own = [stroke for stroke in strokes if stroke.face == face]
-        gone = _gone(face, own, strokes, section)
+        gone = taken_of(face, own, strokes, section)
         yield from _hurt(face, gone, wanted[face].cut, section, slack, name)
         left[face] = _left(face, gone, wanted[face].drawn, stock, section, slack)
         yield from _standing(face, left[face], wanted[face].cut, slack, name)
@@ -66,10 +66,10 @@ def compare(
         yield from _order_faults(strokes, wanted, name)
 
 
-def _gone(
+def taken_of(
     face: str, own: Sequence[Stroke], strokes: Sequence[Stroke], section: Section
 ) -> list[tuple[Shape, Shape]]:
-    """What each stroke takes of a wall: surely, and at most."""
+    """What each stroke takes of a wall: surely, and at most; `own` are those on its face."""
     from shapely import Point, union_all
 
     found: list[tuple[Shape, Shape]] = []

@@ -25,6 +25,15 @@ def pieces_of(shape: Any) -> list[Any]:
     return [one for one in getattr(shape, "geoms", (shape,)) if not one.is_empty]
 
 
+def areas_of(shape: Any) -> Any:
+    """A region without the lines and places that operations on regions may leave beside it."""
+    from shapely import union_all
+
+    if shape.geom_type in ("Polygon", "MultiPolygon"):
+        return shape
+    return union_all([one for one in pieces_of(shape) if one.area > 0.0])
+
+
 def line_of(points: Sequence[tuple[float, float]]) -> Any:
     """A path as a line, or as a place where it has no length."""
     from shapely import LineString, Point

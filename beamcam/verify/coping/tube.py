@@ -24,7 +24,7 @@ from beamcam.verify.coping import rules
 from beamcam.verify.coping.box_tube import box_wanted
 from beamcam.verify.coping.collisions import strike_faults
 from beamcam.verify.coping.rings import FINE, ring_of, slot_ring
-from beamcam.verify.coping.section import TubeSection, kerf_of, line_of, pieces_of
+from beamcam.verify.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
 from beamcam.verify.left_out import by_hand
@@ -277,7 +277,7 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
     if outlines:
         rings = [[_on_seam(p, turn) for p in ring_of(c.curves)] for c in outlines]
         one = union_all([make_valid(Polygon(ring)) for ring in rings])
-        one = one.intersection(box(-1e6, 0.0, 1e6, turn))
+        one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
     corners = [p for c in outlines for p in corners_of(c.curves, drawn)]
     radius = part.profile.height / 2
@@ -296,6 +296,7 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
         drawn = drawn.difference(
             union_all([translate(gone, 0.0, k * turn) for k in (-2, -1, 0, 1, 2)])
         )
+    drawn = areas_of(drawn)
     everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
     return drawn, with_round_corners(drawn, everywhere, coper.corner_radius)
 

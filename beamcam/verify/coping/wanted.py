@@ -12,7 +12,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.coping.rings import FINE, ring_of, round_ring, slot_ring
-from beamcam.verify.coping.section import Section, pieces_of
+from beamcam.verify.coping.section import Section, areas_of, pieces_of
 from beamcam.verify.coping.stock import DRAWN, Stock
 from beamcam.verify.left_out import is_by_hand
 
@@ -57,6 +57,7 @@ def wanted_on(
             over = drawn.difference(whole)
             short = max((whole.distance(p) for p in map(Place, get_coordinates(over))), default=0.0)
             drawn = drawn.intersection(whole)
+        drawn = areas_of(drawn)
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     for feature in features:
         if isinstance(feature, Hole):
@@ -71,6 +72,7 @@ def wanted_on(
             continue
         gone = make_valid(Polygon(ring))
         drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
+    drawn = areas_of(drawn)
     cut = with_round_corners(drawn, corners, coper.corner_radius)
     return Wanted(drawn, cut, short if short > DRAWN else 0.0)
 

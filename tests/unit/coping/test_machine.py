@@ -101,18 +101,6 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("words", [
-    ("diff", "{}", "{}", "-o", "{}.svg"), ("recover", "{}", "-o", "{}.nc1"),
-])  # fmt: skip
-def test_commands_that_do_not_know_copers_say_so(words: tuple[str, ...], program: Path) -> None:
-    asked = [word.replace("{}", str(program)) for word in words]
-    done = run(*asked, "--machine", "coper-linuxcnc")
-    assert done.exit_code == 1
-    said = [line for line in done.stderr.splitlines() if "error" in line]
-    assert len(said) == 1
-    assert "machine-coper: found coper-linuxcnc, which copes profiles" in said[0]
-
-
 def test_its_solid_is_the_part(program: Path) -> None:
     done = run("verify", program, "--against", COPED, "--machine", "coper-linuxcnc", "--solid")
     assert done.exit_code == 0

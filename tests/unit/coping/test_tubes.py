@@ -49,6 +49,14 @@ def found(text: str, part: Part, machine: Machine = TUBE) -> tuple[Diagnostic, .
     return errors_in(verify_coping(text, (part,), machine, (), "JOB"))
 
 
+def test_no_block_is_shorter_than_a_micron() -> None:
+    """The last place of an end and the one before it are one; F would be 67398133579."""
+    text = program_of(samples.sample("brace"))
+    feeds = [float(f) for f in re.findall(r"A\S+ F([0-9.]+)", text)]
+    assert len(feeds) > 600
+    assert max(feeds) <= 3000 / 0.001
+
+
 def test_a_tube_is_cut_to_length_all_round() -> None:
     plan = planned(tube())
     assert [cut.kind for cut in plan.operations] == ["near", "far"]

@@ -9,7 +9,8 @@ from msgspec.structs import replace
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, TextMark
-from beamcam.pictures.comparison import Compared, compared_parts, compared_programs
+from beamcam.pictures.comparison import compared_parts, compared_programs
+from beamcam.pictures.overlay import Compared
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import post, read_file

@@ -62,8 +62,27 @@ def test_a_program_alone_has_the_section_of_its_head() -> None:
         ways = [[s for s in scene.shapes if isinstance(s, Polyline) and "path-" in s.classes]
                 for scene in (alone, whole)]  # fmt: skip
         assert ways[0] == ways[1]
+
+
+def test_a_tube_out_of_the_catalogue_is_known_by_its_name() -> None:
+    """PIPE88.9*5 is a plate of 279.29 mm in its file, 88.901 mm round."""
+    ways = [[s.points for s in drawn("stub", knows_part=known)[1].shapes
+             if isinstance(s, Polyline) and s.classes.startswith("path-") and s.line]
+            for known in (False, True)]  # fmt: skip
+    assert [len(way) for way in ways[0]] == [len(way) for way in ways[1]]
+    assert len(ways[0]) == 3
+    for alone, whole in zip(*ways, strict=True):
+        for one, other in zip(alone, whole, strict=True):
+            assert one == pytest.approx(other, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["BUILT", "PIPE88.9", "CHS20_10", "CHS0_0"])
+def test_a_section_that_nobody_knows_is_asked_for(name: str) -> None:
+    machine = load("tube-linuxcnc")
+    (part,) = read_file(str(COPING / "brace.nc1")).parts
+    text = post([part], machine).text.replace("(SECTION CHS168.3_8", f"(SECTION {name}")
     with pytest.raises(VerifyError) as error:
-        drawn("stub", knows_part=False)
+        program_scene(ReadProgram(text.encode(), machine, "brace.ngc"))
     (said,) = error.value.diagnostics
     assert said.code == "picture-section"
     assert "--machine tube-linuxcnc" in said.message

@@ -89,7 +89,7 @@ def test_page_and_paper_are_made_and_say_that_there_is_no_solid() -> None:
 
 
 def test_corners_that_are_cut_round_are_in_the_verdict() -> None:
-    for name, is_rounded in (("coped", True), ("trimmer", False), ("cleat", False)):
+    for name, is_rounded in (("coped", True), ("trimmer", False), ("cleat", True)):
         content, _ = sheet(name, "coper-linuxcnc")
         told = any(said.code == "plan-coping-rounded" for said in content.messages)
         assert told == is_rounded, name

@@ -1,5 +1,6 @@
 """Traces of every kind of machine: the planned time, no jump, where the program says."""
 
+import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -142,6 +143,18 @@ def test_rows_come_by_knot_or_by_time() -> None:
 def test_a_program_that_cannot_be_understood_is_refused(name: str, style: str) -> None:
     with pytest.raises(VerifyError):
         simulate_program("G01 X!", load(name), style=style)
+
+
+@pytest.mark.parametrize(("sample", "name"), TABLES[-2:])
+@pytest.mark.parametrize("speed", ["0.0", "-2.0"])
+def test_a_head_that_never_arrives_is_refused(sample: str, name: str, speed: str) -> None:
+    machine = load(name)
+    text = posted(sample, machine).text
+    wrong = re.sub(r"(speed := (?:LREAL#)?)2\.0\)", rf"\g<1>{speed})", text, count=1)
+    assert wrong != text
+    with pytest.raises(VerifyError) as refused:
+        simulate_program(wrong, machine)
+    assert [one.code for one in refused.value.diagnostics] == ["st-speed"]
 
 
 @given(

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beamcam.cli import main
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import Lettering
-from beamcam.diff.differ import diff_programs
+from beamcam.diff.bars import diff_programs
 from beamcam.errors import Diagnostic, MachineError, VerifyError, errors_in
 from beamcam.machine import load
 from beamcam.machine.machine import Machine

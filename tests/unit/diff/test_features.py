@@ -3,7 +3,8 @@
 import pytest
 from msgspec.structs import replace
 
-from beamcam.diff.differ import diff_parts, diff_programs
+from beamcam.diff.bars import diff_programs
+from beamcam.diff.parts import diff_parts
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.model.part import Contour, Part, Slot, TextMark

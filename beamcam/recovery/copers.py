@@ -1,0 +1,251 @@
+"""The part that a torch cuts out of a bar as it goes round it, or over a tube that turns.
+
+    | trim |# part, (o) #|  trim       Each wall of the bar less the kerfs falls into pieces. Those
+           '             '             that reach an end of the bar are trims, and those in which
+         kerf          kerf            a cut begins scrap, (o); the others are the part.
+
+Of an I, a U or an L the web goes on below its flanges where it stands on them.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import pi
+from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
+from beamcam.recovery import rules
+from beamcam.recovery.found import Recovered, Stock, plain
+from beamcam.recovery.rings import (
+    DECIMALS,
+    PLACE,
+    curves_of,
+    drilled_of,
+    pocket_of,
+    round_of,
+    rounded_corners,
+)
+from beamcam.verify.coping import rules as coping_rules
+from beamcam.verify.coping import verify_coping
+from beamcam.verify.coping.compare import taken_of
+from beamcam.verify.coping.program import head_part, head_profile, strokes_of
+from beamcam.verify.coping.section import Section, kerf_of, pieces_of
+from beamcam.verify.coping.strokes import Stroke
+from beamcam.verify.coping.tube import unrolled_pipe
+from beamcam.verify.head import head_of
+
+Shape = Any  #: of shapely
+
+REFIT_SHARE = 1 / 8  #: of the tolerance, to which chords are refitted
+BEGINS = 0.02  #: mm beyond half a kerf from where a cut begins, within which all is scrap
+AS_SAID = 1.0  #: mm by which the outlines of a part may be shorter than the length in its head
+SPECK = 0.05  #: mm2 that is nothing
+AROUND = (-1, 0, 1)  #: turns of a tube that its surface is laid in, one above the other
+COMES_CUT = "COMES CUT: "  #: how a program begins whose piece is there
+
+
+class _Wall(Struct, frozen=True):
+    """What stays of a wall, and its box where nothing is cut but its ends."""
+
+    face: Face
+    shape: Shape
+    wide: float
+    line: int  #: of its first cut
+
+
+def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recovered:
+    """The part that a coper's program makes; none where an error is said.
+
+    Section, grade, mark, drawing and order are those of the program's head, but for a section and
+    a grade of `stock`. Raises TypeError for a machine without a coper.
+    """
+    coper = machine.needed(machine.coper, "coper")
+    head = head_of(text)
+    source = Source(name)
+    if COMES_CUT in text:
+        return Recovered((), (rules.COMES_CUT.at(source),))
+    profile = stock.profile or head_profile(head)
+    if profile is None:
+        found = head.stock if head is not None and head.stock else "none"
+        return Recovered((), (rules.UNNAMED.at(source, found=found),))
+    bare = head_part(head, profile, name)
+    bare = replace(bare, grade=stock.grade or bare.grade)
+    is_tube, within = coper.turns == "bar", coper.tolerance * REFIT_SHARE
+    code, codes = unrolled_pipe(bare).profile.code, ("RO",) if is_tube else ("I", "U", "L")
+    if code not in codes:
+        expected = ", ".join(codes)
+        return Recovered((), (coping_rules.SECTION.at(source, found=code, expected=expected),))
+    strokes, said = strokes_of(text, bare, machine, name)
+    if errors_in(said):
+        return Recovered((), tuple(said))
+    walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
+    missing = [wall.face for wall in walls if wall.shape.is_empty]
+    if missing:
+        said += [rules.NOT_PARTED.at(source, face=face) for face in missing]
+        return Recovered((), tuple(said))
+    end = max(wall.shape.bounds[2] for wall in walls)
+    length = bare.length if abs(end - bare.length) <= AS_SAID else plain(end, PLACE, DECIMALS)
+    radius = unrolled_pipe(bare).profile.height / 2 if is_tube else None
+    find = _Features(bare, length, radius, coper.corner_radius, within)
+    features = [feature for wall in walls for feature in find.on(wall)]
+    mark = bare.mark or name.rpartition("/")[2].partition(".")[0] or "part"
+    part = replace(bare, mark=mark, length=length, features=tuple(features))
+    said += [d for d in verify_coping(text, (part,), machine, name=name) if d not in said]
+    return Recovered((part,), (*said, *_remarks(part, coper, within)), bool(bare.mark))
+
+
+def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
+    """What of the part's contours is not known to be as it was drawn."""
+    if contours := [*part.contours]:
+        yield rules.REFITTED.at(part.source, count=len(contours), within=f"{within:g}")
+    corners = sum(rounded_corners(c.curves, coper.corner_radius, within) for c in contours)
+    if corners:
+        yield rules.ROUNDED.at(part.source, count=corners, radius=f"{coper.corner_radius:g}")
+
+
+# --- walls ----------------------------------------------------------------------------------------
+
+
+def _walls(part: Part, strokes: Sequence[Stroke], coper: Coper) -> Iterator[_Wall]:
+    """The walls of an I, a U or an L."""
+    from shapely import box, union_all
+
+    section = Section(part.profile)
+    far = max((x for stroke in strokes for x, _ in stroke.points), default=0.0) + coper.trim
+    for face in section.faces:
+        own = [stroke for stroke in strokes if stroke.face == face]
+        low, high = section.extent(face)
+        taken = union_all([surely for surely, _ in taken_of(face, own, strokes, section)])
+        bar = box(-coper.trim, low, far, high)
+        shape = _part_of(bar, taken, [(s.points[0], s.row.kerf / 2) for s in own])
+        if face == "v":
+            shape = union_all([shape, *_below_flanges(shape, section)])
+        wide = section.high if face == "v" else section.wide
+        yield _Wall(face, shape, wide, own[0].line if own else 1)
+
+
+def _below_flanges(web: Shape, section: Section) -> Iterator[Shape]:
+    """The web within its flanges, where it stands on them."""
+    from shapely import LineString, box
+
+    if web.is_empty:
+        return
+    low, high = section.extent("v")
+    ends = [(low, 0.0)] if section.code == "L" else [(low, 0.0), (high, section.high)]
+    for inner, outer in ends:
+        left, _, right, _ = web.bounds
+        for one in pieces_of(web.intersection(LineString([(left, inner), (right, inner)]))):
+            first, _, last, _ = one.bounds
+            if last > first:
+                yield box(first, min(inner, outer), last, max(inner, outer))
+
+
+def _surface(part: Part, strokes: Sequence[Stroke], coper: Coper) -> _Wall:
+    """The unrolled surface of a tube, laid around AROUND one above the other."""
+    from shapely import box, union_all
+    from shapely.affinity import translate
+
+    turn = pi * unrolled_pipe(part).profile.height
+    far = max((x for stroke in strokes for x, _ in stroke.points), default=0.0) + coper.trim
+    kerfs, begins = [], []
+    for stroke in strokes:
+        kerf = kerf_of(stroke.points, stroke.row.kerf / 2)
+        back = round(stroke.points[0][1] / turn)  # turns of its start from the first one
+        for k in range(AROUND[0] - 2, AROUND[-1] + 3):
+            off = (k - back) * turn
+            kerfs.append(translate(kerf, 0.0, off))
+            x, u = stroke.points[0]
+            begins.append(((x, u + off), stroke.row.kerf / 2))
+    bar = box(-coper.trim, AROUND[0] * turn, far, (AROUND[-1] + 1) * turn)
+    shape = _part_of(bar, union_all(kerfs), begins)
+    return _Wall("v", shape, turn, strokes[0].line if strokes else 1)
+
+
+def _part_of(bar: Shape, taken: Shape, begins: Sequence[tuple[Point, float]]) -> Shape:
+    """The pieces of a bar that are the part; `begins` are places where cuts begin, and half kerfs.
+
+    Empty where none is parted from both ends of the bar.
+    """
+    from shapely import MultiPolygon
+    from shapely import Point as Place
+
+    left, _, right, _ = bar.bounds
+    found = []
+    for piece in pieces_of(bar.difference(taken)):
+        first, _, last, _ = piece.bounds
+        if piece.area <= SPECK or first <= left or last >= right:
+            continue
+        if any(piece.distance(Place(at)) <= half + BEGINS for at, half in begins):
+            continue
+        found.append(piece)
+    return MultiPolygon(found)
+
+
+# --- features -------------------------------------------------------------------------------------
+
+
+class _Features:
+    """Finds the features of a part of some length on its walls."""
+
+    def __init__(
+        self, part: Part, length: float, tube_radius: float | None, corner_radius: float,
+        within: float,
+    ) -> None:  # fmt: skip
+        self._part, self._length, self._tube_radius = part, length, tube_radius
+        self._corner_radius, self._within = corner_radius, within
+
+    def on(self, wall: _Wall) -> Iterator[Feature]:
+        """The outline of a wall, where it is no whole one, and what is cut out of it."""
+        from shapely import MultiPolygon, Polygon, box
+        from shapely.geometry.polygon import orient
+
+        source = Source(self._part.source.file, wall.line)
+        is_tube = self._tube_radius is not None
+        pieces = [orient(piece) for piece in pieces_of(wall.shape)]
+        outlines = [Polygon(piece.exterior) for piece in pieces]
+        whole = box(0.0, 0.0, self._length, wall.wide)
+        if is_tube:
+            turn = box(-1e6, 0.0, 1e6, wall.wide)
+            outlines = pieces_of(MultiPolygon(outlines).intersection(turn))
+        is_whole = len(outlines) == 1 and outlines[0].hausdorff_distance(whole) <= self._within
+        if not is_whole or self._part.profile.code == "B":
+            for outline in outlines:
+                ring = _ring(orient(outline).exterior)
+                curves = curves_of(ring, self._within, (0.0, wall.wide))
+                yield Contour(wall.face, "outer", curves, source)
+        for piece in pieces:
+            for hole in piece.interiors:
+                _, low, _, high = hole.bounds
+                if not is_tube or 0.0 <= (low + high) / 2 < wall.wide:
+                    yield self._cut_out(wall.face, _ring(hole), source)
+
+    def _cut_out(self, face: Face, ring: Sequence[Point], source: Source) -> Feature:
+        """A hole, a slot, or a contour.
+
+        Where the corners of a rectangle have the radius that the machine gives sharp ones it is a
+        contour.
+        """
+        if self._tube_radius is None:
+            found = round_of(ring, self._within)
+        else:
+            found = drilled_of(ring, self._tube_radius, self._within)
+        if found is not None:
+            return Hole(face, found.x, found.y, found.diameter, source)
+        slot = pocket_of(ring, self._within)
+        if slot is None or (
+            slot.height > 0.0 and abs(slot.diameter / 2 - self._corner_radius) <= self._within
+        ):
+            return Contour(face, "inner", curves_of(ring, self._within), source)
+        return Slot(
+            face, slot.x, slot.y, slot.diameter, slot.length, slot.height, slot.angle, source
+        )
+
+
+def _ring(ring: Shape) -> list[Point]:
+    """The places of a ring without the one that repeats its start."""
+    return [(x, y) for x, y in ring.coords[:-1]]
