@@ -19,7 +19,7 @@ from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
 from beamcam.machine.names import default_machines
-from beamcam.machine_choice import InTurn, first_that_makes
+from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import stock_used
 from beamcam.model.request import Quantity, Remnant, Request, remnant_of
@@ -169,7 +169,7 @@ def planned_counts(
 def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> PartCount:
     request = replace(asked, parts=(one.part,), machine=machines[0], quantity=1)
     try:
-        (planned, *_), _ = first_that_makes(request, machines, plans_of)
+        (planned, *_), _ = on_best_machine(request, machines, plans_of)
     except PlanError as error:
         return replace(one, refused=tuple(error.diagnostics))
     kinds = [row["kind"] for row in hand_rows(planned.plan)]
@@ -251,7 +251,7 @@ def programs_of(
     Raises PlanError where no machine makes it.
     """
     request = replace(asked, parts=(part,), machine=machines[0])
-    planned, _ = first_that_makes(request, machines, plans_of)
+    planned, _ = on_best_machine(request, machines, plans_of)
     return planned[0].job.machine, tuple(len(one.job.pieces) for one in planned)
 
 

@@ -16,7 +16,7 @@ from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import Shop, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.description import marked
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
@@ -136,7 +136,7 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
     left = list(programs.outputs)
     for part in marked(counted(sound(reading)), shop.mark_from):
         with suppress(BeamcamError):
-            planned, _ = first_that_makes(shop.request_of(part), shop.machines_for(part), begin)
+            planned, _ = on_best_machine(shop.request_of(part), shop.machines_for(part), begin)
             for each in planned:
                 posted = finished(each)
                 digest = _digest(posted)

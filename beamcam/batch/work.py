@@ -23,11 +23,11 @@ from beamcam.caches import cached
 from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, Order, stock_used
-from beamcam.model.request import Quantity, Remnant, Request
+from beamcam.model.request import ChosenBy, Quantity, Remnant, Request
 from beamcam.pipeline import (
     Begun,
     Posted,
@@ -71,6 +71,7 @@ class Shop(Struct, frozen=True):
     mark_from: MarkFrom = "mark"  #: where marks stand
     style: str | None = None  #: of trigger programs: "chain" or "table"
     remnants: tuple[Remnant, ...] = ()  #: bars that are there once, for a run over stock
+    by: ChosenBy = "order"  #: which of the machines makes a part
     limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
 
     @property
@@ -102,7 +103,7 @@ class Shop(Struct, frozen=True):
             (part,), self._first_for(part), named_skips(self.skips), self.job,
             self.order, self.turn, self.stock_lengths, style,
             quantity=self.quantity, strict=self.strict,
-            verified=self.read_back, date=self.date,
+            verified=self.read_back, date=self.date, by=self.by,
         )  # fmt: skip
 
     def lengths_for(self, part: Part) -> tuple[float, ...]:
@@ -258,9 +259,7 @@ def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, 
         if part.source in mixed:
             continue
         try:
-            planned, choice = first_that_makes(
-                shop.request_of(part), shop.machines_for(part), begin
-            )
+            planned, choice = on_best_machine(shop.request_of(part), shop.machines_for(part), begin)
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)

@@ -56,6 +56,8 @@ def checked_report(ctx: click.Context, param: click.Parameter, value: str | None
 run_options = options.group(
     options.output("Folder that programs go to."),
     options.machine,
+    options.by,
+    options.machines,
     options.config,
     options.bar,
     quantity,
