@@ -6,7 +6,9 @@
 The rest is read again before it is written: program and rest together are the part.
 """
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -16,7 +18,7 @@ from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors
 from beamcam.machine.machine import Machine
 from beamcam.machine_chain import Link, chain_of
 from beamcam.machine_choice import none_makes_it
-from beamcam.model.part import Feature, Part
+from beamcam.model.part import Feature, Part, Plane
 from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished
@@ -24,6 +26,8 @@ from beamcam.planning.begun import begun_part
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT
 from beamcam.verify.begun import rest_faults
 from beamcam.writers import Target
+
+Sourced = TypeVar("Sourced", Part, Feature, Plane)  #: what says where it comes from
 
 REST = note("plan-rest",
     "the rest of the part, {found} feature(s), is written; the piece that comes has finished ends",
@@ -54,12 +58,24 @@ def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:
     if not missing:
         return None
     begun = begun_part(part, posted.plan, job.machine)
-    text = target.write(begun)
+    text = target.write(_without_folder(begun))
     rest = _read(text, target)
     faults = tuple(rest_faults(_placed(_read(target.write(part), target), part), rest, missing))
     if faults:
         raise VerifyError(faults)
     return _placed(rest, begun), text
+
+
+def _without_folder(part: Part) -> Part:
+    """A part whose sources name the file alone: what is written is the same from any folder."""
+    name = os.path.basename(part.source.file)
+
+    def named(things: Iterable[Sourced]) -> tuple[Sourced, ...]:
+        return tuple(replace(one, source=replace(one.source, file=name)) for one in things)
+
+    made = None if part.made is None else named(part.made)
+    (whole,) = named((part,))
+    return replace(whole, features=named(part.features), planes=named(part.planes), made=made)
 
 
 def _placed(again: Part, part: Part) -> Part:

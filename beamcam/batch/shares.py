@@ -8,7 +8,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.batch.names import FileNames, cleaned, folded
-from beamcam.batch.work import Found, Shop, Task, part_row, parts_in, posted_of
+from beamcam.batch.part_rows import part_row
+from beamcam.batch.work import Found, Shop, Task, parts_in, posted_of
 from beamcam.errors import BeamcamError
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine_choice import on_best_machine

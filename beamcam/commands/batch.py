@@ -96,6 +96,11 @@ def command(
     over_stock = _is_over_stock(nest, asked)
     try:
         config = settled(asked, names)
+        if over_stock and config.split:
+            raise click.UsageError(
+                "found --machines over stock; expected it with --each, or --machine for parts that "
+                "share bars and sheets."
+            )
         shop = shop_of(config, asked, timed=report is not None)
         voice.say_remarks()
         found = find_inputs(names, leave_out=(output,))
@@ -189,6 +194,9 @@ def _would(row: Row, folder: str) -> Iterator[str]:
         unchanged = " (unchanged)" if row["status"] == "unchanged" else ""
         output = os.path.join(folder, part["output"])
         yield f"{row['file']} -> {output}, {part['machine']}{unchanged}"
+        if part["rest"] is not None:
+            rest = os.path.join(folder, part["rest"]["output"])
+            yield f"{row['file']} -> {rest}, for the next machine{unchanged}"
     if not row["parts"]:
         yield f"{row['file']}: {row['status']}"
 

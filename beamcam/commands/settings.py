@@ -57,16 +57,17 @@ def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
     return _in_force(over(config, _wanted(asked)))
 
 
-def settled_again(asked: Mapping[str, Any], files: ConfigFiles, machine: str | None) -> Config:
-    """The same by the files that the record of a batch names, and its machine if that is a file.
+def settled_again(asked: Mapping[str, Any], files: ConfigFiles, machines: Iterable[str]) -> Config:
+    """The same by the files that the record of a batch names, and those of its `machines`.
 
     --config goes before these files. Raises ConfigError if one of them is not trusted.
     """
     from beamcam.commands.configuration import checked, checked_again, refuse_strange
 
     trust = (*asked.get("trust", ()), *checked(ConfigFiles(own=own_files())).trust)
-    if machine is not None and machine.endswith(".toml"):
-        refuse_strange(machine, trust)
+    for machine in machines:
+        if machine.endswith(".toml"):
+            refuse_strange(machine, trust)
     if asked.get("config_file") is not None:
         return settled(asked, ())
     return _in_force(over(checked_again(files, trust), _wanted(asked)))

@@ -94,8 +94,10 @@ def _head(counts: Counts, style: str) -> str:
 def _totals(rows: Iterable[Row]) -> str:
     """Machine time, pieces and stock by machine, and the tools that its programs need."""
     found: dict[str, _Total] = {}
+    passed_on = 0  # pieces that another machine finishes
     for row in rows:
         for part in row["parts"]:
+            passed_on += part["quantity"] if part["rest"] is not None else 0
             total = found.setdefault(part["machine"], _Total(tools=Counter()))
             runs = part["quantity"] / part["pieces"]
             total.seconds += (part["machine_time_s"] or 0.0) * runs
@@ -107,7 +109,7 @@ def _totals(rows: Iterable[Row]) -> str:
         return ""
     whole = _Total(
         sum(t.seconds for t in found.values()), sum(t.programs for t in found.values()),
-        sum(t.pieces for t in found.values()), sum(t.stock for t in found.values()),
+        sum(t.pieces for t in found.values()) - passed_on, sum(t.stock for t in found.values()),
     )  # fmt: skip
     lines = [_total_row(name, total) for name, total in found.items()]
     if len(found) > 1:

@@ -16,6 +16,7 @@ from beamcam.cli import main
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, errors_in
 from beamcam.machine import load
+from beamcam.machine.machine import Machine
 from beamcam.machine_chain import chain_of
 from beamcam.model.part import Contour, EndCuts, Hole, Part
 from beamcam.model.request import Request
@@ -25,7 +26,7 @@ from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import EndLine, ends_on
 from beamcam.readers import read
 from beamcam.readers.dstv.reader import MADE
-from beamcam.rest_part import RULES, rest_of_part, split_part
+from beamcam.rest_part import RULES, Stage, chain_for, rest_of_part, stages_of
 from beamcam.solid.bar_solid import bar_pieces, work_of
 from beamcam.verify.begun import RULES as REST_RULES
 from beamcam.verify.begun import rest_faults
@@ -59,6 +60,12 @@ HEADER = sample("header")
 COPE = [(0.0, 0.0), (600.0, 0.0), (600.0, 240.0), (520.0, 240.0), (520.0, 300.0), (0.0, 300.0)]
 #: A coped end of a piece whose other end is a mitre: x 0 at y 300, 30 degrees.
 MITRED = [(173.2051, 0.0), *COPE[1:5], (0.0, 300.0)]
+
+
+def split_part(request: Request, machines: tuple[Machine, ...]) -> list[Stage]:
+    chain, said = chain_for(request, machines)
+    assert [d.code for d in said] == ["plan-split"]
+    return [*stages_of(request, chain, TARGETS[0])]
 
 
 def sawn(part: Part) -> Posted:
@@ -294,8 +301,7 @@ def test_a_chain_makes_every_feature_once() -> None:
     assert [(s.machine.name, s.skips) for s in chain] == [
         ("beamline-pusher", LEFT), ("coper-linuxcnc", ()),
     ]  # fmt: skip
-    stages, told = split_part(request, (SAW, COPER), TARGETS[0])
-    assert [d.code for d in told] == ["plan-split"]
+    stages = split_part(request, (SAW, COPER))
     made = [sum(o.how == "made" for o in s.posted.plan.outcomes) for s in stages]
     assert made == [11, 3]
     assert stages[0].posted.job.parts[0].features[10:13] == HEADER.features[10:13]
@@ -304,16 +310,16 @@ def test_a_chain_makes_every_feature_once() -> None:
 
 
 def test_a_part_that_one_machine_makes_is_not_split() -> None:
-    stages, _ = split_part(Request((sample("coped"),), SAW), (SAW, COPER), TARGETS[0])
+    stages = split_part(Request((sample("coped"),), SAW), (SAW, COPER))
     assert [(s.posted.job.machine.name, s.rest) for s in stages] == [("coper-linuxcnc", "")]
 
 
 def test_what_no_chain_makes_is_refused() -> None:
     part = replace(HEADER, features=(*HEADER.features, Hole("v", 300.0, 150.0, 3.0, AT)))
     with pytest.raises(PlanError) as refused:
-        split_part(Request((part,), SAW), (SAW, COPER), TARGETS[0])
+        split_part(Request((part,), SAW), (SAW, COPER))
     assert "plan-no-machine" in {d.code for d in refused.value.diagnostics}
-    stages, _ = split_part(Request((part,), SAW, ("tool",)), (SAW, COPER), TARGETS[0])
+    stages = split_part(Request((part,), SAW, ("tool",)), (SAW, COPER))
     left = [o.by for o in stages[0].posted.plan.outcomes if o.how == "skipped"]
     assert (len(stages), left) == (1, ["plan-tool"] * 7)
 
