@@ -140,7 +140,7 @@ class Record:
                     with open(path, "rb", buffering=0) as file:
                         if hashlib.sha256(file.read()).hexdigest() != part["rest"]["sha256"]:
                             return None
-            if (line["recipe"], line["input"]) != (self._recipe_name, self._input(found)):
+            if (line["recipe"], line["input"]) != (self._recipe_name, self.input_of(found)):
                 self.add(key, row, found)
         except (OSError, ValueError, KeyError, TypeError):
             return None  # the line cannot be used: the file is done again
@@ -172,7 +172,7 @@ class Record:
             "outputs": [part["output"] for part in row["parts"]],
             "row": row,
             "recipe": self._recipe_name,
-            "input": self._input(found),
+            "input": self.input_of(found),
             "tree": found.tree,
         }
         lines += dumped(noted) + b"\n"
@@ -185,7 +185,7 @@ class Record:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._torn = False
 
-    def _input(self, found: Input) -> str:
+    def input_of(self, found: Input) -> str:
         """The path of an input from the folder of the outputs."""
         folder, name = os.path.split(found.path)
         if folder not in self._from_here:

@@ -10,7 +10,7 @@ done early is held back, up to a limit, and so is who may have a name that two w
 
 import os
 from collections import deque
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 
@@ -22,7 +22,7 @@ from beamcam.batch.names import MarkKey, folded, mixed_marks, other_content
 from beamcam.batch.outputs import Outputs
 from beamcam.batch.pool import CHUNK_BYTES, Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
-from beamcam.batch.record import RECORD_NAME, Record, partly
+from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
 from beamcam.batch.work import FileResult, Shop, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
@@ -144,10 +144,13 @@ class Run:
         self._marks = {} if marks is None else marks
         self._keeps_record = True
         self._own: frozenset[str] = frozenset()
+        #: outputs of earlier runs by input, as the record has it; other machines may make it now
+        self._before: dict[str, list[str]] = {}
         self._mixed: dict[str, Diagnostic] = {}  #: inputs that differ under one mark, and why
 
     def rows(self) -> Iterator[Row]:
-        self._own = self._own_rests()
+        if self._shop.chain:
+            self._look_back()
         paths = [one.path for one in self._inputs if one.path not in self._own]
         self._mixed = mixed_marks(paths, self._shop.mark_from, self._parts_of, self._asked)
         while not self._asked:
@@ -160,12 +163,17 @@ class Run:
                 for result in self._workers.wait():
                     self._take(result)
 
-    def _own_rests(self) -> frozenset[str]:
-        """The inputs that runs into this folder wrote, for the next machine of their parts."""
-        if not self._shop.rest_suffix:
-            return frozenset()
-        made = {os.path.realpath(os.path.join(self._folder, name)) for name in self._record.made}
-        return frozenset(one.path for one in self._inputs if os.path.realpath(one.path) in made)
+    def _look_back(self) -> None:
+        """Note which outputs of earlier runs there are, and which inputs are such outputs."""
+        with suppress(OSError):
+            for noted in noted_in(self._folder):
+                names = [*noted.outputs, *rests_of(noted)]
+                self._before.setdefault(noted.input, []).extend(names)
+        outputs = (name for names in self._before.values() for name in names)
+        made = {os.path.realpath(os.path.join(self._folder, name)) for name in outputs}
+        self._own = frozenset(
+            one.path for one in self._inputs if os.path.realpath(one.path) in made
+        )
 
     def _feed(self) -> bool:
         """Take some inputs, if there is room for them, and say whether that was so.
@@ -277,8 +285,8 @@ class Run:
                     row["messages"].append(as_message(said))
         if row["status"] in ("refused", "failed") and not row["parts"]:
             self._warn_of_older(slot, row)
-        elif self._shop.chain and slot.made is not None:
-            self._warn_of_older(slot, row)  # other machines may make it now
+        if slot.made is not None and self._before:
+            self._warn_of(slot, row, self._before.get(self._record.input_of(slot.input), ()))
         return row
 
     def _refuse_mixed(self, row: Row) -> None:
@@ -354,7 +362,13 @@ class Run:
         if self._shop.name is not None:
             return  # without the part there is no name to look for
         tree = os.path.basename(slot.input.tree) if self._flat else slot.input.tree
-        for output in self._shop.names_without_marks(os.path.splitext(tree)[0]):
+        machines = (self._shop.machine, self._shop.sheets, *self._shop.more)
+        suffixes = dict.fromkeys(machine.suffix for machine in machines if machine is not None)
+        self._warn_of(slot, row, (os.path.splitext(tree)[0] + suffix for suffix in suffixes))
+
+    def _warn_of(self, slot: Slot, row: Row, outputs: Iterable[str]) -> None:
+        """Say so of each of these outputs that stands and is none of this run."""
+        for output in outputs:
             stands = False
             with suppress(OSError):
                 stands = os.path.lexists(os.path.join(self._folder, output))

@@ -17,7 +17,6 @@ from beamcam import budget
 from beamcam.batch import rules
 from beamcam.batch.names import (
     FileNames,
-    cleaned,
     mark_key,
     other_content,
     output_name,
@@ -119,20 +118,6 @@ class Shop(Struct, frozen=True):
             quantity=self.quantity, strict=self.strict,
             verified=self.read_back, date=self.date, by=self.by,
         )  # fmt: skip
-
-    def names_without_marks(self, stem: str) -> list[str]:
-        """What programs of an input with a single part are called, whichever machines it has."""
-        from beamcam.machine_chain import LONGEST
-
-        sheets = () if self.sheets is None else (self.sheets,)
-        machines = (self.machine, *sheets, *self.more)
-        names = [stem + machine.suffix for machine in machines]
-        places = range(1, LONGEST + 1) if self.chain else ()
-        names += [
-            f"{stem}-{place}-{cleaned(machine.name)}{machine.suffix}"
-            for place in places for machine in self.chain
-        ]  # fmt: skip
-        return list(dict.fromkeys(names))
 
     def lengths_for(self, part: Part) -> tuple[float, ...]:
         """The lengths of bars that a part may be cut from, remnants among them, rising."""
