@@ -46,7 +46,8 @@ NO_END = warning("batch-no-end",
     "A writer may pause in mid file. A file that stays without its end is read as it stands.")
 WRITE = error("batch-write",
     "{found!r} cannot be written ({reason}); expected a folder with room that may be written to",
-    "The disk is full, or the folder may not be written to. The old file, if any, still stands.")
+    "The disk is full, or the folder may not be written to. The old file, if any, still stands; of "
+    "several programs for one part none is new.")
 KEPT = note("verify-kept",
     "the refused program is kept in {found}; look at the lines that the messages name",
     "A program that does not make the part is never written where a machine would take it. Under "

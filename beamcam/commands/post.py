@@ -103,10 +103,10 @@ def command(
     --quantity each is made as often as its file or the option says, on as many bars as they need
     (first fit), a program each: NAME-1, NAME-2, and so on. Plates lie on a sheet (--sheet) in rows
     by their boxes, in the order given, on as many sheets as they need. Without --machine the first
-    machine that makes all parts is taken: for bars beamline, then beamline-pusher; for sheets, by
-    the suffix of the output, plate-linuxcnc, then plate-oxyfuel (.ngc), plate-codesys (.gcode),
-    laser-grbl (.nc), plate-mach3 (.tap), table-simotion (.st) or laser-stepper (.steps, .csv, .bin,
-    .h). Nothing is written unless everything can be made.
+    machine that makes all parts is taken, with --by time the quickest: for bars beamline, then
+    beamline-pusher; for sheets, by the suffix of the output, plate-linuxcnc, then plate-oxyfuel
+    (.ngc), plate-codesys (.gcode), laser-grbl (.nc), plate-mach3 (.tap), table-simotion (.st) or
+    laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless everything can be made.
 
     After a stop in mid bar --from-operation writes the rest of the program: its head says in which
     state the machine has to be, and it is read back as the continuation of what was done. So does

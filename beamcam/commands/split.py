@@ -46,10 +46,11 @@ def command(
     """Make parts on several machines, each making what the others cannot.
 
     For each part the shortest chain of the machines is taken, in it first the one that leaves
-    least. MARK-1-MACHINE is the first program, MARK-1-rest.nc1 the part as the next machine gets
-    it, MARK-2-MACHINE the program of that, and so on. Each program is read back against its part,
-    and with its rest against the part before. The ends of a rest are there: the program of the
-    next machine begins with how the piece lies. Nothing is written unless all parts are made.
+    least, of equal ones the first in order or, with --by time, the quickest. MARK-1-MACHINE is the
+    first program, MARK-1-rest.nc1 the part as the next machine gets it, MARK-2-MACHINE the program
+    of that, and so on. Each program is read back against its part, and with its rest against the
+    part before. The ends of a rest are there: the program of the next machine begins with how the
+    piece lies. Nothing is written unless all parts are made.
 
     \b
     beamcam split M58.nc1 --machines beamline,coper-linuxcnc -o programs
