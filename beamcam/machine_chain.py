@@ -46,7 +46,10 @@ def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Link, ...]:
 def _chains(
     request: Request, part: Part, machines: Sequence[Machine], count: int
 ) -> Iterator[tuple[Link, ...]]:
-    """The chains of so many machines."""
+    """The chains of so many machines.
+
+    In order none is planned on behind the first that by itself leaves nothing.
+    """
     plans: list[tuple[int, float, Machine, AnyPlan]] = []
     for machine in machines:
         skips = request.skips if count == 1 else SKIP_NAMES
@@ -55,6 +58,8 @@ def _chains(
             plan, seconds = planned
             left = sum(outcome.how in NOT_MADE for outcome in plan.outcomes)
             plans.append((left, seconds, machine, plan))
+            if not left and count == 1 and request.by == "order":
+                break
     plans.sort(key=lambda one: one[:2])
     for left, _, machine, plan in plans:
         if count == 1:

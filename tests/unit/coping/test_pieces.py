@@ -18,6 +18,7 @@ from beamcam.errors import BeamcamError, PlanError, errors_in
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.machine_chain import chain_of
+from beamcam.machine_choice import InTurn
 from beamcam.model.part import Contour, EndCuts, Hole, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file
@@ -312,6 +313,23 @@ def test_a_chain_makes_every_feature_once() -> None:
 def test_a_part_that_one_machine_makes_is_not_split() -> None:
     stages = split_part(Request((sample("coped"),), SAW), (SAW, COPER))
     assert [(s.posted.job.machine.name, s.rest) for s in stages] == [("coper-linuxcnc", "")]
+
+
+def test_the_first_that_leaves_nothing_ends_the_search_unless_time_is_asked_for() -> None:
+    (tie,) = read_file(str(SAMPLES / "dstv" / "tie.nc1")).parts
+    line = load("beamline")
+
+    def loaded(name: str) -> Machine:
+        assert name == SAW.name, "a machine behind it is looked at"
+        return SAW
+
+    (link,) = chain_of(Request((tie,), SAW), InTurn((SAW.name, line.name), loaded))
+    assert link.machine is SAW
+    (link,) = chain_of(Request((tie,), SAW, by="time"), (SAW, line))
+    assert link.machine is line
+    # The pusher scribes the text: what is left goes before time.
+    first, second = chain_of(Request((HEADER,), SAW, by="time"), (line, COPER, SAW))
+    assert (first.machine, second.machine) == (SAW, COPER)
 
 
 def test_what_no_chain_makes_is_refused() -> None:
