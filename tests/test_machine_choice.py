@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import machine_choice
+from beamcam.api import lists
+from beamcam.asked import AskError
 from beamcam.cli import main
 from beamcam.errors import PlanError, Source
 from beamcam.machine import load
@@ -159,6 +161,12 @@ def test_the_quickest_takes_it_where_time_is_asked_for(tmp_path: Path) -> None:
     assert "MACHINE beamline-pusher" in job.read_text("ascii")
     table = run("list", *words[:3], "--json")
     assert '"beamline"' in table.stdout
+    parts = read_file(str(GOOD / "tie.nc1")).parts
+    assert [lists(parts, by=by).parts.rows[0] for by in ("order", "time")] == [
+        lists(parts, "beamline").parts.rows[0]
+    ] * 2
+    with pytest.raises(AskError):
+        lists(parts, by="speed")  # type: ignore[arg-type]
 
 
 def test_time_counts_all_programs_of_a_quantity(tmp_path: Path) -> None:

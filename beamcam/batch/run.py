@@ -283,10 +283,11 @@ class Run:
                     source = Source(os.path.join(self._folder, RECORD_NAME))
                     said = rules.RECORD.at(source, found=error.strerror or error)
                     row["messages"].append(as_message(said))
-        if row["status"] in ("refused", "failed") and not row["parts"]:
+        before = self._before.get(self._record.input_of(slot.input)) if self._before else None
+        if before is not None and slot.made is not None:
+            self._warn_of(slot, row, before)
+        elif row["status"] in ("refused", "failed") and not row["parts"]:
             self._warn_of_older(slot, row)
-        if slot.made is not None and self._before:
-            self._warn_of(slot, row, self._before.get(self._record.input_of(slot.input), ()))
         return row
 
     def _refuse_mixed(self, row: Row) -> None:

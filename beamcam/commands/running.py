@@ -22,7 +22,7 @@ from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.parts import letter, member_choice, selection_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.rules import SETTINGS
-from beamcam.commands.settings import machines_of_split, machines_of_stock
+from beamcam.commands.settings import check_split, machines_of_split, machines_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.rules import UNUSED
 from beamcam.config.values import Config, Dask
@@ -104,7 +104,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     name = config.name or ""
     check_asked(config.job, None, config.allow_skips)
     if config.split:
-        _check_split(config, asked)
+        check_split(config, asked)
         bars, *more_bars = machines_of_split(config)
         sheets, more_sheets = bars, []
     else:
@@ -141,19 +141,6 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         rest_suffix=f".{asked.get('rest_as', 'nc1')}" if config.split else "",
         remnants=tuple(map(remnant_of, asked.get("remnants", ()))),
     )
-
-
-def _check_split(config: Config, asked: Mapping[str, Any]) -> None:
-    """Raises UsageError for what excludes that several machines make a part."""
-    excluded = (
-        ("--machine", asked.get("machine"), "one of the two"),
-        ("a quantity", config.quantity, "programs of one piece, each run as often as needed"),
-        ("--turn", asked.get("turn"), "parts as they were read"),
-        ("--no-verify", asked.get("no_verify"), "programs that are read back"),
-    )
-    for option, value, wanted in excluded:
-        if value:
-            raise click.UsageError(f"found {option} with --machines; expected {wanted}.")
 
 
 def told_of(config: Config, shop: Shop) -> tuple[Diagnostic, ...]:

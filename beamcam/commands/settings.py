@@ -7,6 +7,7 @@ above and of the user, the nearest first   over   the defaults; the same for eve
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
+import click
 from msgspec.structs import replace
 
 from beamcam.budget import set_limits
@@ -297,6 +298,19 @@ def machines_of_split(config: Config) -> tuple[Machine, ...]:
         _told(name, _as_asked(machine, config, cuts_sheets), config)
         for name, machine in zip(config.split, found, strict=True)
     )
+
+
+def check_split(config: Config, asked: Mapping[str, Any]) -> None:
+    """Raises UsageError for what excludes that several machines make a part."""
+    excluded = (
+        ("--machine", asked.get("machine"), "one of the two"),
+        ("a quantity", config.quantity, "programs of one piece, each run as often as needed"),
+        ("--turn", asked.get("turn"), "parts as they were read"),
+        ("--no-verify", asked.get("no_verify"), "programs that are read back"),
+    )
+    for option, value, wanted in excluded:
+        if value:
+            raise click.UsageError(f"found {option} with --machines; expected {wanted}.")
 
 
 def _told(name: str, machine: Machine, config: Config) -> Machine:
