@@ -65,8 +65,8 @@ def lists(
     """The part list of parts, and the bars of stock that they are cut from, first fit.
 
     They are those of the plans by which `post` makes the parts: on `machine`, or on the first that
-    is shipped for their stock and makes them, `by` "time" on the quickest. A part that none makes is in the list with its
-    reason, and on no bar. `lengths` are those in store, in mm; `remnants` are there once each, as
+    is shipped for their stock and makes them, `by` "time" on the quickest. A part that none makes
+    is in the list with its reason, and on no bar. `lengths` are those in store, in mm; `remnants` are there once each, as
     4300 or "UPN200/S235JR=4300"; `quantity` is "file", as each part says, or a number.
     Raises AskError, MachineError, LimitError for more than `limits.pieces`, and PlanError for a
     remnant that may be of several sections.
