@@ -66,10 +66,10 @@ def lists(
 
     They are those of the plans by which `post` makes the parts: on `machine`, or on the first that
     is shipped for their stock and makes them, `by` "time" on the quickest. A part that none makes
-    is in the list with its reason, and on no bar. `lengths` are those in store, in mm; `remnants` are there once each, as
-    4300 or "UPN200/S235JR=4300"; `quantity` is "file", as each part says, or a number.
-    Raises AskError, MachineError, LimitError for more than `limits.pieces`, and PlanError for a
-    remnant that may be of several sections.
+    is in the list with its reason, and on no bar. `lengths` are those in store, in mm; `remnants`
+    are there once each, as 4300 or "UPN200/S235JR=4300"; `quantity` is "file", as each part says,
+    or a number. Raises AskError, MachineError, LimitError for more than `limits.pieces`, and
+    PlanError for a remnant that may be of several sections.
     """
     check_asked(skips=skips)
     check_choice("by", by, get_args(ChosenBy))
