@@ -1,8 +1,9 @@
 """Output files: whole, or not at all."""
 
+import errno
 import os
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import partial
 
@@ -122,6 +123,56 @@ def write_new(folder: str, name: str, data: bytes) -> bool:
     try:
         _write(file, data)
         return _link(file, f"{folder}/{name}")
+    finally:
+        os.close(file)
+
+
+def write_together(files: Mapping[str, bytes], durable: bool = True) -> None:
+    """Write plain files by their paths so that all of them stand in the end, or none is new.
+
+    Each is whole under a temporary name before the last takes its own, and the others after it.
+    Where that fails in mid way those that have theirs are removed: what goes together is never
+    found in part. Raises OSError.
+    """
+    parts: dict[str, str] = {}  #: temporary name -> path
+    named: list[str] = []
+
+    def undo() -> None:
+        for path in (*parts, *named):
+            with suppress(OSError):
+                os.unlink(path)
+
+    with taken_back(undo):
+        try:
+            for k, (path, data) in enumerate(files.items()):
+                target = os.path.realpath(path) if os.path.islink(path) else path
+                mode = _mode(target)
+                if mode is not None and not stat.S_ISREG(mode):
+                    raise OSError(errno.EEXIST, "no plain file")
+                folder, name = os.path.split(target)
+                part = os.path.join(folder, f".{name[:40]}.{os.getpid()}-{k}.part")
+                parts[part] = target
+                _write_named(part, data, mode, durable)
+            for part, target in reversed(parts.items()):
+                replace_file(part, target)
+                named.append(target)
+            named.clear()
+        except BaseException:
+            undo()
+            raise
+
+
+def _write_named(path: str, data: bytes, mode: int | None, durable: bool) -> None:
+    """Write a new file under its name, in place of one that was left there."""
+    with suppress(FileNotFoundError):
+        os.unlink(path)
+    file = os.open(path, _NEW, 0o666)
+    try:
+        _write(file, data)
+        if mode is not None:
+            os.chmod(path, mode & 0o777)
+        if durable:
+            os.fsync(file)
     finally:
         os.close(file)
 

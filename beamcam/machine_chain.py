@@ -15,7 +15,7 @@ from beamcam.model.plan import NOT_MADE, AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.begun import begun_part
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.posts import post_of
+from beamcam.posts import plan_seconds, post_of
 
 LONGEST = 3  #: machines of a chain
 
@@ -32,7 +32,8 @@ def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Link, ...]:
     """The shortest chain that makes the only part of a request, of 3 machines at most, or none.
 
     The last one leaves out only what the request allows. Of machines that leave equally many
-    features the first in order is taken, and none twice.
+    features the first in order is taken, or the quickest where the request is `by` time, and none
+    twice.
     """
     (part,) = request.parts
     for count in range(1, min(len(machines), LONGEST) + 1):
@@ -45,16 +46,22 @@ def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Link, ...]:
 def _chains(
     request: Request, part: Part, machines: Sequence[Machine], count: int
 ) -> Iterator[tuple[Link, ...]]:
-    """The chains of so many machines."""
-    plans: list[tuple[int, Machine, AnyPlan]] = []
+    """The chains of so many machines.
+
+    In order none is planned on behind the first that by itself leaves nothing.
+    """
+    plans: list[tuple[int, float, Machine, AnyPlan]] = []
     for machine in machines:
         skips = request.skips if count == 1 else SKIP_NAMES
-        plan = _planned(request, part, machine, skips)
-        if plan is not None:
+        planned = _planned(request, part, machine, skips)
+        if planned is not None:
+            plan, seconds = planned
             left = sum(outcome.how in NOT_MADE for outcome in plan.outcomes)
-            plans.append((left, machine, plan))
-    plans.sort(key=lambda one: one[0])
-    for left, machine, plan in plans:
+            plans.append((left, seconds, machine, plan))
+            if not left and count == 1 and request.by == "order":
+                break
+    plans.sort(key=lambda one: one[:2])
+    for left, _, machine, plan in plans:
         if count == 1:
             yield (Link(machine, part, request.skips),)
             continue
@@ -70,10 +77,15 @@ def _chains(
 
 def _planned(
     request: Request, part: Part, machine: Machine, skips: Sequence[str]
-) -> AnyPlan | None:
-    """The plan of one such part; None where the machine refuses it."""
+) -> tuple[AnyPlan, float] | None:
+    """The plan of one such part and its seconds, 0 where time does not count.
+
+    None where the machine refuses it.
+    """
     asked = replace(request, parts=(part,), machine=machine, skips=tuple(skips), quantity=None)
+    job = Job(asked, (0,), max(request.stock, default=None))
     try:
-        return post_of(machine).plan(Job(asked, (0,), max(request.stock, default=None)))
+        plan = post_of(machine).plan(job)
+        return plan, plan_seconds(plan, job) if request.by == "time" else 0.0
     except PlanError:
         return None

@@ -1,21 +1,24 @@
-"""The machine that makes parts, of those in a shop: the first in order that makes all of them."""
+"""The machine that makes parts, of those in a shop: the one that leaves out fewest features."""
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from typing import TypeVar, overload
+from typing import Generic, Protocol, TypeVar, overload
 
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, error, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.model.request import Request
-
-Made = TypeVar("Made")
+from beamcam.model.plan import AnyPlan, clock
+from beamcam.model.request import Job, Request
+from beamcam.posts import plan_seconds
 
 CHOSEN = note("plan-machine",
     "made on {found}; {others}",
     "Where no machine is named, those of the configuration, or else the shipped ones, are tried in "
-    "their order. The first that makes all of a part takes it. --machine names one.")  # fmt: skip
+    "their order. The first that makes all of a part takes it, under --by time the quickest of "
+    "those that do; where none does, the one that leaves out fewest of the features that may be "
+    "left out. --machine names one.")  # fmt: skip
 NONE_MAKES_IT = error("plan-no-machine",
     "found no machine that makes the whole part ({found}); expected one",
     "Each machine that was tried is listed with the codes of what it cannot make. The messages "
@@ -47,46 +50,85 @@ class InTurn(Sequence[Machine]):
         return self._loaded[name]
 
 
-def first_that_makes(
-    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Made]
-) -> tuple[Made, tuple[Diagnostic, ...]]:
-    """What `attempt` gives for the first machine that it is not refused on; a note of the choice.
+class Work(Protocol):
+    """A program as it is planned."""
 
-    A machine that makes all of the parts goes before one that leaves out what is allowed. Only what
-    a machine cannot make (PlanError) has the next one tried. Where none makes it the PlanError has
-    what the one said that lacks least, and for each machine why.
+    @property
+    def job(self) -> Job:
+        """What it makes, and on which machine."""
+
+    @property
+    def plan(self) -> AnyPlan:
+        """How it does."""
+
+
+Made = TypeVar("Made", bound=Work)
+
+
+class Able(Struct, Generic[Made]):
+    """A machine that is not refused what is asked for, and the programs that it makes of it."""
+
+    machine: Machine
+    made: Sequence[Made]
+    left_out: int  #: features, as is allowed
+    seconds: float | None  #: of all programs; None where time does not count
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """The less, the better."""
+        return self.left_out, self.seconds or 0.0
+
+    def __str__(self) -> str:
+        """What it leaves out and how long it takes, as far as either counts."""
+        words = [f"leaves out {self.left_out}"] if self.left_out else []
+        words += [] if self.seconds is None else [clock(self.seconds)]
+        return f"{self.machine.name} ({', '.join(words)})" if words else self.machine.name
+
+
+def on_best_machine(
+    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Sequence[Made]]
+) -> tuple[Sequence[Made], tuple[Diagnostic, ...]]:
+    """What `attempt` gives on the machine that leaves out fewest features; a note of the choice.
+
+    Of equal ones that is the first in order, or the quickest where the request is `by` time. A
+    machine that makes all of the parts goes before one that leaves out what is allowed. In order
+    no machine behind the first that makes all is planned on, or loaded. Only what a machine cannot
+    make (PlanError) has another one taken. Where none makes it the PlanError has what the one said
+    that lacks least, and for each machine why.
     """
-    source = request.parts[0].source if request.parts else Source("beamcam")
     if request.skips and len(machines) > 1:
         with suppress(PlanError):
-            machine, _, said = _first(replace(request, skips=()), machines, attempt, source)
-            return attempt(replace(request, machine=machine)), said
-    _, made, said = _first(request, machines, attempt, source)
-    return made, said
+            best, said = _best(replace(request, skips=()), machines, attempt)
+            return attempt(replace(request, machine=best.machine)), said
+    best, said = _best(request, machines, attempt)
+    return best.made, said
 
 
-def _first(
-    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Made],
-    source: Source,
-) -> tuple[Machine, Made, tuple[Diagnostic, ...]]:  # fmt: skip
+def _best(
+    request: Request, machines: Sequence[Machine], attempt: Callable[[Request], Sequence[Made]]
+) -> tuple[Able[Made], tuple[Diagnostic, ...]]:
+    source = request.parts[0].source if request.parts else Source("beamcam")
+    by_time = request.by == "time" and len(machines) > 1
+    able: list[Able[Made]] = []
     refused: list[tuple[Machine, tuple[Diagnostic, ...]]] = []
     for machine in machines:
         try:
             made = attempt(replace(request, machine=machine))
+            seconds = sum(plan_seconds(one.plan, one.job) for one in made) if by_time else None
         except PlanError as error:
             refused.append((machine, tuple(error.diagnostics)))
             continue
-        said = (chosen(machine, refused, source),) if refused else ()
-        return machine, made, said
-    raise PlanError(none_makes_it(refused, source))
-
-
-def chosen(
-    machine: Machine, refused: Iterable[tuple[Machine, Sequence[Diagnostic]]], source: Source
-) -> Diagnostic:
-    """The note that a later machine in the order takes a part."""
-    others = "; ".join(f"{m.name} cannot: {_codes(said)}" for m, said in refused)
-    return CHOSEN.at(source, found=machine.name, others=others)
+        if not (by_time or request.skips):
+            able.append(Able(machine, made, 0, None))
+            break
+        left_out = sum(o.how == "skipped" for one in made for o in one.plan.outcomes)
+        able.append(Able(machine, made, left_out, seconds))
+    if not able:
+        raise PlanError(none_makes_it(refused, source))
+    best = min(able, key=lambda one: one.rank)  # the first of equal ones
+    others = [str(one) for one in able if one is not best]
+    others += [f"{machine.name} cannot: {_codes(said)}" for machine, said in refused]
+    return best, (CHOSEN.at(source, found=best, others="; ".join(others)),) if others else ()
 
 
 def none_makes_it(

@@ -263,10 +263,16 @@ def post(
     return finished(begun)
 
 
-class Begun(Struct, frozen=True):
-    """A program that was planned, and the stages of its post behind the plan."""
+class Planned(Struct, frozen=True):
+    """One program of a request as it is planned."""
 
     job: Job
+    plan: AnyPlan
+
+
+class Begun(Planned, frozen=True):
+    """A program that was planned, and the stages of its post behind the plan."""
+
     stages: Generator[str, None, Posted]
 
 
@@ -298,9 +304,9 @@ def begin_share(
     """
 
     def planned(job: Job) -> Begun:
-        stages = posting(job)
-        stage(next(stages))  # the plan, which is all that a bar can be too short for
-        return Begun(job, stages)
+        plan = post_of(job.machine).plan(job)  # which is all that a bar can be too short for
+        stage(f"planned {len(plan.operations)} operation(s)")
+        return Begun(job, plan, posting(job, plan))
 
     return _on_shortest(request, share, planned, program)
 
@@ -316,13 +322,6 @@ def _on_shortest(
     return from_store(
         lambda bar: make(Job(request, share.pieces, bar, *program)), share.lengths, longest
     )
-
-
-class Planned(Struct, frozen=True):
-    """One program of a request as it is planned."""
-
-    job: Job
-    plan: AnyPlan
 
 
 def plan_share(request: Request, share: Share) -> Planned:
@@ -351,12 +350,10 @@ def finished(begun: Begun, stage: Stage = untold) -> Posted:
             return posted
 
 
-def posting(job: Job) -> Generator[str, None, Posted]:
-    """The program of a job stage by stage, planning first: yields each one when it is done."""
+def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
+    """The program of a job by its plan, stage by stage: yields each one when it is done."""
     request = job.request
     kind = post_of(job.machine)
-    plan = kind.plan(job)
-    yield f"planned {len(plan.operations)} operation(s)"
     remarks = remarks_on(plan, job.machine, request.strict)
     program = kind.motion(plan, job.machine, request.name)
     by_hand = sum(1 for _ in by_hand_sources(plan))

@@ -38,6 +38,13 @@ def post_of(machine: Machine) -> Post:
     return _row(machine.stock, machine.controller)
 
 
+def plan_seconds(plan: AnyPlan, job: Job) -> float:
+    """How long the machine of a job works by a plan, s. Raises PlanError as `motion` does."""
+    kind = post_of(job.machine)
+    program = kind.motion(plan, job.machine, job.request.name)
+    return kind.time(plan, program, job.machine).total_s
+
+
 @cached("machine.post")
 def _row(stock: str, controller: str) -> Post:
     return POSTS[stock, controller]()

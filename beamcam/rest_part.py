@@ -6,7 +6,9 @@
 The rest is read again before it is written: program and rest together are the part.
 """
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -14,15 +16,18 @@ from msgspec.structs import replace
 from beamcam import readers
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.machine_chain import chain_of
+from beamcam.machine_chain import Link, chain_of
 from beamcam.machine_choice import none_makes_it
-from beamcam.model.part import Feature, Part
-from beamcam.model.plan import NOT_MADE, unfinished
+from beamcam.model.part import Feature, Part, Plane
+from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
+from beamcam.planning.left_out import BY_HAND, LEFT_OUT
 from beamcam.verify.begun import rest_faults
 from beamcam.writers import Target
+
+Sourced = TypeVar("Sourced", Part, Feature, Plane)  #: what says where it comes from
 
 REST = note("plan-rest",
     "the rest of the part, {found} feature(s), is written; the piece that comes has finished ends",
@@ -53,12 +58,24 @@ def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:
     if not missing:
         return None
     begun = begun_part(part, posted.plan, job.machine)
-    text = target.write(begun)
+    text = target.write(_without_folder(begun))
     rest = _read(text, target)
     faults = tuple(rest_faults(_placed(_read(target.write(part), target), part), rest, missing))
     if faults:
         raise VerifyError(faults)
     return _placed(rest, begun), text
+
+
+def _without_folder(part: Part) -> Part:
+    """A part whose sources name the file alone: what is written is the same from any folder."""
+    name = os.path.basename(part.source.file)
+
+    def named(things: Iterable[Sourced]) -> tuple[Sourced, ...]:
+        return tuple(replace(one, source=replace(one.source, file=name)) for one in things)
+
+    made = None if part.made is None else named(part.made)
+    (whole,) = named((part,))
+    return replace(whole, features=named(part.features), planes=named(part.planes), made=made)
 
 
 def _placed(again: Part, part: Part) -> Part:
@@ -77,36 +94,53 @@ class Stage(Struct, frozen=True):
 
     posted: Posted
     rest: str = ""  #: the text of the file; "" of the last
+    passed_on: int = 0  #: features in it
+
+    @property
+    def plan(self) -> AnyPlan:
+        """The plan with the outcomes of what the next machine does not get."""
+        plan = self.posted.plan
+        if not self.rest:
+            return plan
+        return replace(plan, outcomes=tuple(o for o in plan.outcomes if o.how not in NOT_MADE))
+
+    @property
+    def remarks(self) -> tuple[Diagnostic, ...]:
+        """The remarks on the program, but on what the next machine gets."""
+        left = (LEFT_OUT.code, BY_HAND.code) if self.rest else ()
+        return tuple(one for one in self.posted.remarks if one.code not in left)
 
 
-def split_part(
-    request: Request, machines: Sequence[Machine], target: Target
-) -> tuple[list[Stage], tuple[Diagnostic, ...]]:
-    """The programs that make the only part of a request on several machines, in order; a note.
-
-    Each part but the first is the rest that the program before leaves, as it is read again. Raises
-    PlanError where no chain of the machines makes it, and as `begin`, `finished` and
-    `rest_of_part` do.
-    """
-    (part,) = request.parts
+def chain_for(
+    request: Request, machines: Sequence[Machine]
+) -> tuple[tuple[Link, ...], tuple[Diagnostic, ...]]:
+    """The chain that makes the only part of a request, and a note. Raises PlanError for none."""
     chain = chain_of(request, machines)
     if not chain:
         raise PlanError(_refused(request, machines))
-    stages: list[Stage] = []
+    names = ", then ".join(link.machine.name for link in chain)
+    return chain, (SPLIT.at(request.parts[0].source, found=len(chain), machines=names),)
+
+
+def stages_of(request: Request, chain: Sequence[Link], target: Target) -> Iterator[Stage]:
+    """The programs of a chain for the only part of a request, in order.
+
+    Each part but the first is the rest that the program before leaves, as it is read again. Raises
+    as `begin`, `finished` and `rest_of_part` do.
+    """
+    (part,) = request.parts
     for k, link in enumerate(chain, 1):
         asked = replace(request, parts=(part,), machine=link.machine, skips=link.skips)
         (begun,) = begin(asked)
         posted = finished(begun)
         if k == len(chain):
-            stages.append(Stage(posted))
-            break
+            yield Stage(posted)
+            return
         found = rest_of_part(posted, target)
         if found is None:
             raise AssertionError("a machine of a chain leaves nothing")
         part, text = found
-        stages.append(Stage(posted, text))
-    names = ", then ".join(link.machine.name for link in chain)
-    return stages, (SPLIT.at(request.parts[0].source, found=len(chain), machines=names),)
+        yield Stage(posted, text, len(part.features))
 
 
 def _refused(request: Request, machines: Sequence[Machine]) -> tuple[Diagnostic, ...]:

@@ -332,7 +332,7 @@ ELSEWHERE = {
     "output", "config_file", "trust", "quiet", "verbose", "as_json", "quantity", "exit_left_out",
     "schema", "against", "colours", "no_verify", "first", "inputs", "program", "a", "b", "show",
     "help", "every", "contour", "frame", "encoder", "name", "modbus", "serve", "pace", "machine",
-    "source", "rest_name",
+    "source", "rest_name", "by",
 }  # fmt: skip
 CALLED = {
     "no_verify": "read_back", "first": "from_operation", "contour": "from_contour",

@@ -270,6 +270,7 @@ def test_reports(jobs: Path, tmp_path: Path) -> None:
         "duplicate": 0,
         "listed": 0,
         "skipped": 0,
+        "passed_on": 0,
     }
     assert first["tools"] == ["drill 18", "saw"]
     assert first["output"] == "A/P000.gcode"

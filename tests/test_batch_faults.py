@@ -23,6 +23,7 @@ from beamcam.batch.record import RECORD_NAME
 from beamcam.batch.work import FileResult, Task
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine import load
+from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job
 from beamcam.pipeline import Posted
 from tests.conftest import ROOT
@@ -242,8 +243,8 @@ def test_the_files_of_a_chunk_go_from_stage_to_stage_together(
     told: list[tuple[str, str]] = []
     real = pipeline.posting
 
-    def posting(asked: Job) -> Generator[str, None, Posted]:
-        stages = real(asked)
+    def posting(asked: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
+        stages = real(asked, plan)
         while True:
             try:
                 stage = next(stages)
@@ -257,7 +258,7 @@ def test_the_files_of_a_chunk_go_from_stage_to_stage_together(
     tasks = [Task(k, f"{k}.nc1", text.encode()) for k, text in enumerate(texts)]
     shop = Shop(load("beamline"), clock=itertools.count().__next__)
     made = work.make_all(tasks, shop)
-    stages = ("planned", "put", "printed", "read")
+    stages = ("put", "printed", "read")  # behind the plan
     assert told == [(stage, mark) for stage in stages for mark in "AB"]
     assert [one.row["status"] for one in made] == ["posted", "refused", "posted"]
     # Between two looks at the clock is one stage: reading, four here, and the account of it all.
@@ -273,11 +274,11 @@ def test_a_fault_of_the_program_is_one_of_its_file(
     fill(tmp_path / "in", 3)
     real = pipeline.posting
 
-    def posting(asked: Job) -> Generator[str, None, Posted]:
-        yield "planned"
+    def posting(asked: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
+        yield "begun"
         if asked.parts[0].mark == "P1":
             raise AssertionError("the ledger does not balance")
-        return (yield from real(asked))
+        return (yield from real(asked, plan))
 
     monkeypatch.setattr(pipeline, "posting", posting)
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 1)

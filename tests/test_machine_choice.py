@@ -1,18 +1,28 @@
-"""Which machine takes a part where none is named: the first of its shop that makes all of it."""
+"""Which machine takes a part where none is named: the one that leaves out fewest features."""
 
 import json
+import re
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
+from beamcam import machine_choice
+from beamcam.api import lists
+from beamcam.asked import AskError
 from beamcam.cli import main
 from beamcam.errors import PlanError, Source
 from beamcam.machine import load
-from beamcam.machine_choice import RULES, first_that_makes
-from beamcam.model.request import Request
+from beamcam.machine.names import default_machines
+from beamcam.machine_choice import RULES, on_best_machine
+from beamcam.model.plan import Outcome, clock
+from beamcam.model.request import ChosenBy, Job, Request
+from beamcam.pipeline import Planned, plans_of, post, read_file, stock_of
 from beamcam.planning.rules import BAR_FULL
 from tests.conftest import ROOT
 
@@ -26,38 +36,85 @@ def run(*words: object) -> Result:
     return CliRunner().invoke(main, [str(word) for word in words])
 
 
+class Attempts:
+    """Plans of no part, with so many outcomes that are left out by each machine; None refuses."""
+
+    def __init__(self, left_out: Sequence[int | None]) -> None:
+        self._left_out = dict(zip((machine.name for machine in MACHINES), left_out, strict=True))
+        self.tried: list[str] = []
+
+    def __call__(self, request: Request) -> list[Planned]:
+        name = request.machine.name
+        self.tried.append(name)
+        count = self._left_out[name]
+        if count is None or (count and not request.skips):
+            raise PlanError(BAR_FULL.at(HERE, found=1, expected=2))
+        outcomes = tuple(Outcome((0, k), "skipped", "plan-slot") for k in range(count))
+        return [Planned(Job(request, ()), replace(NOTHING, outcomes=outcomes))]
+
+
+NOTHING = plans_of(Request(read_file(str(GOOD / "tie.nc1")).parts, MACHINES[0]))[0].plan
+LEFT = st.lists(st.none() | st.integers(0, 3), min_size=3, max_size=3)
+
+
 @given(st.lists(st.booleans(), min_size=3, max_size=3))
 def test_the_first_that_makes_it_takes_it(can: list[bool]) -> None:
-    able = dict(zip((machine.name for machine in MACHINES), can, strict=True))
-    tried: list[str] = []
-
-    def attempt(request: Request) -> str:
-        name = request.machine.name
-        tried.append(name)
-        if not able[name]:
-            raise PlanError(BAR_FULL.at(HERE, found=1, expected=2))
-        return name
-
+    attempt = Attempts([0 if able else None for able in can])
     if not any(can):
         with pytest.raises(PlanError) as caught:
-            first_that_makes(REQUEST, MACHINES, attempt)
+            on_best_machine(REQUEST, MACHINES, attempt)
         *first, last = caught.value.diagnostics
         assert ([d.code for d in first], last.code) == (["plan-bar-full"], "plan-no-machine")
         assert all(machine.name in last.message for machine in MACHINES)
         return
-    made, said = first_that_makes(REQUEST, MACHINES, attempt)
-    assert made == next(name for name, able_ in able.items() if able_)
-    assert tried == list(able)[: list(able).index(made) + 1]
-    assert [d.code for d in said] == (["plan-machine"] if len(tried) > 1 else [])
+    (made,), said = on_best_machine(REQUEST, MACHINES, attempt)
+    assert made.job.machine is MACHINES[can.index(True)]
+    # Nothing behind it is planned.
+    assert attempt.tried == [machine.name for machine in MACHINES[: can.index(True) + 1]]
+    assert [d.code for d in said] == (["plan-machine"] if can.index(True) else [])
     assert {rule.code for rule in RULES} == {"plan-machine", "plan-no-machine"}
 
 
+@given(
+    LEFT, st.lists(st.integers(1, 3), min_size=3, max_size=3), st.sampled_from(["order", "time"])
+)
+def test_the_machine_with_the_least_rank_takes_it(
+    left: list[int | None], times: list[int], by: ChosenBy
+) -> None:
+    """Fewest features left out, then the least time if asked for, then the order."""
+    seconds = dict(zip((machine.name for machine in MACHINES), times, strict=True))
+    request = replace(REQUEST, skips=("slot",), by=by)
+    attempt = Attempts(left)
+    ranks = [
+        (count, seconds[machine.name] if by == "time" else 0, k)
+        for k, (machine, count) in enumerate(zip(MACHINES, left, strict=True))
+        if count is not None
+    ]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            machine_choice, "plan_seconds", lambda _, job: float(seconds[job.machine.name])
+        )
+        if not ranks:
+            with pytest.raises(PlanError):
+                on_best_machine(request, MACHINES, attempt)
+            return
+        (made,), said = on_best_machine(request, MACHINES, attempt)
+    best = min(ranks)
+    assert made.job.machine is MACHINES[best[2]]
+    assert made.job.request.skips == ("slot",)
+    assert said or (by, best[2]) == ("order", 0)
+    for one in said:
+        assert one.message.startswith(f"made on {MACHINES[best[2]].name}")
+        others = [m.name for k, m in enumerate(MACHINES) if k != best[2]]
+        assert by == "order" or all(name in one.message for name in others)
+
+
 def test_one_machine_alone_says_what_it_always_said() -> None:
-    def refused(request: Request) -> None:
+    def refused(request: Request) -> list[Planned]:
         raise PlanError(BAR_FULL.at(HERE, found=1, expected=2))
 
     with pytest.raises(PlanError) as caught:
-        first_that_makes(REQUEST, MACHINES[:1], refused)
+        on_best_machine(REQUEST, MACHINES[:1], refused)
     assert [d.code for d in caught.value.diagnostics] == ["plan-bar-full"]
 
 
@@ -73,6 +130,80 @@ def test_a_slot_goes_to_the_machine_with_a_mill_and_is_read_back_there(tmp_path:
         assert again.exit_code == 0, again.stdout + again.stderr
     plan = run("plan", BAD / "slot.nc1", "--json")
     assert json.loads(plan.stdout)["machine"] == "beamline-pusher"
+
+
+def test_the_quickest_takes_it_where_time_is_asked_for(tmp_path: Path) -> None:
+    """The order names the slower one first; both make it. What is said are the times of `post`."""
+    config = tmp_path / "beamcam.toml"
+    config.write_text('[machines]\nbeam = ["beamline-pusher", "beamline"]\n')
+    words = (GOOD / "tie.nc1", "--config", config, "-o")
+    job = tmp_path / "job.gcode"
+    done = run("post", *words, job)
+    assert ("MACHINE beamline-pusher" in job.read_text("ascii"), "plan-machine" in done.stderr) == (
+        True, False,
+    )  # fmt: skip
+    slow = clock(
+        post(read_file(str(GOOD / "tie.nc1")).parts, MACHINES[1]).time(MACHINES[1]).total_s
+    )
+    done = run("post", *words, job, "--by", "time")
+    assert "MACHINE beamline " in job.read_text("ascii")
+    (quick,) = re.findall(r"job.gcode: .*, ([0-9:]+ (?:min|s)); read back", done.stderr)
+    said = f"note plan-machine: made on beamline ({quick}); beamline-pusher ({slow})"
+    assert said in done.stderr
+    for command in ("plan", "batch", "report"):
+        end = {"plan": "-", "batch": tmp_path / "out", "report": tmp_path / "sheet.html"}[command]
+        done = run(command, *words, end, "--by", "time", "-v")
+        assert said in done.stderr, (command, done.stderr)
+    config.write_text(f'by = "time"\n{config.read_text()}')
+    assert run("post", *words, job).exit_code == 0
+    assert "MACHINE beamline " in job.read_text("ascii")
+    assert run("post", *words, job, "--by", "order").exit_code == 0
+    assert "MACHINE beamline-pusher" in job.read_text("ascii")
+    table = run("list", *words[:3], "--json")
+    assert '"beamline"' in table.stdout
+    parts = read_file(str(GOOD / "tie.nc1")).parts
+    assert [lists(parts, by=by).parts.rows[0] for by in ("order", "time")] == [
+        lists(parts, "beamline").parts.rows[0]
+    ] * 2
+    with pytest.raises(AskError):
+        lists(parts, by="speed")  # type: ignore[arg-type]
+
+
+def test_time_counts_all_programs_of_a_quantity(tmp_path: Path) -> None:
+    job = tmp_path / "job.gcode"
+    words = ("post", GOOD / "tie.nc1", "-o", job, "--by", "time", "--quantity", "8")
+    said = run(*words, "--bar", "1500").stderr
+    times = re.findall(r"job-\d.gcode: .*, (\d+):(\d+) min; read back", said)
+    (told,) = re.findall(r"made on beamline \((\d+):(\d+) min\)", said)
+    assert len(times) > 1
+    assert abs(sum(60 * int(m) + int(s) for m, s in times) - 60 * int(told[0]) - int(told[1])) <= 2
+
+
+def test_where_none_makes_all_the_one_that_leaves_least_takes_it(tmp_path: Path) -> None:
+    """Of the slot and the cope the pusher makes the slot; the beamline, first in order, neither."""
+    part = read_file(str(BAD / "cope.nc1")).parts[0]
+    slot = read_file(str(BAD / "slot.nc1")).parts[0].features[0]
+    request = Request(
+        (replace(part, features=(*part.features, slot)),), MACHINES[0], ("cope", "slot")
+    )
+    (made,), (said,) = on_best_machine(request, MACHINES[:2], plans_of)
+    assert made.job.machine.name == "beamline-pusher"
+    assert said.message == "made on beamline-pusher (leaves out 1); beamline (leaves out 2)"
+
+
+def test_the_shipped_lists_have_the_quicker_machine_first() -> None:
+    """So that their order, which costs one plan, is that of time."""
+    compared = 0
+    for path in sorted(GOOD.glob("*.nc1")):
+        (part,) = read_file(str(path)).parts
+        machines = [load(name) for name in default_machines(stock_of((part,)))]
+        with suppress(PlanError):
+            request = Request((part,), machines[0])
+            (first, *_), _ = on_best_machine(request, machines, plans_of)
+            (quickest, *_), _ = on_best_machine(replace(request, by="time"), machines, plans_of)
+            assert first.job.machine is quickest.job.machine, path
+            compared += 1
+    assert compared >= 8
 
 
 def test_what_nobody_makes_says_why_of_each() -> None:

@@ -224,8 +224,9 @@ def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch
 
 
 def test_every_key_is_tried() -> None:
-    # test_batch, test_batch_cluster, test_budget, test_trust
-    elsewhere = {"flat", "jobs", "dask", "limits", "trust"}
+    # test_batch, test_batch_cluster, test_budget, test_trust, test_machine_choice,
+    # test_batch_machines
+    elsewhere = {"flat", "jobs", "dask", "limits", "trust", "by", "split"}
     assert {*CASES, *REFUSALS, *elsewhere} == set(ConfigFile.__struct_fields__)
 
 

@@ -1,7 +1,7 @@
 """Part lists, cutting lists and labels from Python, as the shop's commands write them."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -19,10 +19,10 @@ from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.machine.machine import Machine
 from beamcam.machine.names import default_machines
-from beamcam.machine_choice import InTurn, first_that_makes
+from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import stock_used
-from beamcam.model.request import Quantity, Remnant, Request, remnant_of
+from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
 from beamcam.planning.jobs import LotKey, Share, number_of, remnants_of, shares_of
 from beamcam.planning.rules import named_skips
@@ -60,17 +60,19 @@ def lists(
     remnants: Collection[str | float] = (),
     quantity: Quantity = "file",
     skips: Collection[str] = (),
+    by: ChosenBy = "order",
 ) -> Lists:
     """The part list of parts, and the bars of stock that they are cut from, first fit.
 
     They are those of the plans by which `post` makes the parts: on `machine`, or on the first that
-    is shipped for their stock and makes them. A part that none makes is in the list with its
-    reason, and on no bar. `lengths` are those in store, in mm; `remnants` are there once each, as
-    4300 or "UPN200/S235JR=4300"; `quantity` is "file", as each part says, or a number.
-    Raises AskError, MachineError, LimitError for more than `limits.pieces`, and PlanError for a
-    remnant that may be of several sections.
+    is shipped for their stock and makes them, `by` "time" on the quickest. A part that none makes
+    is in the list with its reason, and on no bar. `lengths` are those in store, in mm; `remnants`
+    are there once each, as 4300 or "UPN200/S235JR=4300"; `quantity` is "file", as each part says,
+    or a number. Raises AskError, MachineError, LimitError for more than `limits.pieces`, and
+    PlanError for a remnant that may be of several sections.
     """
     check_asked(skips=skips)
+    check_choice("by", by, get_args(ChosenBy))
     for length in lengths:
         check_asked(bar=length)
     _check_quantity(quantity)
@@ -90,7 +92,7 @@ def lists(
     if not counts:
         return Lists(part_list(()), bar_list(()), cutting_list(()), ())
     first = machines_for(counts[0].part)[0]
-    asked = Request((), first, named_skips(skips), stock=tuple(sorted(lengths)))
+    asked = Request((), first, named_skips(skips), stock=tuple(sorted(lengths)), by=by)
     counts = planned_counts(counts, machines_for, asked, there)
     counts, bars = bars_of(counts, machines_for, asked, there)
     return Lists(part_list(counts), bar_list(bars), cutting_list(bars), not_made(counts))
@@ -169,7 +171,7 @@ def planned_counts(
 def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> PartCount:
     request = replace(asked, parts=(one.part,), machine=machines[0], quantity=1)
     try:
-        (planned, *_), _ = first_that_makes(request, machines, plans_of)
+        (planned, *_), _ = on_best_machine(request, machines, plans_of)
     except PlanError as error:
         return replace(one, refused=tuple(error.diagnostics))
     kinds = [row["kind"] for row in hand_rows(planned.plan)]
@@ -251,7 +253,7 @@ def programs_of(
     Raises PlanError where no machine makes it.
     """
     request = replace(asked, parts=(part,), machine=machines[0])
-    planned, _ = first_that_makes(request, machines, plans_of)
+    planned, _ = on_best_machine(request, machines, plans_of)
     return planned[0].job.machine, tuple(len(one.job.pieces) for one in planned)
 
 

@@ -107,6 +107,26 @@ def output_name(
     return "/".join(map(free_of_devices, template.format_map(values).split("/")))
 
 
+def stage_names(
+    template: str | None, stem: str, part: Part, number: int, several: bool, machine: Machine,
+    place: int, rest_suffix: str,
+) -> tuple[str, str]:  # fmt: skip
+    """Names of the program that makes a part at a `place` among others, and of what it leaves.
+
+    As M58-1-beamline.gcode and M58-1-rest.nc1; by a template as it says, the place before the
+    suffix. Place 0 is that of a program that makes the part by itself: its name as any, and none.
+    """
+    name = output_name(template, stem, part, number, several, machine)
+    if not place:
+        return name, ""
+    root = name.removesuffix(machine.suffix)
+    of_machine = f"-{cleaned(machine.name)}" if template is None else ""
+    suffix = name[len(root) :]
+    if not suffix and "." in root:  # the template ends otherwise
+        root, suffix = os.path.splitext(name)
+    return f"{root}-{place}{of_machine}{suffix}", f"{root}-{place}-rest{rest_suffix}"
+
+
 class FileNames:
     """Names of files that were given out, no two of which read the same on any system."""
 

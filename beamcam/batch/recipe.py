@@ -16,11 +16,11 @@ from beamcam.config.values import Config
 from beamcam.report.run import dumped
 from beamcam.system import portable_path
 
-MACHINE = "machine"  #: the option that may be a path
+MACHINE, MACHINES = "machine", "machines"  #: the options that may be paths
 #: Options that say nothing of the programs, or are kept in another way.
 _APART = ("config_file", "trust", "jobs", "as_json")
 #: Values of options that are as if they were not given.
-_DEFAULTS = {"order": "given", "mark_from": "mark"}
+_DEFAULTS = {"order": "given", "mark_from": "mark", "rest_as": "nc1"}
 #: Options whose value means something though it is empty: `--allow-skips none`, `--tree`.
 _MAY_BE_NOTHING = ("skips", "strict", "flat")
 
@@ -48,6 +48,11 @@ def recipe_of(config: Config, asked: Mapping[str, Any], folder: str) -> Recipe:
     machine = config.machine if MACHINE in given else None
     if machine is not None and machine.endswith(".toml"):
         given[MACHINE] = path_from(folder, portable_path(machine))
+    if MACHINES in given:
+        given[MACHINES] = [
+            path_from(folder, portable_path(name)) if name.endswith(".toml") else name
+            for name in config.split
+        ]
     files, own = ([path_from(folder, p) for p in paths] for paths in (config.files, config.own))
     return Recipe(tuple(files), tuple(own), given)
 
@@ -71,6 +76,11 @@ def asked_again(recipe: Recipe, folder: str) -> tuple[ConfigFiles, dict[str, Any
     machine = asked.get(MACHINE)
     if isinstance(machine, str) and machine.endswith(".toml"):
         asked[MACHINE] = path_below(folder, machine)
+    if MACHINES in asked:
+        asked[MACHINES] = tuple(
+            path_below(folder, name) if name.endswith(".toml") else name
+            for name in map(str, asked[MACHINES])
+        )
     beside = tuple(path_below(folder, p) for p in recipe.configs if p not in recipe.own)
     return ConfigFiles(beside, tuple(path_below(folder, p) for p in recipe.own)), asked
 

@@ -28,8 +28,9 @@ from beamcam.batch.names import folded
 from beamcam.batch.recipe import Recipe, path_below, path_from
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
+from beamcam.readers.dstv.reader import MADE
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.report.run import Row, dumped, loaded
+from beamcam.report.run import Row, dumped, loaded, names_in
 from beamcam.system import BINARY
 from beamcam.verify.head import MOST_BEFORE, head_of
 
@@ -37,6 +38,8 @@ RECORD_NAME = ".beamcam-batch.jsonl"
 _TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | BINARY
 _HEAD = b'{"key":"'
 _KEY = slice(len(_HEAD), len(_HEAD) + 64)
+#: In the form that a part has which another machine has begun: of DSTV, and of JSON.
+REST_MARKS = (MADE.encode(), b'"made": {')
 _RECIPE_HEAD = b'{"recipe":"'
 
 
@@ -132,7 +135,12 @@ class Record:
                     with open(path + LIST_SUFFIX, "rb", buffering=0) as file:
                         if file.read() != as_csv(part["by_hand"]).encode("utf-8"):
                             return None
-            if (line["recipe"], line["input"]) != (self._recipe_name, self._input(found)):
+                if part["rest"] is not None:
+                    path = os.path.join(self._folder, part["rest"]["output"])
+                    with open(path, "rb", buffering=0) as file:
+                        if hashlib.sha256(file.read()).hexdigest() != part["rest"]["sha256"]:
+                            return None
+            if (line["recipe"], line["input"]) != (self._recipe_name, self.input_of(found)):
                 self.add(key, row, found)
         except (OSError, ValueError, KeyError, TypeError):
             return None  # the line cannot be used: the file is done again
@@ -140,13 +148,13 @@ class Record:
 
     @property
     def made(self) -> dict[str, str]:
-        """Output -> SHA-256 of it as it was made last. All of the record is read for it, once."""
+        """Program or rest -> SHA-256 of it as it was made last. It reads the record, once."""
         if self._made is None:
             self._made = {}
             with suppress(FileNotFoundError), open(self._path, "rb") as file:
                 for line in file:
                     with suppress(ValueError, KeyError, TypeError, AttributeError):
-                        self._made |= _hashes(loaded(line)["row"])
+                        self._made |= names_in(loaded(line)["row"])
         return self._made
 
     def add(self, key: bytes, row: Row, found: Input) -> None:
@@ -154,7 +162,7 @@ class Record:
         if not self._kept:
             return
         if self._made is not None:
-            self._made |= _hashes(row)
+            self._made |= names_in(row)
         lines = b""
         if self._recipe_line not in self._recipes:
             self._recipes.add(self._recipe_line)
@@ -164,7 +172,7 @@ class Record:
             "outputs": [part["output"] for part in row["parts"]],
             "row": row,
             "recipe": self._recipe_name,
-            "input": self._input(found),
+            "input": self.input_of(found),
             "tree": found.tree,
         }
         lines += dumped(noted) + b"\n"
@@ -177,7 +185,7 @@ class Record:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._torn = False
 
-    def _input(self, found: Input) -> str:
+    def input_of(self, found: Input) -> str:
         """The path of an input from the folder of the outputs."""
         folder, name = os.path.split(found.path)
         if folder not in self._from_here:
@@ -205,8 +213,15 @@ def claims_of(folder: str, inputs: str) -> dict[str, str]:
             path = os.path.abspath(path_below(folder, noted.input))
             if path.startswith(os.path.join(whole, "")):
                 named = os.path.join(inputs, os.path.relpath(path, whole))
-                claims |= dict.fromkeys(map(folded, noted.outputs), named)
+                names = (*noted.outputs, *rests_of(noted))
+                claims |= dict.fromkeys(map(folded, names), named)
     return claims
+
+
+def rests_of(noted: Noted) -> list[str]:
+    """The files between the programs of an input."""
+    rests = (part.get("rest") for part in noted.row["parts"])  # of older versions they have none
+    return [rest["output"] for rest in rests if rest is not None]
 
 
 def _shared(path: str) -> bool:
@@ -228,11 +243,6 @@ def _is_below(output: str) -> bool:
     """Whether a name of a record stays below the folder, as all that batches write do."""
     words = output.replace(os.sep, "/").split("/")
     return bool(output) and ".." not in words and not os.path.isabs(output)
-
-
-def _hashes(row: Row) -> dict[str, str]:
-    """Output -> SHA-256 of the programs of an input."""
-    return {part["output"]: part["sha256"] for part in row["parts"]}
 
 
 def _recipe_named_by(line: bytes) -> bytes:
@@ -327,9 +337,14 @@ class Standing:
         if made is not None:
             is_it = sha256(there).hexdigest() == made
             return "" if is_it else "which was changed since it was made"
-        if there.startswith(LIST_BEGIN) or head_of(there[:MOST_BEFORE].decode("latin-1")):
+        if is_list_or_rest(there) or head_of(there[:MOST_BEFORE].decode("latin-1")):
             return ""
         return "which beamcam did not make"
+
+
+def is_list_or_rest(data: bytes) -> bool:
+    """Whether a file was written beside programs: manual work, or what is left of a part."""
+    return data.startswith(LIST_BEGIN) or any(mark in data for mark in REST_MARKS)
 
 
 def is_within(folder: str, output: str) -> bool:

@@ -46,17 +46,22 @@ NO_END = warning("batch-no-end",
     "A writer may pause in mid file. A file that stays without its end is read as it stands.")
 WRITE = error("batch-write",
     "{found!r} cannot be written ({reason}); expected a folder with room that may be written to",
-    "The disk is full, or the folder may not be written to. The old file, if any, still stands.")
+    "The disk is full, or the folder may not be written to. The old file, if any, still stands; of "
+    "several programs for one part none is new.")
 KEPT = note("verify-kept",
     "the refused program is kept in {found}; look at the lines that the messages name",
     "A program that does not make the part is never written where a machine would take it. Under "
     "this name it can be inspected, or sent in with a report.")
+OWN_REST = note("batch-own-rest",
+    "found what this batch left of a part for the next machine; it is no input of it",
+    "The outputs lie among the inputs. The part itself is an input, and all of it is made.")
 RECORD = warning("batch-record",
     "the record of the batch cannot be kept ({found}); the next run does these files again",
     "Without its record a batch does not know which inputs are unchanged.")
 STALE = warning("batch-stale",
     "{found!r} still stands from an earlier run; expected it to be of this input",
-    "The input was posted before and is refused now; a machine should not run the older program.")
+    "The input was posted before, and is refused now or made by other machines; none should run "
+    "the older program.")
 DIED = error("batch-worker",
     "found the worker process dead at this file, twice; expected it to finish (out of memory, or a "
     "fault in a library)",
@@ -72,5 +77,5 @@ SCHEDULER = error("batch-scheduler",
 RULES = (
     NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OTHER_CONTENT,
     STALE_SHARE, OVER_INPUT, LINK, NOT_OURS, NO_END,
-    WRITE, KEPT, RECORD, STALE, DIED, INTERNAL, SCHEDULER,
+    WRITE, KEPT, OWN_REST, RECORD, STALE, DIED, INTERNAL, SCHEDULER,
 )  # fmt: skip

@@ -10,7 +10,7 @@ done early is held back, up to a limit, and so is who may have a name that two w
 
 import os
 from collections import deque
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 
@@ -19,19 +19,19 @@ from msgspec import Struct
 from beamcam.batch import rules
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import MarkKey, folded, mixed_marks, other_content
+from beamcam.batch.outputs import Outputs
 from beamcam.batch.pool import CHUNK_BYTES, Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
-from beamcam.batch.record import RECORD_NAME, Record, Standing, partly
+from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
 from beamcam.batch.work import FileResult, Shop, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.files import FilesRead, remove_made, write_new, write_whole
+from beamcam.files import FilesRead
 from beamcam.interrupts import NEVER, Asked
 from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
-from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.report.run import PartRow, Row, Status, as_message
+from beamcam.report.run import PartRow, Row, as_message, names_in
 from beamcam.system import can_sync_all
 
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
@@ -131,7 +131,6 @@ class Run:
         self._asked = asked
         self._inputs, self._folder, self._shop = inputs, folder, shop
         self._workers, self._record, self._flat, self._force = workers, record, flat, force
-        self._standing = Standing(folder, record, force)
         self._settings = sha256(shop.settings).digest()
         self._next = 0
         self._slots: deque[Slot] = deque()
@@ -139,15 +138,20 @@ class Run:
         self._again: deque[Chunk] = deque()
         self._held = self._flying = 0
         self._claims = {} if claims is None else claims  #: name of an output -> input that has it
-        self._read_files = read or FilesRead(found.path for found in inputs)
+        read = read or FilesRead(found.path for found in inputs)
+        self._outputs = Outputs(folder, record, self._claims, read, force, dry)
         self._dry = dry
         self._marks = {} if marks is None else marks
-        self._folders = {"": folder}  #: that stand, by their names below the first
         self._keeps_record = True
+        self._own: frozenset[str] = frozenset()
+        #: outputs of earlier runs by input, as the record has it; other machines may make it now
+        self._before: dict[str, list[str]] = {}
         self._mixed: dict[str, Diagnostic] = {}  #: inputs that differ under one mark, and why
 
     def rows(self) -> Iterator[Row]:
-        paths = [one.path for one in self._inputs]
+        if self._shop.chain:
+            self._look_back()
+        paths = [one.path for one in self._inputs if one.path not in self._own]
         self._mixed = mixed_marks(paths, self._shop.mark_from, self._parts_of, self._asked)
         while not self._asked:
             fed = self._feed()
@@ -158,6 +162,18 @@ class Run:
             if not fed:
                 for result in self._workers.wait():
                     self._take(result)
+
+    def _look_back(self) -> None:
+        """Note which outputs of earlier runs there are, and which inputs are such outputs."""
+        with suppress(OSError):
+            for noted in noted_in(self._folder):
+                names = [*noted.outputs, *rests_of(noted)]
+                self._before.setdefault(noted.input, []).extend(names)
+        outputs = (name for names in self._before.values() for name in names)
+        made = {os.path.realpath(os.path.join(self._folder, name)) for name in outputs}
+        self._own = frozenset(
+            one.path for one in self._inputs if os.path.realpath(one.path) in made
+        )
 
     def _feed(self) -> bool:
         """Take some inputs, if there is room for them, and say whether that was so.
@@ -195,6 +211,10 @@ class Run:
         found = self._inputs[index]
         slot = Slot(index, found)
         self._slots.append(slot)
+        if found.path in self._own:
+            said = rules.OWN_REST.at(Source(found.path))
+            slot.row = {**refused_row(found.path, as_message(said)), "status": "unchanged"}
+            return None
         if found.path in self._mixed:
             slot.row = refused_row(found.path, as_message(self._mixed[found.path]))
             return None
@@ -224,7 +244,7 @@ class Run:
             for made in result.made:
                 slot = self._land(made.index)
                 slot.made = made
-                slot.size = sum(len(content) for _, content in made.outputs)
+                slot.size = sum(len(content) for _, content in (*made.outputs, *made.rests))
                 self._held += slot.size
         elif result.how == "lost":
             self._again.append(result.chunk)
@@ -263,7 +283,10 @@ class Run:
                     source = Source(os.path.join(self._folder, RECORD_NAME))
                     said = rules.RECORD.at(source, found=error.strerror or error)
                     row["messages"].append(as_message(said))
-        if row["status"] in ("refused", "failed") and not row["parts"]:
+        before = self._before.get(self._record.input_of(slot.input)) if self._before else None
+        if before is not None and slot.made is not None:
+            self._warn_of(slot, row, before)
+        elif row["status"] in ("refused", "failed") and not row["parts"]:
             self._warn_of_older(slot, row)
         return row
 
@@ -294,10 +317,9 @@ class Run:
 
     def _still_its_own(self, row: Row) -> Row:
         """The row of an unchanged input, unless an earlier one has taken its output's name."""
-        for part in row["parts"]:
-            clash = self._claim(part["output"], row["file"])
-            if clash is not None:
-                return {**refused_row(row["file"], as_message(clash)), "format": row["format"]}
+        clash = self._outputs.claim(names_in(row), row["file"])
+        if clash is not None:
+            return {**refused_row(row["file"], as_message(clash)), "format": row["format"]}
         return row
 
     def _write_all(self, slot: Slot, made: FileResult, row: Row) -> None:
@@ -305,76 +327,36 @@ class Run:
         below = "" if self._flat else slot.input.tree.rpartition("/")[0]
         written: list[PartRow] = []
         outputs = made.outputs if row["parts"] else ()
+        rests = dict(made.rests)
+        of_one: list[PartRow] = []  #: the programs of a part, of several machines with all rests
+        files: dict[str, bytes] = {}
         for part, (name, content) in zip(row["parts"], outputs, strict=True):
-            output = f"{below}/{name}" if below else name
-            said = self._claim(output, slot.input.path) or self._refusal(
-                output, content, slot.input.path
-            )
-            status: Status = "refused"
+            part["output"] = f"{below}/{name}" if below else name
+            of_one.append(part)
+            files[part["output"]] = content
+            if (rest := part["rest"]) is not None:
+                content = rests[rest["output"]]
+                rest["output"] = f"{below}/{rest['output']}" if below else rest["output"]
+                files[rest["output"]] = content
+                continue
+            said, status = self._outputs.write_together(of_one, files, slot.input.path)
             if said is None:
-                said, status = self._write_list(output, part, slot.input.path)
-            if said is None:
-                said, status = self._write(output, content, slot.input.path), "failed"
-            if said is None:
-                part["output"] = output
-                written.append(part)
+                written += of_one
             else:
                 row["status"] = status
                 row["messages"].append(as_message(said))
+            of_one, files = [], {}
         row["parts"] = written
         for name, content in made.refused:
             output = f"{below}/{name}" if below else name
-            said = self._refusal(output, content, slot.input.path) or self._write(
-                output, content, slot.input.path
+            path = slot.input.path
+            said = self._outputs.refusal(output, content, path) or self._outputs.write(
+                {output: content}, path
             )
             if said is None and not self._dry:
-                said = rules.KEPT.at(Source(slot.input.path), found=output)
+                said = rules.KEPT.at(Source(path), found=output)
             if said is not None:
                 row["messages"].append(as_message(said))
-
-    def _write_list(
-        self, output: str, part: PartRow, path: str
-    ) -> tuple[Diagnostic | None, Status]:
-        """Write the list of manual work beside an output, or remove an older one."""
-        name = output + LIST_SUFFIX
-        if not part["by_hand"]:
-            remove_made(os.path.join(self._folder, name), LIST_BEGIN)
-            return None, "failed"
-        content = as_csv(part["by_hand"]).encode("utf-8")
-        refusal = self._refusal(name, content, path)
-        if refusal is not None:
-            return refusal, "refused"
-        return self._write(name, content, path), "failed"
-
-    def _claim(self, output: str, path: str) -> Diagnostic | None:
-        """Take a name for the output of an input, or say why it cannot have it."""
-        other = self._claims.setdefault(folded(output), path)
-        if other != path:
-            return rules.SAME_NAME.at(Source(path), found=output, other=other)
-        return None
-
-    def _refusal(self, output: str, content: bytes, path: str) -> Diagnostic | None:
-        """Why an output may not be written: an input of the run is there, or what is not ours."""
-        other = self._read_files.written_over_by(os.path.join(self._folder, output))
-        if other is not None:
-            return rules.OVER_INPUT.at(Source(path), found=output, read=other)
-        return self._standing.refusal(output, content, path)
-
-    def _write(self, output: str, content: bytes, path: str) -> Diagnostic | None:
-        if self._dry:
-            return None
-        below, _, name = output.rpartition("/")
-        try:
-            if below not in self._folders:
-                folder = os.path.join(self._folder, below)
-                os.makedirs(folder, exist_ok=True)
-                self._folders[below] = folder
-            folder = self._folders[below]
-            if not write_new(folder, name, content):
-                write_whole(os.path.join(folder, name), content, durable=not can_sync_all())
-        except OSError as error:
-            return rules.WRITE.at(Source(path), found=output, reason=error.strerror or error)
-        return None
 
     def _warn_of_older(self, slot: Slot, row: Row) -> None:
         """Say so if an output of an earlier run stands where this input's would be."""
@@ -382,8 +364,12 @@ class Run:
             return  # without the part there is no name to look for
         tree = os.path.basename(slot.input.tree) if self._flat else slot.input.tree
         machines = (self._shop.machine, self._shop.sheets, *self._shop.more)
-        for suffix in dict.fromkeys(machine.suffix for machine in machines if machine is not None):
-            output = os.path.splitext(tree)[0] + suffix
+        suffixes = dict.fromkeys(machine.suffix for machine in machines if machine is not None)
+        self._warn_of(slot, row, (os.path.splitext(tree)[0] + suffix for suffix in suffixes))
+
+    def _warn_of(self, slot: Slot, row: Row, outputs: Iterable[str]) -> None:
+        """Say so of each of these outputs that stands and is none of this run."""
+        for output in outputs:
             stands = False
             with suppress(OSError):
                 stands = os.path.lexists(os.path.join(self._folder, output))

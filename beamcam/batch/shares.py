@@ -8,10 +8,11 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.batch.names import FileNames, cleaned, folded
-from beamcam.batch.work import Found, Shop, Task, part_row, parts_in, posted_of
+from beamcam.batch.part_rows import part_row
+from beamcam.batch.work import Found, Shop, Task, parts_in, posted_of
 from beamcam.errors import BeamcamError
 from beamcam.files import REFUSED_SUFFIX
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import stock_used
@@ -37,7 +38,7 @@ class Look(Task, frozen=True):
                 shop.request_of(part), quantity=1, stock=shop.lengths_for(part), remnants=()
             )
             try:
-                (planned, *_), choice = first_that_makes(request, shop.machines_for(part), plans_of)
+                (planned, *_), choice = on_best_machine(request, shop.machines_for(part), plans_of)
             except BeamcamError as error:
                 row["status"] = "refused"
                 row["messages"] += map(as_message, error.diagnostics)

@@ -16,8 +16,9 @@ from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import Shop, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.description import marked
+from beamcam.model.part import Part
 from beamcam.pictures.part import small_scene
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import css
@@ -29,6 +30,7 @@ from beamcam.report.run import Row
 from beamcam.report.run_page import Extra
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
+from beamcam.writers import target_of_suffix
 
 FOLDER_SUFFIX = ".sheets"
 
@@ -136,14 +138,26 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
     left = list(programs.outputs)
     for part in marked(counted(sound(reading)), shop.mark_from):
         with suppress(BeamcamError):
-            planned, _ = first_that_makes(shop.request_of(part), shop.machines_for(part), begin)
-            for each in planned:
-                posted = finished(each)
+            for posted in _posted(part, shop):
                 digest = _digest(posted)
                 output = next((name for name, known in left if known == digest), None)
                 if output is not None:
                     left.remove((output, digest))
                     yield _sheet(posted, output, shop)
+
+
+def _posted(part: Part, shop: Shop) -> Iterator[Posted]:
+    """The programs of a part. Raises BeamcamError."""
+    request = shop.request_of(part)
+    if shop.chain:
+        from beamcam.rest_part import chain_for, stages_of
+
+        chain, _ = chain_for(request, shop.chain)
+        target = target_of_suffix(shop.rest_suffix)
+        yield from (stage.posted for stage in stages_of(request, chain, target))
+        return
+    planned, _ = on_best_machine(request, shop.machines_for(part), begin)
+    yield from map(finished, planned)
 
 
 def _digest(posted: Posted) -> str:

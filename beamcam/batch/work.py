@@ -6,28 +6,33 @@ once, frozen.
 """
 
 import os
-from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Generator, Mapping, Sequence, Set
 from functools import partial
 from hashlib import sha256
-from typing import cast
 
 from msgspec import Struct, field, json
 from msgspec.structs import replace
 
 from beamcam import budget
 from beamcam.batch import rules
-from beamcam.batch.names import FileNames, mark_key, other_content, output_name
+from beamcam.batch.names import (
+    FileNames,
+    mark_key,
+    other_content,
+    output_name,
+    stage_names,
+)
+from beamcam.batch.part_rows import part_row
 from beamcam.budget import Limits
 from beamcam.caches import cached
 from beamcam.errors import BeamcamError, ReadError, Source
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
-from beamcam.model.plan import ContourOp, Order, stock_used
-from beamcam.model.request import Quantity, Remnant, Request
+from beamcam.model.plan import Order
+from beamcam.model.request import ChosenBy, Quantity, Remnant, Request
 from beamcam.pipeline import (
     Begun,
     Posted,
@@ -42,10 +47,10 @@ from beamcam.pipeline import (
 from beamcam.planning.jobs import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers import read
-from beamcam.report.hand_list import hand_rows
 from beamcam.report.part_list import PartCount
-from beamcam.report.run import Ledger, Message, PartRow, Row, as_message
+from beamcam.report.run import Message, PartRow, RestRow, Row, as_message
 from beamcam.version import __version__
+from beamcam.writers import target_of_suffix
 
 
 class Shop(Struct, frozen=True):
@@ -71,6 +76,10 @@ class Shop(Struct, frozen=True):
     mark_from: MarkFrom = "mark"  #: where marks stand
     style: str | None = None  #: of trigger programs: "chain" or "table"
     remnants: tuple[Remnant, ...] = ()  #: bars that are there once, for a run over stock
+    by: ChosenBy = "order"  #: which of the machines makes a part
+    #: of what one machine leaves to the next where `machine` and `more` make parts one after the
+    #: other; "" where one of them makes a part
+    rest_suffix: str = ""
     limits: Limits = field(default_factory=budget.limits)  #: how much each file may take
 
     @property
@@ -95,6 +104,11 @@ class Shop(Struct, frozen=True):
         first = self._first_for(part)
         return (first, *(machine for machine in self.more if machine.stock == first.stock))
 
+    @property
+    def chain(self) -> tuple[Machine, ...]:
+        """The machines that make a part one after the other; none where one of them does."""
+        return (self.machine, *self.more) if self.rest_suffix else ()
+
     def request_of(self, part: Part) -> Request:
         """What is asked of the first machine that may make a part."""
         style = self.style if stock_of((part,)) == "sheet" else None
@@ -102,7 +116,7 @@ class Shop(Struct, frozen=True):
             (part,), self._first_for(part), named_skips(self.skips), self.job,
             self.order, self.turn, self.stock_lengths, style,
             quantity=self.quantity, strict=self.strict,
-            verified=self.read_back, date=self.date,
+            verified=self.read_back, date=self.date, by=self.by,
         )  # fmt: skip
 
     def lengths_for(self, part: Part) -> tuple[float, ...]:
@@ -149,6 +163,7 @@ class Found(Struct):
     outputs: list[tuple[str, bytes]] = field(default_factory=list)  #: programs by name
     refused: list[tuple[str, bytes]] = field(default_factory=list)  #: that the read-back refused
     looked: list[PartCount] = field(default_factory=list)  #: parts, where that is the task
+    rests: list[tuple[str, bytes]] = field(default_factory=list)  #: between programs, by name
 
 
 class FileResult(Struct, frozen=True):
@@ -159,6 +174,7 @@ class FileResult(Struct, frozen=True):
     outputs: tuple[tuple[str, bytes], ...]  #: names below the input's folder, and contents
     refused: tuple[tuple[str, bytes], ...] = ()  #: programs that the read-back refused, likewise
     looked: tuple[PartCount, ...] = ()  #: the parts with what makes them, where that was asked
+    rests: tuple[tuple[str, bytes], ...] = ()  #: what one program leaves to the next, likewise
 
 
 def make_all(tasks: Sequence[Task], shop: Shop) -> list[FileResult]:
@@ -207,10 +223,11 @@ def making(task: Task, shop: Shop) -> Generator[str, None, FileResult]:
         what = f"{what}: {error}" if str(error) else what
         said = rules.INTERNAL.at(Source(task.name), found=what)
         row["messages"].append(as_message(said))
-        row["parts"], found.outputs = [], []
+        row["parts"], found.outputs, found.rests = [], [], []
     return FileResult(
-        task.index, row, tuple(found.outputs), tuple(found.refused), tuple(found.looked)
-    )
+        task.index, row, tuple(found.outputs), tuple(found.refused), tuple(found.looked),
+        tuple(found.rests),
+    )  # fmt: skip
 
 
 def refused_row(path: str, said: Message) -> Row:
@@ -257,10 +274,12 @@ def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, 
     for number, part in enumerate(parts, 1):
         if part.source in mixed:
             continue
+        if shop.chain:
+            of_stage = partial(stage_names, shop.name, stem, part, number, len(parts) > 1)
+            yield from _post_chain(part, of_stage, shop, row, names, found)
+            continue
         try:
-            planned, choice = first_that_makes(
-                shop.request_of(part), shop.machines_for(part), begin
-            )
+            planned, choice = on_best_machine(shop.request_of(part), shop.machines_for(part), begin)
         except BeamcamError as error:
             row["status"] = "refused"
             row["messages"] += map(as_message, error.diagnostics)
@@ -309,6 +328,60 @@ def _post_job(
     row["parts"].append(part_row(posted, name, content, shop.timed))
 
 
+def _post_chain(
+    part: Part,
+    called: Callable[[Machine, int, str], tuple[str, str]],
+    shop: Shop,
+    row: Row,
+    names: FileNames,
+    found: Found,
+) -> Generator[str, None, None]:
+    """Add the programs of a part on several machines, all of them or none, and what is between.
+
+    One that a machine makes by itself is called as that of any part.
+    """
+    from beamcam.rest_part import Stage, chain_for, stages_of
+
+    stages: list[Stage] = []
+    request = shop.request_of(part)
+    try:
+        chain, said = chain_for(request, shop.chain)
+        yield "planned"
+        first = 0 if len(chain) == 1 else 1
+        wanted = [called(one.machine, k, shop.rest_suffix) for k, one in enumerate(chain, first)]
+        for stage in stages_of(request, chain, target_of_suffix(shop.rest_suffix)):
+            stages.append(stage)
+            yield "read a program back"
+    except BeamcamError as error:
+        if isinstance(error, RefusedProgram):
+            name = names.take(wanted[len(stages)][0] + REFUSED_SUFFIX, part.mark)
+            found.refused.append((name, b"".join(error.pieces())))
+        row["status"] = "refused"
+        row["messages"] += map(as_message, error.diagnostics)
+        return
+    row["messages"] += map(as_message, (*said, *(one for stage in stages for one in stage.remarks)))
+    taken = [name for pair in wanted for name in pair if names.owner(name) is not None]
+    if taken and shop.name is not None:
+        other = f"part {names.owner(taken[0])}"
+        row["status"] = "refused"
+        clash = rules.SAME_NAME.at(part.source, found=taken[0], other=other)
+        row["messages"].append(as_message(clash))
+        return
+    for stage, (name, rest_name) in zip(stages, wanted, strict=True):
+        name = names.take(name, part.mark)
+        content = stage.posted.text.encode("utf-8")
+        rest: RestRow | None = None
+        if stage.rest:
+            rest_name = names.take(rest_name, part.mark)
+            data = stage.rest.encode("utf-8")
+            digest = sha256(data).hexdigest()
+            rest = {"output": rest_name, "sha256": digest, "features": stage.passed_on}
+            found.rests.append((rest_name, data))
+        found.outputs.append((name, content))
+        posted = replace(stage.posted, plan=stage.plan)
+        row["parts"].append(part_row(posted, name, content, shop.timed, rest))
+
+
 def posted_of(
     planned: Begun, refused_name: Callable[[], str], row: Row, found: Found
 ) -> Generator[str, None, Posted | None]:
@@ -323,59 +396,3 @@ def posted_of(
         return None
     row["messages"] += map(as_message, posted.remarks)
     return posted
-
-
-#: Outcomes of a feature, as in the ledger.
-OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")
-
-
-def part_row(posted: Posted, name: str, content: bytes, timed: bool) -> PartRow:
-    plan, machine, pieces = posted.plan, posted.job.machine, len(posted.job.pieces)
-    part = posted.job.parts[0]
-    how: list[str] = [outcome.how for outcome in plan.outcomes]
-    ledger = {"read": len(how), **{word: how.count(word) for word in OUTCOMES}}
-    skipped_by = (
-        Counter(o.by for o in plan.outcomes if o.how == "skipped") if "skipped" in how else {}
-    )
-    return {
-        "mark": part.mark,
-        "quantity": max(part.quantity, pieces),
-        "pieces": pieces,
-        "profile": part.profile.name,
-        "order": part.order,
-        "phase": part.phase,
-        "length": part.length,
-        "machine": machine.name,
-        "output": name,
-        "sha256": sha256(content).hexdigest(),
-        "bar": used.length if (used := stock_used(plan, posted.job.bar)) is not None else 0.0,
-        "ledger": cast(Ledger, ledger),
-        "by_hand": hand_rows(plan),
-        "skipped_by": dict(sorted(skipped_by.items())),
-        "mapped": _mapped(part, machine),
-        "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),
-        "operations": len(plan.operations),
-        "stock": None,
-        "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
-    }
-
-
-def _mapped(part: Part, machine: Machine) -> dict[str, int]:
-    """The curves that each key of the machine's map of colours and layers stands for."""
-    if machine.torch is None:
-        return {}
-    from beamcam.planning.left_out import curves_by_key
-
-    return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
-
-
-def _of_each_tool(operations: Iterable[object]) -> Iterable[object]:
-    """One of the operations of each tool."""
-    return {id(getattr(op, "tool", None) or op): op for op in operations}.values()
-
-
-def _tool_name(operation: object) -> str:
-    tool = getattr(operation, "tool", None)
-    if tool is not None:
-        return f"{tool.kind} {tool.diameter:g}"
-    return operation.row.process if isinstance(operation, ContourOp) else "saw"

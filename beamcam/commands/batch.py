@@ -73,6 +73,10 @@ def command(
     standard input, one a line. Each part is posted by itself, as post would. A file that is
     refused stops no other; an input that is unchanged since the last run is not done again.
 
+    With --machines each part is made on as many of them as it needs, as split would: NAME-1-MACHINE
+    is the first program, NAME-1-rest.nc1 the part as the next machine gets it, and so on, all of
+    them or none. A part that one of them makes has one program, called as any.
+
     Over stock (--bar, --remnant, --sheet, or --nest) the parts of all files share bars, those of
     one section and grade in the order given, first fit, remnants first; and plates of one thickness
     share sheets. There is a program for each bar and sheet, and beside them parts.csv, bars.csv,
@@ -85,6 +89,7 @@ def command(
     \b
     beamcam batch jobs -o programs
     beamcam batch jobs -o programs --dry-run
+    beamcam batch jobs -o programs --machines beamline,coper-linuxcnc
     beamcam batch order --bar 12000 --remnant UPN200=4300 --sheet 3000x1500 -o programs
     beamcam batch jobs 'more/**/*.nc1' -o programs --jobs 4 --report report.html
     beamcam batch jobs -o programs --flat --name '{mark}_{quantity}.gcode'
@@ -96,6 +101,11 @@ def command(
     over_stock = _is_over_stock(nest, asked)
     try:
         config = settled(asked, names)
+        if over_stock and config.split:
+            raise click.UsageError(
+                "found --machines over stock; expected it with --each, or --machine for parts that "
+                "share bars and sheets."
+            )
         shop = shop_of(config, asked, timed=report is not None)
         voice.say_remarks()
         found = find_inputs(names, leave_out=(output,))
@@ -189,6 +199,9 @@ def _would(row: Row, folder: str) -> Iterator[str]:
         unchanged = " (unchanged)" if row["status"] == "unchanged" else ""
         output = os.path.join(folder, part["output"])
         yield f"{row['file']} -> {output}, {part['machine']}{unchanged}"
+        if part["rest"] is not None:
+            rest = os.path.join(folder, part["rest"]["output"])
+            yield f"{row['file']} -> {rest}, for the next machine{unchanged}"
     if not row["parts"]:
         yield f"{row['file']}: {row['status']}"
 

@@ -293,8 +293,8 @@ OTHER = "Other"
 #: Heading -> the options below it, by the names of their values, in this order.
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "Job": (
-        "output", "folder", "machine", "machines", "config_file", "trust", "job", "bar", "bars",
-        "remnants", "nest", "order", "turn", "style",
+        "output", "folder", "machine", "by", "machines", "config_file", "trust", "job", "bar",
+        "bars", "remnants", "nest", "order", "turn", "style",
         "show", "to", "table", "quantity", "against", "mark_from", "first", "contour", "after",
         "date", "frame", "rest_name", "rest_as", "size", "code", "profile", "solid",
     ),

@@ -91,7 +91,7 @@ def _used(config: Config, voice: Voice) -> str:
     stocks: tuple[Stock, ...] = ("beam", "sheet")
     names = [
         name for stock in stocks for name in config.machine_names(stock) or default_machines(stock)
-    ]
+    ] + [*config.split]
     try:
         return settings_line(config, names)
     except BeamcamError as error:

@@ -141,7 +141,7 @@ def machine_line(name: str) -> str:
 
 def reference(machine: Machine, config: Config) -> str:
     """What `machine_line` takes for a machine of a job: its path, or its name if it is shipped."""
-    named = [*config.machine_names("beam"), *config.machine_names("sheet")]
+    named = config.all_machines
     paths = {name: files_of_machine(name)[0] for name in named if name.endswith(".toml")}
     for name, file in paths.items():
         if file.table.get("name", file.path.stem) == machine.name:

@@ -15,7 +15,7 @@ from beamcam.commands.parts import input_bytes, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config
 from beamcam.errors import Diagnostic
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, Plan
 from beamcam.pictures.program import ReadProgram
@@ -131,7 +131,7 @@ def posted_job(
     machines = machines_for(config, parts, output)
     request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
     stage = voice.did if voice.verbose else untold
-    (begun,), choice = first_that_makes(
+    (begun,), choice = on_best_machine(
         request, machines, partial(begin, together=True, stage=stage)
     )
     posted = finished(begun, stage)

@@ -59,6 +59,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
 @options.output("A .pdf, a .zpl for Zebra printers, or a .json.", False)
 @options.to(FORMATS)
 @options.machine
+@options.by
 @options.config
 @quantity
 @click.option(
@@ -156,7 +157,7 @@ def _labels(
         tried = machines(part)
         request = Request(
             (part,), tried[0], named_skips(config.allow_skips), config.job, order, turn,
-            config.stock_lengths, quantity=config.quantity, strict=config.strict,
+            config.stock_lengths, quantity=config.quantity, strict=config.strict, by=config.by,
         )  # fmt: skip
         try:
             machine, pieces = programs_of(part, tried, request)

@@ -41,6 +41,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
 @options.output("A .txt, .csv, .xlsx or .json; text on standard output if not given.", False)
 @options.to(FORMATS)
 @options.machine
+@options.by
 @options.config
 @click.option(
     "--bar", "bars", type=options.Number(above=0), multiple=True, metavar="MM",
@@ -107,7 +108,7 @@ def _asked(config: Config, lengths: Sequence[float], order: Order, turn: bool) -
     machine = machine_of_stock(config, "beam", "", is_one_of_two=True)
     return Request(
         (), machine, named_skips(config.allow_skips), config.job, order, turn, tuple(lengths),
-        strict=config.strict,
+        strict=config.strict, by=config.by,
     )  # fmt: skip
 
 

@@ -148,6 +148,30 @@ machine = click.option(
     "--machine", shell_complete=machine_names, metavar="NAME",
     help="Name or TOML file; chosen to suit the job by default.",
 )  # fmt: skip
+by = click.option(
+    "--by", type=click.Choice(["order", "time"]),
+    help="Of several machines take the first that makes a part, or the quickest; else order.",
+)  # fmt: skip
+
+
+def _names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
+    """The names in a list that commas set off, each once; None where there is no list."""
+    if value is None:
+        return None
+    names = tuple(dict.fromkeys(name.strip() for name in value.split(",") if name.strip()))
+    if not names:
+        raise click.BadParameter(f"found {value!r}; expected names of machines.")
+    return names
+
+
+machines = click.option(
+    "--machines", callback=_names, metavar="NAMES",
+    help="Machines that make parts one after the other: names or TOML files, set off by commas.",
+)  # fmt: skip
+rest_as = click.option(
+    "--rest-as", type=click.Choice(["nc1", "json"]), default="nc1", show_default=True,
+    help="Form of the files of what one machine leaves to the next.",
+)  # fmt: skip
 bar = click.option(
     "--bar", type=Number(above=0), metavar="MM",
     help="Length of the bar; by default the shortest in stock, or what the parts need.",

@@ -71,6 +71,7 @@ def member_choice(
 part_options = options.group(member_options, options.mark_from, drawing_options, torch_options)
 #: What a job is posted by, for commands that show what comes of it.
 job_options = options.group(
+    options.by,
     options.skips,
     options.order,
     options.turn,
@@ -103,7 +104,7 @@ def request_of(
     """What is asked for by options and configuration."""
     return Request(
         parts, machine, named_skips(config.allow_skips), config.job, order, turn,
-        config.stock_lengths, quantity=quantity, strict=config.strict,
+        config.stock_lengths, quantity=quantity, strict=config.strict, by=config.by,
     )  # fmt: skip
 
 

@@ -17,11 +17,11 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
-from beamcam.model.plan import AnyPlan, Order, Plan, SheetPlan, ToolLoad
-from beamcam.model.request import Job, Request
-from beamcam.pipeline import remarks_on, whole_job
+from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
+from beamcam.model.request import Request
+from beamcam.pipeline import Planned, remarks_on, whole_job
 from beamcam.plain_text import terminal_text
 from beamcam.planning.explain import Explanation, explain
 from beamcam.planning.orientation import Trial, try_turns
@@ -36,6 +36,7 @@ from beamcam.report.run import as_message, ledger_of
     "A .txt or .json file; standard output if not given.", required=False, kind=of_kind("plan")
 )
 @options.machine
+@options.by
 @options.config
 @options.bar
 @options.order
@@ -69,8 +70,8 @@ def command(
         parts, said = read_parts(inputs, config, asked, voice)
         machines = machines_for(config, parts, output)
         request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
-        (job, plan), choice = first_that_makes(request, machines, _planned)
-        machine = job.machine
+        (planned,), choice = on_best_machine(request, machines, _planned)
+        job, plan, machine = planned.job, planned.plan, planned.job.machine
         voice.remark(choice)
         remarks = (*said, *remarks_on(plan, machine, config.strict))
         read = files_read(config, inputs)
@@ -101,15 +102,15 @@ def command(
     _print(output, read, voice, as_json, lines, record, remarks, config, machine)
 
 
-def _planned(request: Request) -> tuple[Job, AnyPlan]:
+def _planned(request: Request) -> list[Planned]:
     """All that is asked for on one bar or sheet. Raises PlanError."""
 
-    def planned(bar: float | None) -> tuple[Job, AnyPlan]:
+    def planned(bar: float | None) -> Planned:
         job = whole_job(request, bar)
-        return job, post_of(request.machine).plan(job)
+        return Planned(job, post_of(request.machine).plan(job))
 
     longest = max((part.length for part in request.parts), default=0.0)
-    return from_store(planned, request.stock, longest)
+    return [from_store(planned, request.stock, longest)]
 
 
 def _print(

@@ -32,7 +32,7 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import first_that_makes
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
 from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
 from beamcam.model.request import Request
@@ -56,6 +56,7 @@ FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (
 @options.inputs
 @options.output("The program's file; - is standard output.", kind=program)
 @options.machine
+@options.by
 @options.config
 @options.bar
 @quantity
@@ -102,10 +103,10 @@ def command(
     --quantity each is made as often as its file or the option says, on as many bars as they need
     (first fit), a program each: NAME-1, NAME-2, and so on. Plates lie on a sheet (--sheet) in rows
     by their boxes, in the order given, on as many sheets as they need. Without --machine the first
-    machine that makes all parts is taken: for bars beamline, then beamline-pusher; for sheets, by
-    the suffix of the output, plate-linuxcnc, then plate-oxyfuel (.ngc), plate-codesys (.gcode),
-    laser-grbl (.nc), plate-mach3 (.tap), table-simotion (.st) or laser-stepper (.steps, .csv, .bin,
-    .h). Nothing is written unless everything can be made.
+    machine that makes all parts is taken, with --by time the quickest: for bars beamline, then
+    beamline-pusher; for sheets, by the suffix of the output, plate-linuxcnc, then plate-oxyfuel
+    (.ngc), plate-codesys (.gcode), laser-grbl (.nc), plate-mach3 (.tap), table-simotion (.st) or
+    laser-stepper (.steps, .csv, .bin, .h). Nothing is written unless everything can be made.
 
     After a stop in mid bar --from-operation writes the rest of the program: its head says in which
     state the machine has to be, and it is read back as the continuation of what was done. So does
@@ -145,15 +146,15 @@ def command(
         request = replace(request, verified=not no_verify, date=asked["date"] or "")
         stage = voice.did if voice.verbose else untold
 
-        def planned(wanted: Request) -> list[tuple[str, Begun]]:
+        def planned(wanted: Request) -> list[Begun]:
             job = job_name(config, wanted.machine, output)
             told = table_style(wanted.machine, output, style)
-            begun = begin(replace(wanted, name=job, style=told), stage=stage)
-            return list(zip(program_names(output, len(begun)), begun, strict=True))
+            return begin(replace(wanted, name=job, style=told), stage=stage)
 
-        begun, choice = first_that_makes(request, machines, planned)
+        begun, choice = on_best_machine(request, machines, planned)
         said += choice
-        made = [(name, finished(each, stage)) for name, each in begun]
+        names = program_names(output, len(begun))
+        made = [(n, finished(one, stage)) for n, one in zip(names, begun, strict=True)]
         if first is not None or contour is not None:
             made = [(output, _rest(made, first, contour))]
         beside = [] if frame is None else _frames(made, frame)

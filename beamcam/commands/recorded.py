@@ -12,7 +12,7 @@ from beamcam.batch import Here, Shop
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import asked_again, path_below
-from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly
+from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly, rests_of
 from beamcam.batch.rules import LINK
 from beamcam.batch.work import Task, make_all
 from beamcam.commands.golden import Checked, compared, named, sample_of
@@ -20,6 +20,7 @@ from beamcam.commands.rules import GONE, NEW
 from beamcam.commands.running import shop_of
 from beamcam.commands.settings import settled_again
 from beamcam.config.values import Config
+from beamcam.diff.pairing import Difference
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import remove_made, write_whole
 from beamcam.machine import Machine
@@ -52,8 +53,10 @@ class Recorded:
 
     @property
     def paths(self) -> frozenset[Path]:
-        """The programs that the record knows."""
-        return frozenset(self._path(name) for noted in self._noted for name in noted.outputs)
+        """The programs that the record knows, and the rests between them."""
+        return frozenset(
+            self._path(name) for one in self._noted for name in (*one.outputs, *rests_of(one))
+        )
 
     def machines(self) -> dict[str, Machine]:
         """The machine of each program that the record knows, as far as it can be had."""
@@ -127,8 +130,11 @@ class Recorded:
             given = {n: value for n, value in self._asked.items() if value is not None}
             asked = {**_unasked(), **again, **given}
             try:
-                machine = None if "machine" in given else again.get("machine")
-                config = settled_again(asked, files, machine)
+                if "machine" in given:  # in place of all that the record names
+                    asked["machines"] = None
+                named = (asked.get("machine"), *(asked.get("machines") or ()))
+                strange = (name for name in named if name and name not in given.values())
+                config = settled_again(asked, files, strange)
                 self._shops[name] = config, shop_of(config, asked)
             except BeamcamError as error:
                 self._shops[name] = error
@@ -154,8 +160,15 @@ class Recorded:
             return
         (made,) = make_all((Task(0, sample, data),), shop)
         below = "" if config.flat else noted.tree.rpartition("/")[0]
-        new = {f"{below}/{name}" if below else name: content for name, content in made.outputs}
+        new, rests = (
+            {f"{below}/{name}" if below else name: content for name, content in of}
+            for of in (made.outputs, made.rests)
+        )
+        for part in made.row["parts"]:
+            if (rest := part["rest"]) is not None and below:
+                rest["output"] = f"{below}/{rest['output']}"
         yield from self._outputs(noted, made.row, new, machines_of(made.row, shop))
+        yield from self._rests(noted, rests)
         now, before = ({part["sha256"] for part in row["parts"]} for row in (made.row, noted.row))
         if self._update and (now != before or not new.keys() <= self._known):
             self._note(noted, made.row, tuple(new), sample)
@@ -185,6 +198,23 @@ class Recorded:
                 yield Checked(str(path), "refused", (), (message,))
         more = (name for name in new if name not in self._known)
         yield from (self._is_new(name, new[name], by_hand[name]) for name in more)
+
+    def _rests(self, noted: Noted, new: Mapping[str, bytes]) -> Iterator[Checked]:
+        """What lies otherwise between the programs of an input than it is made now."""
+        for name in dict.fromkeys((*rests_of(noted), *new)):
+            path = self._path(name)
+            if name not in new:
+                if path.is_file() and self._update:
+                    path.unlink()  # no machine is the next one now
+                elif path.is_file():
+                    said = as_message(GONE.at(Source(str(path)), found=name))
+                    yield Checked(str(path), "refused", (), (said,))
+            elif not path.is_file():
+                yield self._is_new(name, new[name], ())
+            elif path.read_bytes() != new[name]:
+                text = f"{path.name}: found another part in the making than is left now"
+                changed = Difference("feature", "changed", text)
+                yield Checked(str(path), "differs", (changed,), (), new[name])
 
     def _is_new(self, name: str, content: bytes, by_hand: Sequence[HandRow]) -> Checked:
         path = str(self._path(name))

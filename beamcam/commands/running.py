@@ -22,7 +22,7 @@ from beamcam.commands.kinds import KINDS, expected
 from beamcam.commands.parts import letter, member_choice, selection_options
 from beamcam.commands.quantities import quantity
 from beamcam.commands.rules import SETTINGS
-from beamcam.commands.settings import machines_of_stock
+from beamcam.commands.settings import check_split, machines_of_split, machines_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.rules import UNUSED
 from beamcam.config.values import Config, Dask
@@ -56,6 +56,9 @@ def checked_report(ctx: click.Context, param: click.Parameter, value: str | None
 run_options = options.group(
     options.output("Folder that programs go to."),
     options.machine,
+    options.by,
+    options.machines,
+    options.rest_as,
     options.config,
     options.bar,
     quantity,
@@ -100,14 +103,20 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     """
     name = config.name or ""
     check_asked(config.job, None, config.allow_skips)
-    bars, *more_bars = machines_of_stock(config, "beam", name, is_one_of_two=True)
-    sheets, *more_sheets = machines_of_stock(
-        config, "sheet", name, is_one_of_two=bars.torch is not None
-    )
+    if config.split:
+        check_split(config, asked)
+        bars, *more_bars = machines_of_split(config)
+        sheets, more_sheets = bars, []
+    else:
+        bars, *more_bars = machines_of_stock(config, "beam", name, is_one_of_two=True)
+        sheets, *more_sheets = machines_of_stock(
+            config, "sheet", name, is_one_of_two=bars.torch is not None
+        )
     for machine in (bars, sheets, *more_bars, *more_sheets):
         _check_suffix(name, machine)
     style = asked.get("style")
-    if style is not None and {one.controller for one in (sheets, *more_sheets)} - {*DIALECTS}:
+    of_sheets = [m for m in (sheets, *more_sheets, *more_bars) if m.torch is not None]
+    if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
         raise click.UsageError(f"--style is not for {sheets.name}.")
     return Shop(
         bars,
@@ -128,6 +137,8 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
         turn=asked.get("turn", False),
         mark_from=asked.get("mark_from", "mark"),
         style=style,
+        by=config.by,
+        rest_suffix=f".{asked.get('rest_as', 'nc1')}" if config.split else "",
         remnants=tuple(map(remnant_of, asked.get("remnants", ()))),
     )
 

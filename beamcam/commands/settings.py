@@ -5,8 +5,9 @@ above and of the user, the nearest first   over   the defaults; the same for eve
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
+import click
 from msgspec.structs import replace
 
 from beamcam.budget import set_limits
@@ -26,8 +27,9 @@ from beamcam.readers.content import Reading
 
 #: Keys of a configuration that are options of their own, by the name of the option's value.
 _OPTIONS = {
-    "machine": "machine", "skips": "allow_skips", "strict": "strict", "job": "job", "jobs": "jobs",
-    "name": "name", "quantity": "quantity", "flat": "flat", "colours": "map",
+    "machine": "machine", "by": "by", "machines": "split", "skips": "allow_skips",
+    "strict": "strict", "job": "job", "jobs": "jobs", "name": "name", "quantity": "quantity",
+    "flat": "flat", "colours": "map",
 }  # fmt: skip
 #: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
@@ -56,16 +58,17 @@ def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
     return _in_force(over(config, _wanted(asked)))
 
 
-def settled_again(asked: Mapping[str, Any], files: ConfigFiles, machine: str | None) -> Config:
-    """The same by the files that the record of a batch names, and its machine if that is a file.
+def settled_again(asked: Mapping[str, Any], files: ConfigFiles, machines: Iterable[str]) -> Config:
+    """The same by the files that the record of a batch names, and those of its `machines`.
 
     --config goes before these files. Raises ConfigError if one of them is not trusted.
     """
     from beamcam.commands.configuration import checked, checked_again, refuse_strange
 
     trust = (*asked.get("trust", ()), *checked(ConfigFiles(own=own_files())).trust)
-    if machine is not None and machine.endswith(".toml"):
-        refuse_strange(machine, trust)
+    for machine in machines:
+        if machine.endswith(".toml"):
+            refuse_strange(machine, trust)
     if asked.get("config_file") is not None:
         return settled(asked, ())
     return _in_force(over(checked_again(files, trust), _wanted(asked)))
@@ -85,7 +88,7 @@ def _with_own_machines(config: Config) -> Config:
 
     Raises MachineError where a name is that of a shipped machine too.
     """
-    if config.machine is None and not config.machines:
+    if config.machine is None and not config.machines and not config.split:
         return config
     from beamcam.machine.names import resolved
 
@@ -96,7 +99,8 @@ def _with_own_machines(config: Config) -> Config:
         else tuple(resolved(name, config.own) for name in named)
         for stock, named in config.machines.items()
     }
-    return replace(config, machine=machine, machines=machines)
+    split = tuple(resolved(name, config.own) for name in config.split)
+    return replace(config, machine=machine, machines=machines, split=split)
 
 
 def files_read(config: Config, inputs: Iterable[str]) -> FilesRead:
@@ -109,7 +113,7 @@ def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
 
     yield from inputs
     yield from config.files
-    for name in {*config.machine_names("beam"), *config.machine_names("sheet")}:
+    for name in config.all_machines:
         yield from files_of(name)
 
 
@@ -234,12 +238,12 @@ def machine_for_program(
     named = _machine_in_head(data)
     if named is None:
         return allowed[0]
-    chosen = [*config.machine_names("beam"), *config.machine_names("sheet")]
+    chosen = config.all_machines
     # A head names machines that are known here, never a file.
     more = chosen or ([] if is_file_name(named) else [named])
     if (known := next((one for one in allowed if one.name == named), None)) is not None:
         return known
-    for name in dict.fromkeys(more):
+    for name in more:
         other = machine_asked(name, config)
         if other is not None and other.name == named:
             return _told(name, other, config)
@@ -282,6 +286,33 @@ def machines_of_stock(
     )
 
 
+def machines_of_split(config: Config) -> tuple[Machine, ...]:
+    """The machines that make parts one after the other, as the job wants them; none if not named.
+
+    What the command line asks of sheets is asked of those that cut sheets, if there is one. Raises
+    MachineError, ConfigError and PlanError.
+    """
+    found = [_named_machine(config, "split", name) for name in config.split]
+    cuts_sheets = any(machine.torch is not None for machine in found)
+    return tuple(
+        _told(name, _as_asked(machine, config, cuts_sheets), config)
+        for name, machine in zip(config.split, found, strict=True)
+    )
+
+
+def check_split(config: Config, asked: Mapping[str, Any]) -> None:
+    """Raises UsageError for what excludes that several machines make a part."""
+    excluded = (
+        ("--machine", asked.get("machine"), "one of the two"),
+        ("a quantity", config.quantity, "programs of one piece, each run as often as needed"),
+        ("--turn", asked.get("turn"), "parts as they were read"),
+        ("--no-verify", asked.get("no_verify"), "programs that are read back"),
+    )
+    for option, value, wanted in excluded:
+        if value:
+            raise click.UsageError(f"found {option} with --machines; expected {wanted}.")
+
+
 def _told(name: str, machine: Machine, config: Config) -> Machine:
     """The machine; --verbose says whose file it is, and an untrusted one is always reported."""
     voice = running_voice()
@@ -315,12 +346,13 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     return _with_sheet(machine, config)
 
 
-def _named_machine(config: Config, stock: Stock, named: str) -> Machine:
+def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> Machine:
     """A machine that is named for a kind of stock, by the configuration or the command line.
 
-    Raises MachineError; ConfigError where a configuration names one that is not there.
+    Or `of` split, for one behind another. Raises MachineError; ConfigError where a configuration
+    names one that is not there.
     """
-    key = f"machines.{stock}" if stock in config.machines else "machine"
+    key = "split" if of == "split" else f"machines.{of}" if of in config.machines else "machine"
     try:
         return load_proved(named)
     except MachineError as error:

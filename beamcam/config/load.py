@@ -50,6 +50,7 @@ def load(path: str | Path) -> Config:
             else tuple(_from(folder, name) for name in named)
             for stock, named in read.machines.items()
         }
+    values["split"] = tuple(_from(folder, name) for name in read.split)
     values["trust"] = tuple(str(folder / portable_path(place)) for place in read.trust)
     values["stock_lengths"] = tuple(sorted(set(read.stock_lengths)))
     return Config(**values, files=(str(path),), own=(str(path),), sources=_sources(table, place))

@@ -22,6 +22,7 @@ Meaning = Literal["cut", "mark", "engrave", "ignore"]
 Origin = Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
 Machines = Annotated[tuple[Text, ...], Meta(min_length=1)]
 Quantity = Literal["file"] | PositiveCount
+ChosenBy = Literal["order", "time"]
 Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
 
 
@@ -100,6 +101,9 @@ class ConfigFile(Keys, frozen=True):
     machine: Text | None = None  #: machine of --machine: a name or a TOML file
     #: by stock, before `machine`: one, or several that are tried in order
     machines: Mapping[Stock, Text | Machines] = field(default_factory=dict)
+    by: ChosenBy = "order"  #: which of several machines makes a part: the first, or the quickest
+    #: machines that make parts one after the other, as --machines: of `split`, `batch`, `watch`
+    split: tuple[Text, ...] = ()
     stock_lengths: tuple[Positive, ...] = ()  #: bars in store, mm; the shortest that will do
     allow_skips: tuple[str, ...] = ()  #: kinds of features that may be left out
     strict: bool = False  #: whether warnings refuse a part
@@ -136,6 +140,12 @@ class Config(ConfigFile, frozen=True):
         """The machines that are named for a kind of stock, in the order in which they are tried."""
         named = self.machines.get(stock) or self.machine
         return () if named is None else (named,) if isinstance(named, str) else tuple(named)
+
+    @property
+    def all_machines(self) -> tuple[str, ...]:
+        """Every machine that is named, each once."""
+        named = (*self.machine_names("beam"), *self.machine_names("sheet"), *self.split)
+        return tuple(dict.fromkeys(named))
 
     @property
     def meanings(self) -> dict[str, Meaning]:
@@ -213,8 +223,8 @@ def _laid_over(config: Config, given: Mapping[str, Any], sources: Mapping[str, S
     changed: dict[str, Any] = {}
     kept = dict(config.sources)
     if "machine" in given:
-        changed["machines"] = {}
-        kept = {k: v for k, v in kept.items() if k.partition(".")[0] != "machines"}
+        changed["machines"], changed["split"] = {}, ()
+        kept = {k: v for k, v in kept.items() if k.partition(".")[0] not in ("machines", "split")}
     for key, value in given.items():
         if isinstance(value, Mapping):
             own = changed.get(key, config.rows(key))

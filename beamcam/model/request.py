@@ -16,6 +16,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
 
+ChosenBy = Literal["order", "time"]
 Quantity = Literal["file"] | int | None  #: as in the part's file, a number, or once as listed
 
 
@@ -57,6 +58,7 @@ class Request(Struct, frozen=True):
     verified: bool = True  #: whether programs are read back
     date: str = ""  #: for words of the machine; only where it is asked for
     remnants: tuple[float, ...] = ()  #: lengths of bars that are there once each, mm, rising
+    by: ChosenBy = "order"  #: which of several machines is taken, of those that leave out as much
 
 
 class Job(Struct, frozen=True):

@@ -51,6 +51,7 @@ class Ledger(TypedDict):
     duplicate: int
     listed: int  #: for manual work
     skipped: int
+    passed_on: int  #: to the next machine, by the file of the rest
 
 
 class LaidPiece(TypedDict):
@@ -69,8 +70,16 @@ class StockRow(TypedDict):
     pieces: list[LaidPiece]
 
 
+class RestRow(TypedDict):
+    """The file of what a program leaves to the next machine, whose program is in the next row."""
+
+    output: str  #: below the output folder, with "/"
+    sha256: str
+    features: int
+
+
 class PartRow(TypedDict):
-    """One part that was posted."""
+    """One program that was posted, and its part."""
 
     mark: str
     quantity: int
@@ -82,7 +91,8 @@ class PartRow(TypedDict):
     machine: str  #: that the program is for
     output: str  #: below the output folder, with "/"
     sha256: str  #: of the output
-    bar: float  #: length of the bar, mm; 0 for a sheet
+    rest: RestRow | None  #: where several machines make a part one after the other, but the last
+    bar: float  #: length of the bar, mm; 0 for a sheet, and a piece that comes cut
     ledger: Ledger
     by_hand: list[HandRow]  #: marks on the list of manual work
     skipped_by: dict[str, int]  #: code -> number of features
@@ -102,6 +112,13 @@ class Row(TypedDict):
     seconds: float  #: that the work took; 0 for a file with nothing to do
     parts: list[PartRow]
     messages: list[Message]
+
+
+def names_in(row: Row) -> dict[str, str]:
+    """Output -> SHA-256 of the programs of an input, and of the rests between them."""
+    parts = row["parts"]  # of older versions they have no rests
+    rests = (rest for part in parts if (rest := part.get("rest")) is not None)
+    return {one["output"]: one["sha256"] for one in (*parts, *rests)}
 
 
 class Counts(Struct):
@@ -216,6 +233,7 @@ def ledger_of(outcomes: Iterable[Outcome]) -> str:
     ledger: Ledger = {
         "read": len(counted), "made": how["made"], "merged": how["merged"],
         "duplicate": how["duplicate"], "listed": how["listed"], "skipped": how["skipped"],
+        "passed_on": 0,
     }  # fmt: skip
     return ledger_line(ledger, Counter(o.by for o in counted if o.how == "skipped"))
 
@@ -225,6 +243,7 @@ def ledger_line(ledger: Ledger, skipped_by: Mapping[str, int]) -> str:
     counts = {
         "made": ledger["made"], "merged": ledger["merged"], "duplicate": ledger["duplicate"],
         "listed": ledger["listed"], "skipped": ledger["skipped"],
+        "passed on": ledger["passed_on"],
     }  # fmt: skip
     words = [f"{count} {how}" for how, count in counts.items() if count]
     reasons = ", ".join(f"{count} {code}" for code, count in sorted(skipped_by.items()))
@@ -239,7 +258,8 @@ def ledger_line(ledger: Ledger, skipped_by: Mapping[str, int]) -> str:
 
 HEAD = (
     "file", "status", "format", "seconds", "mark", "quantity", "pieces", "profile", "length",
-    "machine", "output", "bar", "features", "made", "merged", "duplicate", "listed", "skipped",
+    "machine", "output", "rest", "bar", "features", "made", "merged", "duplicate", "listed",
+    "skipped", "passed_on",
     "tools", "operations", "machine_time_s", "errors", "warnings", "notes", "messages",
 )  # fmt: skip
 
@@ -273,16 +293,17 @@ def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iter
         )
 
 
-_CELLS = HEAD[4:21]
+_CELLS = HEAD[4:23]
 
 
 def _cells(part: PartRow) -> tuple[object, ...]:
     ledger, seconds = part["ledger"], part["machine_time_s"]
     return (
         part["mark"], part["quantity"], part["pieces"], part["profile"],
-        f"{part['length']:g}", part["machine"], part["output"], f"{part['bar']:g}",
+        f"{part['length']:g}", part["machine"], part["output"],
+        "" if part["rest"] is None else part["rest"]["output"], f"{part['bar']:g}",
         ledger["read"], ledger["made"], ledger["merged"],
-        ledger["duplicate"], ledger["listed"], ledger["skipped"],
+        ledger["duplicate"], ledger["listed"], ledger["skipped"], ledger["passed_on"],
         " ".join(t.replace(" ", "-") for t in part["tools"]),
         part["operations"], "" if seconds is None else f"{seconds:.1f}",
     )  # fmt: skip

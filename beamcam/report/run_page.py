@@ -59,11 +59,7 @@ def as_html(
 
     `extras` are by the name of the output, `style` is that of their pictures.
     """
-    totals = _totals(read())
-    whole = Total(
-        sum(t.seconds for t in totals.values()), sum(t.programs for t in totals.values()),
-        sum(t.pieces for t in totals.values()), sum(t.stock for t in totals.values()),
-    )  # fmt: skip
+    totals, whole = _totals(read())
     found = extras or {}
     pieces = template("report", "run").stream(
         counts={"": str(counts)} | {status: getattr(counts, status) for status in STATUSES},
@@ -83,11 +79,13 @@ def _refused_first(read: Callable[[], Iterable[Row]]) -> Iterator[Row]:
         yield from (row for row in read() if (row["status"] in REFUSED) is first)
 
 
-def _totals(rows: Iterable[Row]) -> dict[str, Total]:
-    """Machine time, pieces and stock by machine, and the tools that its programs need."""
+def _totals(rows: Iterable[Row]) -> tuple[dict[str, Total], Total]:
+    """Machine time, pieces, stock and tools of the programs by machine, and those of all."""
     found: dict[str, Total] = {}
+    passed_on = 0  # pieces that another machine finishes
     for row in rows:
         for part in row["parts"]:
+            passed_on += part["quantity"] if part["rest"] is not None else 0
             total = found.setdefault(part["machine"], Total(tools=Counter()))
             runs = part["quantity"] / part["pieces"]
             total.seconds += (part["machine_time_s"] or 0.0) * runs
@@ -95,7 +93,11 @@ def _totals(rows: Iterable[Row]) -> dict[str, Total]:
             total.pieces += part["quantity"]
             total.stock += part["bar"] * runs
             total.tools.update(part["tools"])
-    return found
+    whole = Total(
+        sum(t.seconds for t in found.values()), sum(t.programs for t in found.values()),
+        sum(t.pieces for t in found.values()) - passed_on, sum(t.stock for t in found.values()),
+    )  # fmt: skip
+    return found, whole
 
 
 def _machine_time_s(row: Row) -> float:

@@ -24,3 +24,8 @@ TARGETS = (
     Target("part-json", (".json",), "beamcam.writers.part_json"),
     Target("faces-dxf", (".dxf",), "beamcam.writers.faces_dxf"),
 )
+
+
+def target_of_suffix(suffix: str) -> Target:
+    """The format that is written under a suffix, such as `.nc1`."""
+    return next(target for target in TARGETS if suffix in target.suffixes)

@@ -18,7 +18,9 @@ from beamcam.cli import main
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, Severity, errors_in
 from beamcam.machine import load
+from beamcam.machine.machine import Machine
 from beamcam.machine_chain import chain_of
+from beamcam.machine_choice import InTurn
 from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file
@@ -27,7 +29,7 @@ from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import EndLine, ends_on
 from beamcam.readers import read
 from beamcam.readers.dstv.reader import MADE
-from beamcam.rest_part import RULES, rest_of_part, split_part
+from beamcam.rest_part import RULES, Stage, chain_for, rest_of_part, stages_of
 from beamcam.solid.bar_solid import bar_pieces, work_of
 from beamcam.verify.begun import RULES as REST_RULES
 from beamcam.verify.begun import rest_faults
@@ -61,6 +63,12 @@ HEADER = sample("header")
 COPE = [(0.0, 0.0), (600.0, 0.0), (600.0, 240.0), (520.0, 240.0), (520.0, 300.0), (0.0, 300.0)]
 #: A coped end of a piece whose other end is a mitre: x 0 at y 300, 30 degrees.
 MITRED = [(173.2051, 0.0), *COPE[1:5], (0.0, 300.0)]
+
+
+def split_part(request: Request, machines: tuple[Machine, ...]) -> list[Stage]:
+    chain, said = chain_for(request, machines)
+    assert [d.code for d in said] == ["plan-split"]
+    return [*stages_of(request, chain, TARGETS[0])]
 
 
 def sawn(part: Part) -> Posted:
@@ -398,8 +406,7 @@ def test_a_chain_makes_every_feature_once() -> None:
     assert [(s.machine.name, s.skips) for s in chain] == [
         ("beamline-pusher", LEFT), ("coper-linuxcnc", ()),
     ]  # fmt: skip
-    stages, told = split_part(request, (SAW, COPER), TARGETS[0])
-    assert [d.code for d in told] == ["plan-split"]
+    stages = split_part(request, (SAW, COPER))
     made = [sum(o.how == "made" for o in s.posted.plan.outcomes) for s in stages]
     assert made == [11, 3]
     assert stages[0].posted.job.parts[0].features[10:13] == HEADER.features[10:13]
@@ -408,16 +415,33 @@ def test_a_chain_makes_every_feature_once() -> None:
 
 
 def test_a_part_that_one_machine_makes_is_not_split() -> None:
-    stages, _ = split_part(Request((sample("coped"),), SAW), (SAW, COPER), TARGETS[0])
+    stages = split_part(Request((sample("coped"),), SAW), (SAW, COPER))
     assert [(s.posted.job.machine.name, s.rest) for s in stages] == [("coper-linuxcnc", "")]
+
+
+def test_the_first_that_leaves_nothing_ends_the_search_unless_time_is_asked_for() -> None:
+    (tie,) = read_file(str(SAMPLES / "dstv" / "tie.nc1")).parts
+    line = load("beamline")
+
+    def loaded(name: str) -> Machine:
+        assert name == SAW.name, "a machine behind it is looked at"
+        return SAW
+
+    (link,) = chain_of(Request((tie,), SAW), InTurn((SAW.name, line.name), loaded))
+    assert link.machine is SAW
+    (link,) = chain_of(Request((tie,), SAW, by="time"), (SAW, line))
+    assert link.machine is line
+    # The pusher scribes the text: what is left goes before time.
+    first, second = chain_of(Request((HEADER,), SAW, by="time"), (line, COPER, SAW))
+    assert (first.machine, second.machine) == (SAW, COPER)
 
 
 def test_what_no_chain_makes_is_refused() -> None:
     part = replace(HEADER, features=(*HEADER.features, Hole("v", 300.0, 150.0, 3.0, AT)))
     with pytest.raises(PlanError) as refused:
-        split_part(Request((part,), SAW), (SAW, COPER), TARGETS[0])
+        split_part(Request((part,), SAW), (SAW, COPER))
     assert "plan-no-machine" in {d.code for d in refused.value.diagnostics}
-    stages, _ = split_part(Request((part,), SAW, ("tool",)), (SAW, COPER), TARGETS[0])
+    stages = split_part(Request((part,), SAW, ("tool",)), (SAW, COPER))
     left = [o.by for o in stages[0].posted.plan.outcomes if o.how == "skipped"]
     assert (len(stages), left) == (1, ["plan-tool"] * 7)
 

@@ -1,0 +1,81 @@
+"""What the account of a batch says of one program."""
+
+from collections import Counter
+from collections.abc import Iterable
+from hashlib import sha256
+from typing import cast
+
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Part
+from beamcam.model.plan import ContourOp, stock_used
+from beamcam.pipeline import Posted
+from beamcam.report.hand_list import hand_rows
+from beamcam.report.run import Ledger, PartRow, RestRow
+
+#: Outcomes of a feature, as in the ledger.
+OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")
+
+
+def part_row(
+    posted: Posted, name: str, content: bytes, timed: bool, rest: RestRow | None = None
+) -> PartRow:
+    """The row of a program; `rest` is the file of what it leaves to the next machine."""
+    plan, machine, pieces = posted.plan, posted.job.machine, len(posted.job.pieces)
+    part = posted.job.parts[0]
+    how: list[str] = [outcome.how for outcome in plan.outcomes]
+    ledger = {word: how.count(word) for word in OUTCOMES}
+    passed_on = 0 if rest is None else rest["features"]
+    ledger = {"read": len(how) + passed_on, **ledger, "passed_on": passed_on}
+    skipped_by = (
+        Counter(o.by for o in plan.outcomes if o.how == "skipped") if "skipped" in how else {}
+    )
+    return {
+        "mark": part.mark,
+        "quantity": max(part.quantity, pieces),
+        "pieces": pieces,
+        "profile": part.profile.name,
+        "order": part.order,
+        "phase": part.phase,
+        "length": part.length,
+        "machine": machine.name,
+        "output": name,
+        "sha256": sha256(content).hexdigest(),
+        "rest": rest,
+        "bar": _bar(posted),
+        "ledger": cast(Ledger, ledger),
+        "by_hand": hand_rows(plan),
+        "skipped_by": dict(sorted(skipped_by.items())),
+        "mapped": _mapped(part, machine),
+        "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),
+        "operations": len(plan.operations),
+        "stock": None,
+        "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
+    }
+
+
+def _bar(posted: Posted) -> float:
+    """The length of the bar that a program takes; 0 for a sheet and for a piece that comes cut."""
+    used = stock_used(posted.plan, posted.job.bar)
+    is_bar = used is not None and posted.job.parts[0].made is None
+    return used.length if used is not None and is_bar else 0.0
+
+
+def _mapped(part: Part, machine: Machine) -> dict[str, int]:
+    """The curves that each key of the machine's map of colours and layers stands for."""
+    if machine.torch is None:
+        return {}
+    from beamcam.planning.left_out import curves_by_key
+
+    return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
+
+
+def _of_each_tool(operations: Iterable[object]) -> Iterable[object]:
+    """One of the operations of each tool."""
+    return {id(getattr(op, "tool", None) or op): op for op in operations}.values()
+
+
+def _tool_name(operation: object) -> str:
+    tool = getattr(operation, "tool", None)
+    if tool is not None:
+        return f"{tool.kind} {tool.diameter:g}"
+    return operation.row.process if isinstance(operation, ContourOp) else "saw"
