@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.budget import check_member
 from beamcam.errors import BeamcamError, Diagnostic, Source
@@ -50,6 +51,7 @@ FILM = 0.15  #: mm, half of what facets of a section may be off
 WALL_SLACK = 0.01  #: mm by which steel of a wall may stand out of it
 FAR = 1e5  #: mm
 ROUNDING = 1e-6  #: mm
+ROUND = 64  #: chords of a quarter of a circle
 SHOWN = 3  #: lumps that a message names
 FILLET = "the root fillet"
 #: Takes (x, y, z) to (Y, Z, x), for sections across.
@@ -121,13 +123,17 @@ def differences(
     if dot(cross(frame.x, frame.y), frame.z) <= 0.0:
         raise Unreadable("a part that is the mirror image of its solid")
     try:
-        drawn = part_solid(part, Margins(section=stock.shape, square_below=0.0))
         solid = solid_of(body)
+        if solid is not None:
+            volume = volume or float(solid.volume())
+            plain = _plainly_drilled(solid, part, shaped.section, stock, by)
+            if plain is not None and abs(volume - plain) <= max(BOUND, SPREAD * volume):
+                return Differences((), (), (), volume, plain)
+        drawn = _drawn(part, stock)
         if solid is None:
             rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
             volume, pieces = section_area(body), [*_by_stations(body, drawn, by.slack + rise)]
         else:
-            volume = volume or float(solid.volume())
             pieces = _apart(solid, drawn, part, stock.shape, by)
     except BeamcamError as reason:
         raise Unreadable(str(reason.diagnostics[0])) from reason
@@ -150,21 +156,79 @@ def differences(
     return Differences(rest, fillets, leaning, volume, expected)
 
 
+def _drawn(part: Part, stock: BareStock) -> "Manifold":
+    return part_solid(part, Margins(section=stock.shape, square_below=0.0))
+
+
 def _apart(
     solid: "Manifold", drawn: "Manifold", part: Part, stock: Shape, by: Fineness
 ) -> "list[tuple[bool, Manifold]]":
     """The lumps in which two solids differ beyond the margins, and whether the first has them."""
-    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
-    arcs = _arcs(part)
     found = []
-    # Surfaces that lie in one another are dear to cut, so that they come where there is a lump.
-    for more, rest in ((True, solid - most), (False, least - solid)):
-        cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
-        cores = [one for one in cores if not _is_of_facets(one, arcs, by)]
+    for more, cores in _cores(solid, part, stock, by):
         if cores:
+            # Surfaces that lie in one another are dear to cut, so that they come last.
             exact = solid - drawn if more else drawn - solid
             found += [(more, _grown(one, exact, by.slack)) for one in cores]
     return found
+
+
+def _cores(
+    solid: "Manifold", part: Part, stock: Shape, by: Fineness
+) -> "Iterator[tuple[bool, list[Manifold]]]":
+    """What sticks out of the margins of a part: of more steel, and of less."""
+    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
+    arcs = _arcs(part)
+    for more, rest in ((True, solid - most), (False, least - solid)):
+        cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
+        yield more, [one for one in cores if not _is_of_facets(one, arcs, by)]
+
+
+def _plainly_drilled(
+    solid: "Manifold", part: Part, section: Section, stock: BareStock, by: Fineness
+) -> float | None:
+    """The volume in mm3 of a part that differs from its body by facets only; None if in doubt.
+
+    Round voids take most of the time of building a part, and of most parts they are holes and
+    slots square through a wall. So the part is built without these. What the body lacks of that has
+    to be their plugs then: one of each, which is no further from their outline than facets are, and
+    as deep as the wall.
+    """
+    from shapely import MultiPoint
+
+    walls = {wall.face: wall for wall in walls_of(section)}
+    round_ones = [f for f in part.features if isinstance(f, (Hole, Slot)) and f.face in walls]
+    bare = replace(part, features=tuple(f for f in part.features if f not in round_ones))
+    (_, more), (_, plugs) = _cores(solid, bare, stock.shape, by)
+    if more or len(plugs) != len(round_ones):
+        return None
+    volume = float(_drawn(bare, stock).volume()) * stock.area / float(stock.shape.area)
+    for f in round_ones:
+        wall, radius = walls[f.face], f.diameter / 2
+        centres = slot_corners(f) if isinstance(f, Slot) else [(f.x, f.y)]
+        spine = MultiPoint(centres).convex_hull
+        found = [one for one in plugs if _is_plug(one, spine, radius, wall, by)]
+        through = f.depth is None and (isinstance(f, Slot) or f.kind == "through")
+        if len(found) != 1 or not through:
+            return None
+        volume -= wall.thickness * float(spine.buffer(radius, ROUND).area)
+    return volume
+
+
+def _is_plug(one: "Manifold", spine: Shape, radius: float, wall: Wall, by: Fineness) -> bool:
+    """Whether steel is what a hole or a slot takes of a wall, but for facets."""
+    from shapely import distance, points
+
+    box, axis = one.bounding_box(), 1 if wall.normal == "y" else 2
+    ends = box[axis] - wall.low - by.slack, wall.high - by.slack - box[axis + 3]
+    if max(map(abs, ends)) > ROUNDING:
+        return False
+    corners = _points(one)
+    off = distance(spine, points(corners[:, 0], corners[:, 3 - axis]))
+    if np.abs(off - radius).max() > by.slack or one.hull().volume() - one.volume() > MIN_CORE:
+        return False
+    inside = spine.buffer(radius - _rise(radius, by), ROUND).area * (wall.thickness - 2 * by.slack)
+    return bool(one.volume() > inside - MIN_CORE)
 
 
 def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
