@@ -16,6 +16,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
+from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import MIN_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Kinked, Model, OddSection, Unreadable
@@ -30,7 +31,7 @@ from beamcam.readers.ifc.region import (
     pieces_of,
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
-from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
+from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import Section, Wall, plain_stock, walls_of
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (

@@ -23,11 +23,11 @@ from beamcam.geometry.curves import Arc
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.region import Shape, rectangle
-from beamcam.readers.ifc.section import BareStock, Section, Wall, area_by_measures, walls_of
+from beamcam.readers.ifc.section import BareStock, Section, Wall, walls_of
 from beamcam.readers.ifc.shell import Shell
-from beamcam.readers.ifc.solid_body import across, section_area, solid_of, stretches
+from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
 from beamcam.readers.ifc.space import cross, dot
 from beamcam.solid.kernel import FREE, kernel, outline, prism
 from beamcam.solid.part_solid import ALONG as SECTIONS
@@ -46,16 +46,12 @@ LEVEL_REACH = 0.15  #: thicknesses of a wall that a level may lie inside it
 LEAN_REACH = 2.0  #: thicknesses of a wall that an edge may lean through it
 TOUCHING = 0.05  #: mm of a cut or beside an arc that is rounding
 BESIDE = 0.35  #: mm from a cut to the steel beside it; its margins lie between
-SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
-FILM = 0.15  #: mm, half of what facets of a section may be off
 WALL_SLACK = 0.01  #: mm by which steel of a wall may stand out of it
 FAR = 1e5  #: mm
 ROUNDING = 1e-6  #: mm
 ROUND = 64  #: chords of a quarter of a circle
 SHOWN = 3  #: lumps that a message names
 FILLET = "the root fillet"
-#: Takes (x, y, z) to (Y, Z, x), for sections across.
-ACROSS = ((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0))
 
 
 #: The axis that an arc lies across (1 is y), its centre (x, q) and its radius.
@@ -132,7 +128,7 @@ def differences(
         drawn = _drawn(part, stock)
         if solid is None:
             rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
-            volume, pieces = section_area(body), [*_by_stations(body, drawn, by.slack + rise)]
+            volume, pieces = section_area(body), [*by_stations(body, drawn, by.slack + rise)]
         else:
             pieces = _apart(solid, drawn, part, stock.shape, by)
     except BeamcamError as reason:
@@ -240,38 +236,6 @@ def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
     return max(parts, key=lambda one: one.volume(), default=piece)
 
 
-def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
-    """Whether the section that a body was cut from is the one that its part holds.
-
-    Of open sections rounded toes and missing fillets count, but not slopes about the thickness
-    that is given. Of others no figure of a part gives the inner roundings and the lips.
-    """
-    section, area, expected = shaped.section, stock.area, shaped.section.area
-    if section.code in ("I", "U", "L", "T"):
-        drawn = outline(part_of(shaped))
-        more, less = (
-            float(one.buffer(-FILM).buffer(FILM).area)
-            for one in (stock.shape.difference(drawn), drawn.difference(stock.shape))
-        )
-        s = section
-        sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
-        expected = area_by_measures(s.code, *sizes)
-        area = expected + more - less
-    if abs(area - expected) <= SECTION_SLACK * area:
-        return ()
-    found, by_measures = (f"{v / 100:.2f}" for v in (area, expected))
-    return (rules.SECTION_AREA.at(source, found=found, expected=by_measures),)
-
-
-def part_of(shaped: Shaped) -> Part:
-    """The part of a member without its names."""
-    section = shaped.section
-    return Part(
-        mark="", profile=section.profile(""), length=shaped.length, source=Source(""),
-        cuts=shaped.cuts, features=shaped.features, section=section.points,
-    )  # fmt: skip
-
-
 def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
     """Of the least steel and of the most.
 
@@ -291,32 +255,8 @@ def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
     return by(slack, sections[0]), by(-slack, sections[1])
 
 
-def _by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple[bool, Manifold]]":
-    """The differences from a body whose faces close no solid, by sections across.
-
-    They lie between all x at which body or part change their form.
-    """
-    lying = drawn.transform(ACROSS)
-    for x0, x1 in stretches(np.concatenate((body.points[:, 0], _points(lying)[:, 2]))):
-        check_member()
-        theirs, ours = across(body, (x0 + x1) / 2), _section(lying, (x0 + x1) / 2)
-        for more, shape in ((True, theirs.difference(ours)), (False, ours.difference(theirs))):
-            wide = shape.buffer(-slack).buffer(slack)
-            if not wide.is_empty:
-                yield more, prism(wide, x0, x1, SECTIONS)
-
-
 def _points(solid: "Manifold") -> Any:
     return solid.to_mesh64().vert_properties
-
-
-def _section(solid: "Manifold", x: float) -> Shape:
-    from shapely import Polygon, union_all
-
-    shape = union_all([])
-    for ring in solid.slice(x).to_polygons():
-        shape = shape.symmetric_difference(Polygon(ring).buffer(0))
-    return shape
 
 
 def _by_face(
@@ -457,6 +397,5 @@ def _joined(found: Sequence[Lump]) -> list[Lump]:
 
 
 def _told(found: Sequence[Lump]) -> str:
-    text = "; ".join(map(str, found[:SHOWN]))
-    more = len(found) - SHOWN
-    return f"{text}; and {more} more" if more > 0 else text
+    more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+    return "; ".join(map(str, found[:SHOWN])) + more

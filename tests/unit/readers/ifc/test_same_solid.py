@@ -12,10 +12,11 @@ from msgspec.structs import replace
 from beamcam.errors import Severity, Source
 from beamcam.model.part import EndCuts, Hole, Slot
 from beamcam.readers.ifc import Options, kernel, read, same_solid
+from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.kernel import Built, build
-from beamcam.readers.ifc.same_solid import Fineness, differences, part_of, section_said
+from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, Section, plain_stock
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.solid_body import section_area, solid_of
