@@ -120,15 +120,15 @@ def differences(
         raise Unreadable("a part that is the mirror image of its solid")
     try:
         solid = solid_of(body)
+        theirs = section_area(body) if solid is None else volume or float(solid.volume())
         if solid is not None:
-            volume = volume or float(solid.volume())
             plain = _plainly_drilled(solid, part, shaped.section, stock, by)
-            if plain is not None and abs(volume - plain) <= max(BOUND, SPREAD * volume):
-                return Differences((), (), (), volume, plain)
+            if plain is not None and abs(theirs - plain) <= max(BOUND, SPREAD * theirs):
+                return Differences((), (), (), theirs, plain)
         drawn = _drawn(part, stock)
         if solid is None:
             rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
-            volume, pieces = section_area(body), [*by_stations(body, drawn, by.slack + rise)]
+            pieces = [*by_stations(body, drawn, by.slack + rise)]
         else:
             pieces = _apart(solid, drawn, part, stock.shape, by)
     except BeamcamError as reason:
@@ -140,7 +140,7 @@ def differences(
     found = sorted(_joined(found), key=lambda one: -one.volume)
     fillets = tuple(one for one in found if one.face == FILLET)
     leaning = tuple(one for one in found if one.leans)
-    if sum(one.volume for one in leaning) > GROSS * volume:
+    if sum(one.volume for one in leaning) > GROSS * theirs:
         leaning = ()  # too much for a cut whose edge leans
     rest = tuple(one for one in found if one not in fillets and one not in leaning)
     rest, fillets, leaning = (
@@ -148,8 +148,8 @@ def differences(
     )
     expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
     if part.profile.code == "C":
-        expected = volume  # cuts of lips are not known
-    return Differences(rest, fillets, leaning, volume, expected)
+        expected = theirs  # cuts of lips are not known
+    return Differences(rest, fillets, leaning, theirs, expected)
 
 
 def _drawn(part: Part, stock: BareStock) -> "Manifold":
@@ -386,10 +386,8 @@ def _joined(found: Sequence[Lump]) -> list[Lump]:
         for i, known in enumerate(out):
             same = (known.face, known.more, known.leans) == (one.face, one.more, one.leans)
             if same and one.x0 - known.x1 < 5.0:
-                volume = known.volume + one.volume
-                out[i] = Lump(
-                    one.face, known.x0, max(one.x1, known.x1), volume, one.more, one.leans
-                )
+                volume, x1 = known.volume + one.volume, max(one.x1, known.x1)
+                out[i] = replace(known, x1=x1, volume=volume)
                 break
         else:
             out.append(one)
