@@ -1,7 +1,9 @@
 """How fast models are read: members a second, the cost beside opening the file, memory.
 
 Each is read on one core, and as the commands do it, on all; times are those of the clock. The
-garbage collector is tuned as in the commands, for `ifcopenshell.open` too.
+garbage collector is tuned as in the commands, for `ifcopenshell.open` too. The last column is the
+ratio of whole processes by their processor time, the least of several runs by turns: `beamcam
+inspect --no-check` beside one that opens the file and no more.
 
     python benchmarks/ifc.py [MODEL...]
 
@@ -79,6 +81,20 @@ def in_own_process(path: Path) -> dict[str, float]:
     return row
 
 
+def processes(path: Path) -> float:
+    """How many times as long as one that opens the model a process takes that reads it."""
+    opening = f"import ifcopenshell; ifcopenshell.open({str(path)!r})"
+    reading = ["-m", "beamcam", "inspect", "--no-check", str(path)]
+    took: tuple[list[float], list[float]] = ([], [])
+    for _ in range(REPEATS):
+        for seconds, asked in zip(took, (["-c", opening], reading), strict=True):
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([sys.executable, *asked], cwd=ROOT, capture_output=True, check=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            seconds.append(sum(after[:2]) - sum(before[:2]))
+    return min(took[1]) / min(took[0])
+
+
 def main() -> None:
     parser = arguments(__doc__)
     parser.add_argument("models", nargs="*", type=Path, metavar="MODEL")
@@ -89,6 +105,7 @@ def main() -> None:
         return
     print(
         "model              MB  members  open s  read s  ratio  all cores  ratio  members/s peak MB"
+        "  processes"
     )
     with tempfile.TemporaryDirectory() as folder:
         for path in asked.models or [made(*row, Path(folder)) for row in MEMBERS.items()]:
@@ -99,6 +116,7 @@ def main() -> None:
                 f" {row['open_s']:7.3f} {row['alone_s']:7.3f} {alone:6.1f}"
                 f" {row['shared_s']:10.3f} {shared:6.1f}"
                 f" {row['members'] / row['shared_s']:10.0f} {row['peak_mb']:7.0f}"
+                f" {processes(path):10.1f}"
             )
 
 

@@ -56,15 +56,16 @@ def same(true: float, found: float) -> bool:
     return abs(true - found) <= 0.1 + 1e-5 * true
 
 
-def facets(data: bytes) -> tuple[list[Vec], list[tuple[int, int, int]]]:
-    """Corners in mm and triangles of a beam's solid, as a viewer has them."""
+def facets(data: bytes, angle: float = 0.35) -> tuple[list[Vec], list[tuple[int, int, int]]]:
+    """Corners in mm and triangles of a beam's solid, as a viewer has them, `angle` (radians) of an
+    arc in each."""
     import ifcopenshell
     import ifcopenshell.geom as geom
 
     file = ifcopenshell.file.from_string(data.decode())
     settings = geom.settings()
     settings.set("weld-vertices", True)
-    settings.set("mesher-angular-deflection", 0.35)
+    settings.set("mesher-angular-deflection", angle)
     solid = geom.create_shape(settings, file.by_type("IfcElement")[0])
     v, f = solid.geometry.verts, solid.geometry.faces
     points = [(v[i] * 1e3, v[i + 1] * 1e3, v[i + 2] * 1e3) for i in range(0, len(v), 3)]

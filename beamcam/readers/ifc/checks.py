@@ -11,15 +11,16 @@ from beamcam.model.part import Contour, EndCuts, Part
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.body import body_representation, relative_placement
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
-from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
 from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.records import Missing
-from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
-from beamcam.readers.ifc.section import BareStock, plain_stock
+from beamcam.readers.ifc.same_solid import Fineness, differences
+from beamcam.readers.ifc.section import BareStock, area_by_measures, plain_stock
 from beamcam.readers.ifc.shell import extent
 from beamcam.readers.ifc.solid_body import across
 from beamcam.readers.ifc.space import Frame
+from beamcam.solid.kernel import outline
 
 STEEL = 7.85e-6  #: kg/mm3
 LENGTH_SLACK = 1.0  #: mm; property sets are rounded
@@ -29,6 +30,8 @@ VOLUME_NEAR = 0.01  #: deviation from which on a net volume is reported
 CUBES = (1e9, 1e6, 1e3, 1.0, 25.4**3, 304.8**3)  #: mm3 in m3, dm3, cm3, mm3, cubic inch and foot
 SMALL_WEIGHT = 0.1  #: kg below which a rounded weight says nothing
 WITNESS_SLACK = 0.01  #: share by which the weight may be off for it to be a witness
+SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
+FILM = 0.15  #: mm, half of what facets of a section may be off
 LENGTH_SAME = 0.1  #: mm
 FINE = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.FINE_CHORD * 1e3)
 
@@ -119,6 +122,29 @@ def check_kernel(
     if any(d.severity is Severity.ERROR for d in said):
         return Compared((), said[0], built.volume)
     return Compared(said, None, built.volume)
+
+
+def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
+    """Whether the section that a body was cut from is the one that its part holds.
+
+    Of open sections rounded toes and missing fillets count, but not slopes about the thickness
+    that is given. Of others no figure of a part gives the inner roundings and the lips.
+    """
+    section, area, expected = shaped.section, stock.area, shaped.section.area
+    if section.code in ("I", "U", "L", "T"):
+        drawn = outline(part_of(shaped))
+        more, less = (
+            float(one.buffer(-FILM).buffer(FILM).area)
+            for one in (stock.shape.difference(drawn), drawn.difference(stock.shape))
+        )
+        s = section
+        sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
+        expected = area_by_measures(s.code, *sizes)
+        area = expected + more - less
+    if abs(area - expected) <= SECTION_SLACK * area:
+        return ()
+    found, by_measures = (f"{v / 100:.2f}" for v in (area, expected))
+    return (rules.SECTION_AREA.at(source, found=found, expected=by_measures),)
 
 
 def check_stock(

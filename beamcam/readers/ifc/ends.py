@@ -196,9 +196,6 @@ def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End
     return End(side, a, b, c), weight
 
 
-__all__ = ["End", "Level", "Trim", "fitted_end", "of_plane", "reaches", "trim"]
-
-
 # --- bevels ---------------------------------------------------------------------------------------
 
 # Edges that lean through their wall: bevels, each with its angle and its land.

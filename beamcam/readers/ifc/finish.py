@@ -14,6 +14,7 @@ from beamcam.model.part import (
     EndPlane,
     Feature,
     Hole,
+    Part,
     Slot,
 )
 from beamcam.readers.ifc.ends import End, Level, bevels_of, fitted_end, reaches
@@ -53,6 +54,15 @@ class Shaped(Struct, frozen=True, gc=False):
         return replace(
             self, features=features, said=tuple(replace(d, source=source) for d in self.said)
         )
+
+
+def part_of(shaped: Shaped) -> Part:
+    """The part of a member without its names."""
+    section = shaped.section
+    return Part(
+        mark="", profile=section.profile(""), length=shaped.length, source=Source(""),
+        cuts=shaped.cuts, features=shaped.features, section=section.points,
+    )  # fmt: skip
 
 
 Levels = tuple[tuple[float, Shape], ...]  #: of a wall, from its lowest c to its highest

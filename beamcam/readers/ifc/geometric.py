@@ -16,14 +16,13 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
+from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import MIN_LEAN, End
 from beamcam.readers.ifc.entities import Entity, Kinked, Model, OddSection, Unreadable
-from beamcam.readers.ifc.exact import Circle, circles_in
 from beamcam.readers.ifc.features import opening
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
-from beamcam.readers.ifc.plates import box_of
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
     Circles,
@@ -32,7 +31,7 @@ from beamcam.readers.ifc.region import (
     pieces_of,
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
-from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
+from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import Section, Wall, plain_stock, walls_of
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
@@ -46,10 +45,10 @@ from beamcam.readers.ifc.shell import (
     section,
     vec,
 )
-from beamcam.readers.ifc.slices import arcs_of, ring_arcs, with_circles
+from beamcam.readers.ifc.slices import Circle, arcs_of, circles_in, ring_arcs, with_circles
 from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
-from beamcam.readers.ifc.stock import plate_stock
+from beamcam.readers.ifc.stock import box_of, plate_stock
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
 ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one

@@ -15,7 +15,6 @@ from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part, Profile
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of, curved_or_tapered
-from beamcam.readers.ifc.candidates import elements_of
 from beamcam.readers.ifc.checks import (
     STEEL,
     Compared,
@@ -54,7 +53,7 @@ from beamcam.readers.ifc.marks import (
     profile_set_names,
     remark_at,
 )
-from beamcam.readers.ifc.opening import open_file
+from beamcam.readers.ifc.opening import elements_of, open_file
 from beamcam.readers.ifc.options import Options, Selection
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.shell import Shell

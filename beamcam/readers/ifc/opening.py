@@ -5,6 +5,7 @@ import re
 import struct
 import zipfile
 import zlib
+from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from msgspec.structs import replace
@@ -13,7 +14,8 @@ from beamcam.budget import limits
 from beamcam.errors import Diagnostic, Source
 from beamcam.plain_text import fault_text
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.entities import Model, open_model
+from beamcam.readers.ifc.entities import Entity, Model, open_model
+from beamcam.readers.ifc.options import Selection
 from beamcam.readers.ifc.records import File
 from beamcam.readers.ifc.text import Malformed
 
@@ -107,3 +109,22 @@ def _unpacked(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int) -> byte
 
 def _is_model(name: str) -> bool:
     return name.lower().endswith(".ifc") and not PurePosixPath(name).name.startswith(".")
+
+
+# --- candidates -----------------------------------------------------------------------------------
+
+# The elements of a model that may be steel members.
+
+
+CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
+PROXY = "IfcBuildingElementProxy"
+
+
+def elements_of(model: Model, selection: Selection) -> Iterator[Entity]:
+    """The elements that may be steel members, in the order of their classes and of the file."""
+    wanted = {c.lower().removeprefix("ifc") for c in selection.classes}
+    names: tuple[str, ...] = CLASSES
+    if "buildingelementproxy" in wanted or "proxy" in wanted:
+        names = (*CLASSES, PROXY)
+    for name in names:  # of which none is above another
+        yield from model.file.by_type(name)

@@ -12,10 +12,9 @@ from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot, TextMark
 from beamcam.processes import Died, Pool
 from beamcam.readers.content import Reading
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.candidates import PROXY
 from beamcam.readers.ifc.entities import Model
 from beamcam.readers.ifc.member import Members, Taken, class_names
-from beamcam.readers.ifc.opening import open_file
+from beamcam.readers.ifc.opening import PROXY, open_file
 from beamcam.readers.ifc.options import Options, Progress, Selection
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.budget import check_member
 from beamcam.errors import BeamcamError, Diagnostic, Source
@@ -22,11 +23,11 @@ from beamcam.geometry.curves import Arc
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.region import Shape, rectangle
-from beamcam.readers.ifc.section import BareStock, Section, Wall, area_by_measures, walls_of
+from beamcam.readers.ifc.section import BareStock, Section, Wall, walls_of
 from beamcam.readers.ifc.shell import Shell
-from beamcam.readers.ifc.solid_body import across, section_area, solid_of, stretches
+from beamcam.readers.ifc.solid_body import by_stations, section_area, solid_of
 from beamcam.readers.ifc.space import cross, dot
 from beamcam.solid.cutters import slot_corners
 from beamcam.solid.kernel import FREE, kernel, outline, prism
@@ -47,15 +48,12 @@ LEVEL_REACH = 0.15  #: thicknesses of a wall that a level may lie inside it
 LEAN_REACH = 2.0  #: thicknesses of a wall that an edge may lean through it
 TOUCHING = 0.05  #: mm of a cut or beside an arc that is rounding
 BESIDE = 0.35  #: mm from a cut to the steel beside it; its margins lie between
-SECTION_SLACK = 0.005  #: share of a section's area that its measures may leave out
-FILM = 0.15  #: mm, half of what facets of a section may be off
 WALL_SLACK = 0.01  #: mm by which steel of a wall may stand out of it
 FAR = 1e5  #: mm
 ROUNDING = 1e-6  #: mm
+ROUND = 64  #: chords of a quarter of a circle
 SHOWN = 3  #: lumps that a message names
 FILLET = "the root fillet"
-#: Takes (x, y, z) to (Y, Z, x), for sections across.
-ACROSS = ((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0))
 
 
 #: The axis that an arc lies across (1 is y), its centre (x, q) and its radius.
@@ -123,13 +121,17 @@ def differences(
     if dot(cross(frame.x, frame.y), frame.z) <= 0.0:
         raise Unreadable("a part that is the mirror image of its solid")
     try:
-        drawn = part_solid(part, Margins(section=stock.shape, square_below=0.0))
         solid = solid_of(body)
+        theirs = section_area(body) if solid is None else volume or float(solid.volume())
+        if solid is not None:
+            plain = _plainly_drilled(solid, part, shaped.section, stock, by)
+            if plain is not None and abs(theirs - plain) <= max(BOUND, SPREAD * theirs):
+                return Differences((), (), (), theirs, plain)
+        drawn = _drawn(part, stock)
         if solid is None:
             rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
-            volume, pieces = section_area(body), [*_by_stations(body, drawn, by.slack + rise)]
+            pieces = [*by_stations(body, drawn, by.slack + rise)]
         else:
-            volume = volume or float(solid.volume())
             pieces = _apart(solid, drawn, part, stock.shape, by)
     except BeamcamError as reason:
         raise Unreadable(str(reason.diagnostics[0])) from reason
@@ -140,7 +142,7 @@ def differences(
     found = sorted(_joined(found), key=lambda one: -one.volume)
     fillets = tuple(one for one in found if one.face == FILLET)
     leaning = tuple(one for one in found if one.leans)
-    if sum(one.volume for one in leaning) > GROSS * volume:
+    if sum(one.volume for one in leaning) > GROSS * theirs:
         leaning = ()  # too much for a cut whose edge leans
     rest = tuple(one for one in found if one not in fillets and one not in leaning)
     rest, fillets, leaning = (
@@ -148,25 +150,83 @@ def differences(
     )
     expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
     if part.profile.code == "C":
-        expected = volume  # cuts of lips are not known
-    return Differences(rest, fillets, leaning, volume, expected)
+        expected = theirs  # cuts of lips are not known
+    return Differences(rest, fillets, leaning, theirs, expected)
+
+
+def _drawn(part: Part, stock: BareStock) -> "Manifold":
+    return part_solid(part, Margins(section=stock.shape, square_below=0.0))
 
 
 def _apart(
     solid: "Manifold", drawn: "Manifold", part: Part, stock: Shape, by: Fineness
 ) -> "list[tuple[bool, Manifold]]":
     """The lumps in which two solids differ beyond the margins, and whether the first has them."""
-    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
-    arcs = _arcs(part)
     found = []
-    # Surfaces that lie in one another are dear to cut, so that they come where there is a lump.
-    for more, rest in ((True, solid - most), (False, least - solid)):
-        cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
-        cores = [one for one in cores if not _is_of_facets(one, arcs, by)]
+    for more, cores in _cores(solid, part, stock, by):
         if cores:
+            # Surfaces that lie in one another are dear to cut, so that they come last.
             exact = solid - drawn if more else drawn - solid
             found += [(more, _grown(one, exact, by.slack)) for one in cores]
     return found
+
+
+def _cores(
+    solid: "Manifold", part: Part, stock: Shape, by: Fineness
+) -> "Iterator[tuple[bool, list[Manifold]]]":
+    """What sticks out of the margins of a part: of more steel, and of less."""
+    least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
+    arcs = _arcs(part)
+    for more, rest in ((True, solid - most), (False, least - solid)):
+        cores = [one for one in rest.decompose() if one.volume() > MIN_CORE]
+        yield more, [one for one in cores if not _is_of_facets(one, arcs, by)]
+
+
+def _plainly_drilled(
+    solid: "Manifold", part: Part, section: Section, stock: BareStock, by: Fineness
+) -> float | None:
+    """The volume in mm3 of a part that differs from its body by facets only; None if in doubt.
+
+    Round voids take most of the time of building a part, and of most parts they are holes and
+    slots square through a wall. So the part is built without these. What the body lacks of that has
+    to be their plugs then: one of each, which is no further from their outline than facets are, and
+    as deep as the wall.
+    """
+    from shapely import MultiPoint
+
+    walls = {wall.face: wall for wall in walls_of(section)}
+    round_ones = [f for f in part.features if isinstance(f, (Hole, Slot)) and f.face in walls]
+    bare = replace(part, features=tuple(f for f in part.features if f not in round_ones))
+    (_, more), (_, plugs) = _cores(solid, bare, stock.shape, by)
+    if more or len(plugs) != len(round_ones):
+        return None
+    volume = float(_drawn(bare, stock).volume()) * stock.area / float(stock.shape.area)
+    for f in round_ones:
+        wall, radius = walls[f.face], f.diameter / 2
+        centres = slot_corners(f) if isinstance(f, Slot) else [(f.x, f.y)]
+        spine = MultiPoint(centres).convex_hull
+        found = [one for one in plugs if _is_plug(one, spine, radius, wall, by)]
+        through = f.depth is None and (isinstance(f, Slot) or f.kind == "through")
+        if len(found) != 1 or not through:
+            return None
+        volume -= wall.thickness * float(spine.buffer(radius, ROUND).area)
+    return volume
+
+
+def _is_plug(one: "Manifold", spine: Shape, radius: float, wall: Wall, by: Fineness) -> bool:
+    """Whether steel is what a hole or a slot takes of a wall, but for facets."""
+    from shapely import distance, points
+
+    box, axis = one.bounding_box(), 1 if wall.normal == "y" else 2
+    ends = box[axis] - wall.low - by.slack, wall.high - by.slack - box[axis + 3]
+    if max(map(abs, ends)) > ROUNDING:
+        return False
+    corners = _points(one)
+    off = distance(spine, points(corners[:, 0], corners[:, 3 - axis]))
+    if np.abs(off - radius).max() > by.slack or one.hull().volume() - one.volume() > MIN_CORE:
+        return False
+    inside = spine.buffer(radius - _rise(radius, by), ROUND).area * (wall.thickness - 2 * by.slack)
+    return bool(one.volume() > inside - MIN_CORE)
 
 
 def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
@@ -176,38 +236,6 @@ def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
     near = kernel().Manifold.cube(size).translate([box[k] - by for k in range(3)])
     parts = [one for one in (exact ^ near).decompose() if not (one ^ piece).is_empty()]
     return max(parts, key=lambda one: one.volume(), default=piece)
-
-
-def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
-    """Whether the section that a body was cut from is the one that its part holds.
-
-    Of open sections rounded toes and missing fillets count, but not slopes about the thickness
-    that is given. Of others no figure of a part gives the inner roundings and the lips.
-    """
-    section, area, expected = shaped.section, stock.area, shaped.section.area
-    if section.code in ("I", "U", "L", "T"):
-        drawn = outline(part_of(shaped))
-        more, less = (
-            float(one.buffer(-FILM).buffer(FILM).area)
-            for one in (stock.shape.difference(drawn), drawn.difference(stock.shape))
-        )
-        s = section
-        sizes = s.height, s.width, s.flange_thickness, s.web_thickness, s.radius
-        expected = area_by_measures(s.code, *sizes)
-        area = expected + more - less
-    if abs(area - expected) <= SECTION_SLACK * area:
-        return ()
-    found, by_measures = (f"{v / 100:.2f}" for v in (area, expected))
-    return (rules.SECTION_AREA.at(source, found=found, expected=by_measures),)
-
-
-def part_of(shaped: Shaped) -> Part:
-    """The part of a member without its names."""
-    section = shaped.section
-    return Part(
-        mark="", profile=section.profile(""), length=shaped.length, source=Source(""),
-        cuts=shaped.cuts, features=shaped.features, section=section.points,
-    )  # fmt: skip
 
 
 def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
@@ -229,32 +257,8 @@ def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
     return by(slack, sections[0]), by(-slack, sections[1])
 
 
-def _by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple[bool, Manifold]]":
-    """The differences from a body whose faces close no solid, by sections across.
-
-    They lie between all x at which body or part change their form.
-    """
-    lying = drawn.transform(ACROSS)
-    for x0, x1 in stretches(np.concatenate((body.points[:, 0], _points(lying)[:, 2]))):
-        check_member()
-        theirs, ours = across(body, (x0 + x1) / 2), _section(lying, (x0 + x1) / 2)
-        for more, shape in ((True, theirs.difference(ours)), (False, ours.difference(theirs))):
-            wide = shape.buffer(-slack).buffer(slack)
-            if not wide.is_empty:
-                yield more, prism(wide, x0, x1, SECTIONS)
-
-
 def _points(solid: "Manifold") -> Any:
     return solid.to_mesh64().vert_properties
-
-
-def _section(solid: "Manifold", x: float) -> Shape:
-    from shapely import Polygon, union_all
-
-    shape = union_all([])
-    for ring in solid.slice(x).to_polygons():
-        shape = shape.symmetric_difference(Polygon(ring).buffer(0))
-    return shape
 
 
 def _by_face(
@@ -384,10 +388,8 @@ def _joined(found: Sequence[Lump]) -> list[Lump]:
         for i, known in enumerate(out):
             same = (known.face, known.more, known.leans) == (one.face, one.more, one.leans)
             if same and one.x0 - known.x1 < 5.0:
-                volume = known.volume + one.volume
-                out[i] = Lump(
-                    one.face, known.x0, max(one.x1, known.x1), volume, one.more, one.leans
-                )
+                volume, x1 = known.volume + one.volume, max(one.x1, known.x1)
+                out[i] = replace(known, x1=x1, volume=volume)
                 break
         else:
             out.append(one)
@@ -395,6 +397,5 @@ def _joined(found: Sequence[Lump]) -> list[Lump]:
 
 
 def _told(found: Sequence[Lump]) -> str:
-    text = "; ".join(map(str, found[:SHOWN]))
-    more = len(found) - SHOWN
-    return f"{text}; and {more} more" if more > 0 else text
+    more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
+    return "; ".join(map(str, found[:SHOWN])) + more

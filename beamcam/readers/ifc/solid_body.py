@@ -1,18 +1,23 @@
 """A body as a solid of manifold3d; by its sections across where its faces close none."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from beamcam.budget import check_member
 from beamcam.readers.ifc.region import Shape
 from beamcam.readers.ifc.shell import ALONG, Points, Shell, section
-from beamcam.solid.kernel import kernel
+from beamcam.solid.kernel import kernel, prism
+from beamcam.solid.part_solid import ALONG as SECTIONS
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
 WELDED = 5  #: decimals of a mm to which corners of faces are one
 NEAR_EVENTS = 0.05  #: mm between two x that are one
+#: Takes (x, y, z) to (Y, Z, x), for sections across.
+ACROSS = ((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0, 0.0))
 MOST_STATIONS = 160  #: that are looked at; the longest stretches come first
 
 
@@ -75,3 +80,28 @@ def section_area(body: Shell) -> float:
     """mm3 of a body by its sections, which crossings measure even where faces lie twice."""
     found = stretches(body.points[:, 0])
     return sum(float(across(body, (x0 + x1) / 2).area) * (x1 - x0) for x0, x1 in found)
+
+
+def by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple[bool, Manifold]]":
+    """The differences from a body whose faces close no solid, by sections across.
+
+    They lie between all x at which body or part change their form.
+    """
+    lying = drawn.transform(ACROSS)
+    ends = lying.to_mesh64().vert_properties[:, 2]
+    for x0, x1 in stretches(np.concatenate((body.points[:, 0], ends))):
+        check_member()
+        theirs, ours = across(body, (x0 + x1) / 2), _section(lying, (x0 + x1) / 2)
+        for more, shape in ((True, theirs.difference(ours)), (False, ours.difference(theirs))):
+            wide = shape.buffer(-slack).buffer(slack)
+            if not wide.is_empty:
+                yield more, prism(wide, x0, x1, SECTIONS)
+
+
+def _section(solid: "Manifold", x: float) -> Shape:
+    from shapely import Polygon, union_all
+
+    shape = union_all([])
+    for ring in solid.slice(x).to_polygons():
+        shape = shape.symmetric_difference(Polygon(ring).buffer(0))
+    return shape

@@ -1,14 +1,136 @@
 """Stock of a member: a section between two ends, or a plate, and its placement."""
 
-from msgspec import Struct
+from math import atan2, cos, hypot, pi, sin
 
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.geometry.curves import Line, Point
+from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.body import Swept
-from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.classify import classify
+from beamcam.readers.ifc.curves2d import Chain, box_around
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.plates import Plate, plate_of
-from beamcam.readers.ifc.profiles import section_of
+from beamcam.readers.ifc.outline import with_arcs
+from beamcam.readers.ifc.profiles import Outline, outline_of, section_of
 from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Frame, Vec, add, cross, dot, size, unit
+
+# --- plates ---------------------------------------------------------------------------------------
+
+# Plates: an outline that is pushed through its thickness.
+
+
+_FLAT = frozenset(("IfcRectangleProfileDef", "IfcCircleProfileDef", "IfcTrapeziumProfileDef"))
+THIN = 0.3  #: of the lesser side, below which an outline of a rolled form is a plate all the same
+TIGHTER = 0.98  #: of the area of the box as drawn, for another box to be taken
+
+
+class Plate(Struct, frozen=True, gc=False):
+    """Placement of a plate in its profile's plane, and its outline in its own (x, y)."""
+
+    origin: Point
+    x: Point
+    y: Point
+    length: float
+    width: float
+    outline: Chain = ()  #: none where it is the full rectangle
+    hollows: tuple[Chain, ...] = ()
+
+
+def plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Plate | None:
+    """The plate that a profile pushed by `depth` is; None if it is a bar of that section."""
+    kinds = profile.type.kinds
+    if "IfcParameterizedProfileDef" in kinds and kinds.isdisjoint(_FLAT):
+        return None  # a rolled form
+    key = profile, depth, element.is_a()
+    return model.once("plate", key, _plate_of, model, element, profile, depth)
+
+
+def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Plate | None:
+    if _is_bar_by_numbers(profile, depth, model.mm):
+        return None
+    try:
+        outline = outline_of(model, profile)
+    except Unreadable:
+        return None
+    if 2 * depth > sum(c.length for c in outline.outer):
+        return None  # a closed curve is at least twice as long as what it spans: a bar
+    x0, y0, x1, y1 = box_around(outline.outer)
+    if depth > hypot(x1 - x0, y1 - y0):
+        return None  # longer than any side: a bar
+    plate = box_of(outline)
+    section = classify(outline.outer, outline.inner)
+    if section is None:
+        return plate
+    if _is_bar(section, element, profile, depth, min(plate.length, plate.width)):
+        return None
+    sides = section.code == "B" and len(plate.outline) == 4
+    full = sides and abs(section.area - plate.length * plate.width) < 0.01
+    return replace(plate, outline=()) if full else plate
+
+
+def _is_bar_by_numbers(profile: Entity, depth: float, mm: float) -> bool:
+    """Whether a tube or a rectangle is pushed further than its wall or its lesser side."""
+    if profile.is_a("IfcRectangleHollowProfileDef"):
+        return True
+    if profile.is_a("IfcCircleHollowProfileDef"):
+        return bool(depth >= profile.WallThickness * mm)
+    flat = profile.is_a() == "IfcRectangleProfileDef"
+    return flat and bool(depth >= min(profile.XDim, profile.YDim) * mm)
+
+
+def _is_bar(section: Section, element: Entity, profile: Entity, depth: float, least: float) -> bool:
+    """Whether a section is that of a bar, for its form and for how far it is pushed."""
+    code = section.code
+    if code in ("M", "RO") and not profile.is_a("IfcCircleHollowProfileDef"):
+        return True
+    if code == "B" or (code == "SO" and element.is_a("IfcPlate")):
+        return depth >= least * (1 - 1e-9)
+    return depth > THIN * least
+
+
+def box_of(outline: Outline) -> Plate:
+    """The minimum bounding box of an outline, x along its longer side; as drawn if as small."""
+    curves = with_arcs(outline.outer)
+    angles = [0.0]
+    for curve in curves:
+        if isinstance(curve, Line) and curve.length > 1.0:
+            dx, dy = curve.end[0] - curve.start[0], curve.end[1] - curve.start[1]
+            angle = atan2(dy, dx) % (pi / 2)
+            if all(abs(angle - a) > 1e-6 for a in angles):
+                angles.append(angle)
+    boxes = [(_turned_box(curves, a), a) for a in angles]
+    drawn = boxes[0]
+    best = min(boxes, key=lambda b: _area(b[0]))
+    (x0, y0, x1, y1), angle = best if _area(best[0]) < TIGHTER * _area(drawn[0]) else drawn
+    c, s = cos(angle), sin(angle)
+    x, y = (c, s), (-s, c)
+    low = (x0, y0)
+    length, width = x1 - x0, y1 - y0
+    if width > length:
+        # A quarter turn: the new x is the old y, the new y the old -x.
+        x, y, low, length, width = y, (-x[0], -x[1]), (y0, -x1), width, length
+    origin = (low[0] * x[0] + low[1] * y[0], low[0] * x[1] + low[1] * y[1])
+    box = Plate(origin, x, y, length, width)
+    hollows = tuple(into(h, box) for h in outline.inner)
+    return replace(box, outline=into(curves, box), hollows=hollows)
+
+
+def _turned_box(curves: Chain, angle: float) -> Box:
+    c, s = cos(angle), sin(angle)
+    return box_around(tuple(k.transformed(((c, s, 0.0), (-s, c, 0.0))) for k in curves))
+
+
+def _area(box: Box) -> float:
+    return (box[2] - box[0]) * (box[3] - box[1])
+
+
+def into(chain: Chain, box: Plate) -> Chain:
+    """A chain of the profile's plane in the plate's own coordinates."""
+    (a, b), (c, d), (ox, oy) = box.x, box.y, box.origin
+    matrix = ((a, b, -(a * ox + b * oy)), (c, d, -(c * ox + d * oy)))
+    return tuple(k.transformed(matrix) for k in chain)
 
 
 class Stock(Struct, frozen=True, gc=False):

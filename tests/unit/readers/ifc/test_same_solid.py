@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
+from random import Random
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,15 +11,17 @@ from msgspec.structs import replace
 
 from beamcam.errors import Severity, Source
 from beamcam.model.part import EndCuts, Hole, Slot
-from beamcam.readers.ifc import Options, kernel, read
+from beamcam.readers.ifc import Options, kernel, read, same_solid
+from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.kernel import Built, build
-from beamcam.readers.ifc.same_solid import Fineness, differences, section_said
+from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, Section, plain_stock
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.solid_body import section_area, solid_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
+from tests.property.ifc_builder import model_text, random_member
 from tests.unit.readers.ifc.models import Small, opened
 
 FACES = Fineness(slack=0.04, facet_rad=0.6)
@@ -183,3 +187,49 @@ def test_a_cut_inside_a_flange_is_found() -> None:
     found = read(m.data, "m.ifc", options=Options(kernel=True))
     (said,) = [d for d in found.diagnostics if d.severity is Severity.ERROR]
     assert "less on face o at x 797.0 to 803.0" in said.message
+
+
+@pytest.mark.parametrize("encoding", ["brep", "mesh"])
+def test_the_plain_look_and_the_whole_comparison_say_the_same(
+    encoding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random = Random(encoding)
+    members = [random_member(random, encoding) for _ in range(5)]
+    data = model_text(members, encoding, random)[0].encode()
+    looked: list[float | None] = []
+    plain = same_solid._plainly_drilled
+
+    def noted(*of: Any) -> float | None:
+        looked.append(plain(*of))
+        return looked[-1]
+
+    monkeypatch.setattr(same_solid, "_plainly_drilled", noted)
+    found = read(data, "m.ifc")
+    monkeypatch.setattr(same_solid, "_plainly_drilled", lambda *_: None)
+    assert read(data, "m.ifc") == found
+    assert None not in looked
+
+
+@pytest.mark.parametrize(
+    "hole",
+    [
+        Hole("v", 200.3, 50.0, 22.0, SOURCE),
+        Hole("v", 200.0, 50.0, 22.4, SOURCE),
+        Hole("v", 200.0, 50.0, 22.0, SOURCE, depth=5.0),
+        Slot("v", 200.0, 50.0, 22.0, 10.0, 0.0, 0.0, SOURCE),
+    ],
+)  # fmt: skip
+def test_the_plain_look_passes_no_other_hole(hole: Hole | Slot) -> None:
+    solid = solid_of(drilled(200.0, 50.0, 11.0, 24))
+    assert solid is not None
+    stock = plain_stock(flat())
+
+    def plain(*features: Hole | Slot) -> float | None:
+        part = part_of(plate(*features))
+        return same_solid._plainly_drilled(solid, part, flat(), stock, FACES)
+
+    right = Hole("v", 200.0, 50.0, 22.0, SOURCE)
+    assert plain(right) == pytest.approx(400.0 * 1000.0 - 10.0 * np.pi * 11.0**2, rel=1e-4)
+    assert plain(hole) is None
+    assert plain(right, hole) is None
+    assert plain() is None
