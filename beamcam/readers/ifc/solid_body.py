@@ -9,7 +9,7 @@ from beamcam.budget import check_member
 from beamcam.readers.ifc.region import Shape
 from beamcam.readers.ifc.shell import ALONG, Points, Shell, section
 from beamcam.solid.kernel import kernel, prism
-from beamcam.solid.part_solid import ALONG as SECTIONS
+from beamcam.solid.stock_solid import ALONG as SECTIONS
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
