@@ -7,16 +7,18 @@
      u = 0
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import partial
 from math import acos, ceil, pi, radians
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from beamcam.geometry.array_types import Floats
+from beamcam.geometry.curves import Curve, Line
 from beamcam.model.part import Contour, Part, Slot
 from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape
-from beamcam.solid.kernel import FREE, extruded, kernel, no_solid
+from beamcam.solid.kernel import CHORD, FREE, extruded, kernel, no_solid
 from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of
 
 if TYPE_CHECKING:
@@ -75,22 +77,29 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
 
     radius, _ = round_wall(part)
     turn = 2 * pi * radius
-
-    def on_seam(points: Any) -> Any:
-        points = points.copy()
-        u = points[:, 1]
-        u[abs(u) <= OUTLINE_NOISE] = 0.0
-        u[abs(u - turn) <= OUTLINE_NOISE] = turn
-        return points
-
     outlines = [one for one in part.contours if one.kind == "outer" and is_cut(one)]
     gone = box(-FREE, 0.0, part.length + FREE, turn) if outlines else Polygon()
     for one in outlines:
-        gone = gone.difference(transform(shape_of(one.curves), on_seam).buffer(0))
+        steel = transform(shape_of(one.curves), partial(_on_seam, one.curves, turn))
+        gone = gone.difference(steel.buffer(0))
     if margin and outlines:
         gone = all_round(gone, turn).buffer(margin, join_style="mitre")
         gone = gone.intersection(box(-FREE, 0.0, part.length + FREE, turn))
     return gone
+
+
+def _on_seam(curves: Sequence[Curve], turn: float, points: Any) -> Any:
+    """Corners of an outline, the ends of its sides along the seam on it."""
+    points = points.copy()
+    for side in curves:
+        if isinstance(side, Line):
+            for seam in (0.0, turn):
+                ends = np.array([side.start, side.end])
+                rise, run = np.ptp(ends[:, 1]), np.ptp(ends[:, 0])
+                if abs(ends[:, 1] - seam).max() <= OUTLINE_NOISE and rise <= 0.02 * run:
+                    for end in ends:
+                        points[np.hypot(*(points - end).T) < CHORD, 1] = seam
+    return points
 
 
 def all_round(shape: Shape, turn: float) -> Shape:

@@ -29,7 +29,7 @@ from beamcam.planning.coping.regions import (
     Cut,
     Shape,
     curves_of,
-    on_edges,
+    outline_on,
     shape_of,
     sharp_corners,
 )
@@ -145,7 +145,7 @@ def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> _Face:
     if not mine:
         return _Face(leg, size, box(0.0, 0.0, part.length, size), False)
     strip = box(-part.length, 0.0, 2 * part.length, size)
-    shape = union_all([on_edges(shape_of(c.curves), wall) for c in mine]).intersection(strip)
+    shape = union_all([outline_on(wall, c.curves) for c in mine]).intersection(strip)
     return _Face(leg, size, shape, True)
 
 

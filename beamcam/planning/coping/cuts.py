@@ -172,7 +172,8 @@ def _pieces(
 def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> RequiredPath | None:
     """A chain with its lead; None if there is no room for one in scrap.
 
-    It begins at a free edge where it has one, that away from the root if both are free.
+    It begins at a free edge where it has one, that away from the root if both are free; at the
+    other where it runs along the first.
     """
     if not chain.start:
         return _closed(chain, wall, shape, row, coper)
@@ -183,6 +184,9 @@ def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> 
         chain = chain.reversed()
     half = row.kerf / 2
     led = _from_edge(chain, wall, shape, half, coper) if free[chain.start] else None
+    if led is None and free[chain.start] and free[chain.end]:
+        chain = chain.reversed()
+        led = _from_edge(chain, wall, shape, half, coper)
     if led is None and not free[chain.start]:
         led = _from_root(chain, wall, shape, row, coper)
     if led is not None and free[chain.end]:

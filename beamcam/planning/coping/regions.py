@@ -3,7 +3,7 @@
 Regions are polygons; their chords lie within CHORD of the curves of the part.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import atan2, degrees
 from typing import Any
 
@@ -26,6 +26,7 @@ CHORD = 0.01  #: mm between a curve and its chords
 SLIVER = CHORD / 10  #: mm; what is thinner is nothing
 ROUND = 32  #: sides of a quarter of a rounded corner
 OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files differ by 0.7
+ALONG = 0.02  #: slope of a side that is an edge of its wall, at most
 MOST_ROUNDED = 1.75  #: radii that the rounding of a corner reaches along its sides
 CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
 BEYOND = 1e4  #: mm, farther than any bar is wide
@@ -58,7 +59,7 @@ def region_of(
              (start.x(wall.width), wall.width)]
         )  # fmt: skip
     if outer:
-        drawn = union_all([on_edges(shape_of(c.curves), wall) for c in outer])
+        drawn = union_all([outline_on(wall, c.curves) for c in outer])
         said += _beyond(drawn, strip, wall, outer[0])
         whole = drawn.intersection(strip)
     shape = whole
@@ -148,34 +149,49 @@ def _polygons(shape: Shape) -> Iterator[Shape]:
             yield one
 
 
-def on_edges(shape: Shape, wall: Wall) -> Shape:
-    """An outline whose places near an edge of the wall, or an end of a piece, lie on it."""
-    from shapely import make_valid, transform
+def outline_on(wall: Wall, curves: Sequence[Curve]) -> Shape:
+    """The inside of an outline whose sides near an edge of its wall, or an end, lie on that.
 
-    def moved(points: Any) -> Any:
-        points = points.copy()
-        x, y = points[:, 0], points[:, 1]
-        y[abs(y) <= OUTLINE_NOISE] = 0.0
-        y[abs(y - wall.width) <= OUTLINE_NOISE] = wall.width
+    Places of an arc stay where they are: one that runs into an edge is not flattened by it.
+    """
+
+    def moved(place: Point, sides: Sequence[Line]) -> Point:
+        x, y = place
+        for edge in (0.0, wall.width):
+            if any(_lies_along(side, edge) for side in sides):
+                y = edge
         for end in wall.ends or ():
-            there = end.at + end.slope * y
-            near = abs(x - there) <= OUTLINE_NOISE + end.play
-            x[near] = there[near]
-        return points
+            if sides and abs(x - end.x(y)) <= OUTLINE_NOISE + end.play:
+                x = end.x(y)
+        return x, y
 
-    return make_valid(transform(shape, moved))
+    return shape_of(curves, moved)
 
 
-def shape_of(curves: Sequence[Curve]) -> Shape:
-    """The inside of a closed chain of curves."""
+def _lies_along(side: Line, edge: float) -> bool:
+    """Whether a side is an edge of its wall, but for what an outline may be off."""
+    (x0, y0), (x1, y1) = side.start, side.end
+    off = max(abs(y0 - edge), abs(y1 - edge))
+    return off <= OUTLINE_NOISE and abs(y1 - y0) <= ALONG * abs(x1 - x0)
+
+
+def shape_of(
+    curves: Sequence[Curve], moved: Callable[[Point, Sequence[Line]], Point] | None = None
+) -> Shape:
+    """The inside of a closed chain of curves.
+
+    `moved` says where the ends of a curve lie, by the straight ones that meet there.
+    """
     from shapely import Polygon, make_valid
 
     drawn = polylines(curves, CHORD)
-    ring = [
-        tuple(point)
-        for k in range(len(curves))
-        for point in drawn.points[drawn.begins[k] : drawn.begins[k + 1] - 1].tolist()
-    ]
+    ring: list[Point] = []
+    for k, curve in enumerate(curves):
+        places = drawn.points[drawn.begins[k] : drawn.begins[k + 1] - 1].tolist()
+        if moved is not None and places:
+            sides = [one for one in (curves[k - 1], curve) if isinstance(one, Line)]
+            places[0] = moved((places[0][0], places[0][1]), sides)
+        ring += [(x, y) for x, y in places]
     return make_valid(Polygon(ring)) if len(ring) > 2 else Polygon()
 
 

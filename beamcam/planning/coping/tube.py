@@ -32,7 +32,7 @@ from beamcam.planning.coping.regions import (
     Region,
     Shape,
     curves_of,
-    on_edges,
+    outline_on,
     rounded,
     shape_of,
     sharp_corners,
@@ -160,7 +160,7 @@ def _region(
     whole: Shape = box(0.0, 0.0, part.length, round_it)
     if outer:
         strip = box(-part.length, 0.0, 2 * part.length, round_it)
-        drawn = [on_edges(shape_of(c.curves), surface) for c in outer]
+        drawn = [outline_on(surface, c.curves) for c in outer]
         whole = union_all(drawn).intersection(strip)
     turns = [k * round_it for k in range(3)]
     shape = union_all([translate(whole, 0.0, turn) for turn in turns])

@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Hole, Part, Slot
-from beamcam.verify.coping.rings import ring_of, slot_ring
+from beamcam.verify.coping.rings import outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.section import TubeSection, pieces_of
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
 
@@ -108,10 +108,7 @@ def _outlined(part: Part, face: str, features: Sequence[Any]) -> _Wall:
     if not own:
         return _Wall(face, wide, box(0.0, 0.0, part.length, wide), False)
 
-    def on_edge(y: float) -> float:
-        return 0.0 if abs(y) <= APART else wide if abs(y - wide) <= APART else y
-
-    rings = [[(x, on_edge(y)) for x, y in ring_of(f.curves)] for f in own]
+    rings = [outline_ring(f.curves, (0.0, wide), lambda place: place) for f in own]
     steel = union_all([make_valid(Polygon(ring)) for ring in rings])
     return _Wall(face, wide, steel.intersection(box(-FAR, 0.0, FAR, wide)), True)
 

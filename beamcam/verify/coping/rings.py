@@ -1,6 +1,6 @@
 """What is drawn as rings of points, for the read-back alone."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from math import ceil, cos, pi, radians, sin
 
 from beamcam.geometry.curves import Arc, Curve, Line
@@ -9,20 +9,49 @@ from beamcam.model.part import Slot
 
 FINE = 0.02  #: mm between a curve and its chords, at most
 STEPS = 256  #: of a curve that is no arc
+EDGE_NOISE = 1.0  #: mm that a side of an outline may lie off the edge of its wall and mean it
+EDGE_SLOPE = 0.02  #: of such a side, at most
 
 
 def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
     """Points along a closed chain of curves."""
-    points: list[Point] = []
-    for curve in curves:
-        if isinstance(curve, Line):
-            points.append(curve.start)
-        elif isinstance(curve, Arc):
-            more = round_ring(*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
-            points += list(more)[:-1]
-        else:
-            points += [curve.point(k / STEPS) for k in range(STEPS)]
-    return points
+    return [point for curve in curves for point in _places(curve)]
+
+
+def outline_ring(
+    curves: tuple[Curve, ...], edges: Sequence[float], at_end: Callable[[Point], Point]
+) -> list[Point]:
+    """Points along an outline, its sides near one of some edges on that edge.
+
+    Only ends of straight sides are moved, to an edge and then by `at_end`; those of an arc that
+    runs into an edge are steel that is asked for.
+    """
+    found: list[Point] = []
+    for k, curve in enumerate(curves):
+        first, *rest = _places(curve)
+        sides = [one for one in (curves[k - 1], curve) if isinstance(one, Line)]
+        x, y = first
+        on = [edge for edge in edges if any(_is_edge(side, edge) for side in sides)]
+        first = (x, on[0] if on else y)
+        found += [at_end(first) if sides else first, *rest]
+    return found
+
+
+def _is_edge(side: Line, edge: float) -> bool:
+    """Whether a side of an outline means an edge of its wall."""
+    off, run = abs(side.start[1] - edge), side.end[0] - side.start[0]
+    rise = side.end[1] - side.start[1]
+    return max(off, abs(side.end[1] - edge)) <= EDGE_NOISE and abs(rise) <= EDGE_SLOPE * abs(run)
+
+
+def _places(curve: Curve) -> list[Point]:
+    """Points along a curve, without its end."""
+    if isinstance(curve, Line):
+        return [curve.start]
+    if isinstance(curve, Arc):
+        more = round_ring(*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
+        return list(more)[:-1]
+    return [curve.point(k / STEPS) for k in range(STEPS)]
 
 
 def round_ring(

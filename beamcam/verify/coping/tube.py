@@ -23,7 +23,7 @@ from beamcam.model.part import Contour, Feature, Hole, Part, Slot
 from beamcam.verify.coping import rules
 from beamcam.verify.coping.box_tube import box_wanted
 from beamcam.verify.coping.collisions import strike_faults
-from beamcam.verify.coping.rings import FINE, ring_of, slot_ring
+from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
@@ -275,7 +275,7 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
     one: Shape = box(0.0, 0.0, part.length, turn)
     if outlines:
-        rings = [[_on_seam(p, turn) for p in ring_of(c.curves)] for c in outlines]
+        rings = [outline_ring(c.curves, (0.0, turn), lambda place: place) for c in outlines]
         one = union_all([make_valid(Polygon(ring)) for ring in rings])
         one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
@@ -299,11 +299,6 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
     drawn = areas_of(drawn)
     everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
     return drawn, with_round_corners(drawn, everywhere, coper.corner_radius)
-
-
-def _on_seam(point: Point, turn: float) -> Point:
-    x, u = point
-    return (x, 0.0) if abs(u) <= 1.0 else (x, turn) if abs(u - turn) <= 1.0 else point
 
 
 def _drilled(hole: Hole, radius: float) -> Iterator[Point]:

@@ -1,6 +1,7 @@
 """What has to stay of each wall of a part, worked out for the read-back alone."""
 
 from collections.abc import Collection
+from functools import partial
 from math import degrees, hypot
 from typing import Any
 
@@ -11,7 +12,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
-from beamcam.verify.coping.rings import FINE, ring_of, round_ring, slot_ring
+from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, round_ring, slot_ring
 from beamcam.verify.coping.section import Section, areas_of, pieces_of
 from beamcam.verify.coping.stock import DRAWN, Stock
 from beamcam.verify.left_out import is_by_hand
@@ -20,7 +21,6 @@ Shape = Any  #: of shapely
 
 CORNER_DEG = 20.0  #: a contour that turns by more has a corner
 LOOK = 0.2  #: mm round a corner in which steel and air are weighed
-EDGE_NOISE = 1.0  #: mm that an outline may lie off the edge of its wall and mean it
 
 
 class Wanted(Struct, frozen=True):
@@ -49,7 +49,7 @@ def wanted_on(
     drawn: Shape = whole if stock.is_piece else box(0.0, 0.0, part.length, wide)
     if outlines:
         rings = [
-            [stock.at_end(face, _at_edge(p, wide)) for p in ring_of(one.curves)] for one in outlines
+            outline_ring(one.curves, (0.0, wide), partial(stock.at_end, face)) for one in outlines
         ]
         drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
@@ -92,13 +92,6 @@ def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Sha
         if piece.area > FINE * FINE and piece.distance(places) <= FINE
     ]
     return union_all([drawn, *kept])
-
-
-def _at_edge(point: Point, wide: float) -> Point:
-    x, y = point
-    if abs(y) <= EDGE_NOISE:
-        return x, 0.0
-    return (x, wide) if abs(y - wide) <= EDGE_NOISE else point
 
 
 def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:

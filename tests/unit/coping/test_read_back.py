@@ -3,6 +3,8 @@
 import random
 import re
 from collections.abc import Callable
+from itertools import pairwise
+from math import cos, dist, pi, sin
 
 import pytest
 from hypothesis import given, settings
@@ -11,8 +13,9 @@ from msgspec.structs import replace
 from shapely import MultiPolygon, box
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
+from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine
-from beamcam.model.part import Hole, Part, Profile, TextMark
+from beamcam.model.part import Contour, Hole, Part, Profile, TextMark
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.verify.coping import verify_coping
 from beamcam.verify.coping.compare import Left, _holding
@@ -69,6 +72,37 @@ def test_most_random_parts_are_planned(random_part: Callable[[int], Part]) -> No
             return False
 
     assert sum(map(is_planned, range(40))) >= 36
+
+
+def round_flange(*corner: Curve) -> Part:
+    """An IPE300 whose upper flange, 150 wide, has a corner of its own from (600, 105) on."""
+    last = corner[-1].end
+    sides = [Line((0.0, 0.0), (600.0, 0.0)), Line((600.0, 0.0), (600.0, 105.0)), *corner,
+             Line(last, (0.0, 150.0)), Line((0.0, 150.0), (0.0, 0.0))]  # fmt: skip
+    return part_of(Contour("o", "outer", tuple(sides), AT))
+
+
+def test_an_arc_that_runs_into_an_edge_is_not_flattened_by_it() -> None:
+    """Within 1 mm of the edge, too, the cut is half a kerf off a corner of 45 about (555, 105)."""
+    part = round_flange(Arc((555.0, 105.0), 45.0, 0.0, 90.0))
+    (cut,) = [c for c in plan_coping((part,), COPER).operations if (c.kind, c.face) == ("far", "o")]
+    near = [dist((555.0, 105.0), p) for p in cut.path if p[0] > 560.0 and 105.0 < p[1] < 149.95]
+    assert len([p for p in cut.path if 149.0 < p[1] < 149.95 and p[0] > 560.0]) > 0
+    assert near == pytest.approx([45.0 + cut.row.kerf / 2] * len(near), abs=0.03)
+    text = program_of(part)
+    assert not found(text, part)
+    ends = [k * pi / 30 for k in range(14)]  # to 78 degrees, 1 mm below the edge, then straight up
+    chords = [(555.0 + 45.0 * cos(t), 105.0 + 45.0 * sin(t)) for t in ends]
+    flat = [Line(a, b) for a, b in pairwise([*chords, (chords[-1][0], 150.0)])]
+    assert found(program_of(round_flange(*flat)), part)
+
+
+def test_a_side_beside_an_edge_is_that_edge() -> None:
+    """Real outlines are up to 0.7 mm narrower than their header, and mean its width."""
+    part = part_of(outline("o", [(0.0, 0.4), (600.0, 0.0), (600.0, 149.4), (0.0, 149.3)]))
+    cuts = plan_coping((part,), COPER).operations
+    assert {c.kind for c in cuts} == {"near", "far"}
+    assert not found(program_of(part), part)
 
 
 @pytest.mark.parametrize("every", [5, pytest.param(1, marks=pytest.mark.exhaustive)])
