@@ -5,11 +5,11 @@ from itertools import chain, islice
 
 from msgspec.structs import replace
 
-from beamcam.errors import BeamcamError, Diagnostic, Source, errors_in, note
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import OTHERS, Torch
 from beamcam.machine_chain import chain_of
-from beamcam.model.part import Contour
+from beamcam.model.part import Contour, TextMark
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.contours.rules import SHARED, UNMAPPED
@@ -21,6 +21,9 @@ from beamcam.readers.content import Reading
 LONG_BARS = (6000.0, 12000.0, 15000.0, 18000.0)  #: mm that mills roll and stockists keep
 GAPS = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)  #: mm between ends that may be meant to meet
 MOST_CURVES = 2_000  #: of a drawing for which ways out are looked for
+MOST_WORK = 9_000  #: curves and features that are planned together, in all tries
+TEXT_WORK = 20  #: curves whose planning is as much work as that of a text
+MANY_TRIES = 50  #: as a search has at most, about
 ROTATED_DEG = 15  #: from one turn that is tried to the next
 UNITS = ("mm", "in")  #: that drawings are made in
 
@@ -33,7 +36,7 @@ NO_WAY_OUT = note("plan-no-way-out",
     "The drawing or the part has to change, or a machine file of one's own says that a machine can "
     "do more.")  # fmt: skip
 UNTRIED = note("plan-ways-untried",
-    "found {found}, looked for no way out; expected at most {expected} for that",
+    "found {found}, not every way out was looked for; expected at most {expected} for that",
     "Each option would be tried by planning all of it, some fifty times. `beamcam codes CODE` says "
     "what to do about the errors.")  # fmt: skip
 WAYS_TO_READ = note("read-ways-out",
@@ -103,12 +106,14 @@ def ways_out(
     curves = sum(len(f.curves) for f in features if isinstance(f, Contour))
     if curves > MOST_CURVES:
         return UNTRIED.at(source, found=f"{curves} curves", expected=MOST_CURVES)
+    texts = sum(isinstance(f, TextMark) for f in features)
+    search = _Search(curves + len(features) + TEXT_WORK * texts)
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
     refused = [
         (one, {said.code for said in why.diagnostics})
         for one in on
-        if one.machine.torch is not None and isinstance(why := _planned(one), BeamcamError)
+        if one.machine.torch is not None and isinstance(why := search.planned(one), BeamcamError)
     ]
     open_ones = [one for one, codes in refused if any(c.startswith("plan-open") for c in codes)]
     touching = [one for one, codes in refused if SHARED.code in codes]
@@ -116,71 +121,48 @@ def ways_out(
     others = tuple(others)
     fits = any(map(_keeps_size, tried))
     answers = [
-        (one, _planned(one))
+        (one, search.planned(one))
         for one in (replace(request, machine=machine) for machine in others)
         if one.machine.torch is None or _keeps_size(one.machine) >= fits
     ]
     elsewhere = [
         f"--machine {one.machine.name}"
         for one, plan in answers if not isinstance(plan, BeamcamError)
-    ] or [*_by_splitting(request, (*tried, *others))]  # fmt: skip
+    ] or [*search.by_splitting(request, (*tried, *others))]  # fmt: skip
     hopeless = [one for one, codes in refused if codes.isdisjoint(_SKIPPED)]
     may_leave = [one for one in on if one not in hopeless]
     may_leave_too = [
         one for one, why in answers
         if isinstance(why, BeamcamError) and any(d.code in _SKIPPED for d in why.diagnostics)
     ]  # fmt: skip
-    found = [*_first(map(_by_thickness, on))] or [
-        *_first(map(_by_placing, on)),
+    found = [*_first(map(search.by_thickness, on))] or [
+        *_first(map(search.by_placing, on)),
         *elsewhere,
-        *_first(_by_map(one) for one, codes in refused if UNMAPPED.code in codes),
-        *_first(map(_by_gap, open_ones)),
-        *_by_switch(touching, "common_cuts"),
-        *_first(map(_by_rotating, too_large)),
-        *_by_switch((one for one, _ in refused), "unrolled"),
-        *(() if elsewhere else _by_leave(may_leave, may_leave_too)),
-        *_first(map(_by_bar, on)),
-        *_first(map(_by_turning, on)),
-        *_one_by_one(on),
+        *_first(search.by_map(one) for one, codes in refused if UNMAPPED.code in codes),
+        *_first(map(search.by_gap, open_ones)),
+        *search.by_switch(touching, "common_cuts"),
+        *_first(map(search.by_rotating, too_large)),
+        *search.by_switch((one for one, _ in refused), "unrolled"),
+        *(() if elsewhere else search.by_leave(may_leave, may_leave_too)),
+        *_first(map(search.by_bar, on)),
+        *_first(map(search.by_turning, on)),
+        *search.one_by_one(on),
     ]
     if not found:
-        found = [*_by_switch(open_ones, "allow_open")]
+        found = [*search.by_switch(open_ones, "allow_open")]
     if not found and read is not None:
-        found = [*_by_units(on, read)]
-    return WAYS_OUT.at(source, found=" or ".join(found)) if found else NO_WAY_OUT.at(source)
+        found = [*search.by_units(on, read)]
+    if found:
+        return WAYS_OUT.at(source, found=" or ".join(found))
+    if search.is_spent:
+        return UNTRIED.at(source, found=f"{curves + len(features)} curves and features",
+                          expected=MOST_WORK // MANY_TRIES)  # fmt: skip
+    return NO_WAY_OUT.at(source)
 
 
 def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:
     """The first option, of those that help on one machine or another."""
     return islice(chain.from_iterable(found), 1)
-
-
-def _made(request: Request) -> AnyPlan | None:
-    """The plan of all parts on the longest bar; None where the machine refuses them."""
-    plan = _planned(request)
-    return None if isinstance(plan, BeamcamError) else plan
-
-
-def _planned(request: Request) -> AnyPlan | BeamcamError:
-    """The plan of one of each part on the longest bar, or why the machine refuses them."""
-    pieces = tuple(range(len(request.parts)))
-    try:
-        job = Job(replace(request, quantity=None), pieces, max(request.stock, default=None))
-        return post_of(request.machine).plan(job)
-    except BeamcamError as error:
-        return error
-
-
-def _by_thickness(request: Request) -> Iterator[str]:
-    """The least thickness of the machine's cut chart that would do, where none is known."""
-    torch = request.machine.torch
-    known = any(part.profile.web_thickness for part in request.parts)
-    if torch is None or torch.thickness or known:
-        return
-    for thickness in sorted({row.up_to for row in torch.rows}):
-        if _made(_with_torch(request, replace(torch, thickness=thickness))) is not None:
-            yield f"--thickness {thickness:g}"
-            return
 
 
 def _keeps_size(machine: Machine) -> bool:
@@ -189,132 +171,167 @@ def _keeps_size(machine: Machine) -> bool:
     return torch is not None and torch.kerf_by != "none" and any(row.kerf for row in torch.rows)
 
 
-def _by_map(request: Request) -> Iterator[str]:
-    """Cuts, where the map has no process for some lines of a drawing."""
-    torch = request.machine.torch
-    if torch is None:
-        return
-    colours = {**torch.colours, OTHERS: "cut"}
-    if _made(_with_torch(request, replace(torch, colours=colours))) is not None:
-        yield f"--map '{OTHERS}=cut'"
-
-
-def _by_gap(request: Request) -> Iterator[str]:
-    """The least gap between two ends that has to be closed."""
-    torch = request.machine.torch
-    for gap in GAPS if torch is not None else ():
-        assert torch is not None
-        if gap > torch.gap and _made(_with_torch(request, replace(torch, gap=gap))) is not None:
-            yield f"--gap {gap:g}"
-            return
-
-
-def _by_switch(requests: Iterable[Request], key: str) -> Iterator[str]:
-    """An option that is on or off, turned on, on the first machine where that helps."""
-    for request in requests:
-        torch = request.machine.torch
-        if torch is None or getattr(torch, key):
-            continue
-        if _made(_with_torch(request, replace(torch, **{key: True}))) is not None:
-            yield f"--{key.replace('_', '-')}"
-            return
-
-
-def _by_rotating(request: Request) -> Iterator[str]:
-    """The least turn by which the work fits on the table."""
-    torch = request.machine.torch
-    if torch is None or torch.rotate:
-        return
-    for angle in range(ROTATED_DEG, 180, ROTATED_DEG):
-        turned = _with_torch(request, replace(torch, rotate=float(angle)))
-        if _made(turned) is not None:
-            yield f"--rotate {angle}"
-            return
-
-
-def _by_units(on: Sequence[Request], read: Callable[..., Reading]) -> Iterator[str]:
-    """Another unit of the drawings, where what they are refused for is their size."""
-    parts = on[0].parts
-    if not parts or any(part.measures is None for part in parts):
-        return
-    for unit in UNITS:
-        try:
-            again = [read(part.source.file, units=unit) for part in parts]
-        except BeamcamError:
-            continue
-        other = tuple(part for reading in again for part in reading.parts)
-        if len(other) == len(parts) and any(
-            _made(replace(request, parts=other)) is not None for request in on
-        ):
-            yield f"--units {unit}"
-            return
-
-
-def _by_placing(request: Request) -> Iterator[str]:
-    """The corner of the table, where work that is left where it is drawn is refused."""
-    torch = request.machine.torch
-    if torch is None or torch.place != "drawn":
-        return
-    if _made(_with_torch(request, replace(torch, place="corner"))) is not None:
-        yield "--place corner"
-
-
 def _with_torch(request: Request, torch: Torch) -> Request:
     return replace(request, machine=replace(request.machine, torch=torch))
 
 
-def _by_splitting(request: Request, machines: Iterable[Machine]) -> Iterator[str]:
-    """The machines that make a part one after the other."""
-    if len(request.parts) != 1:
-        return
-    bars = [machine for machine in machines if machine.stock in ("beam", "profile")]
-    chain = chain_of(request, bars)
-    if len(chain) > 1:
-        names = ",".join(stage.machine.name for stage in chain)
-        yield f"`beamcam split --machines {names}` (a program for each machine)"
+class _Search:
+    """Plans of a request with one option or another, as many as its size allows."""
 
+    def __init__(self, size: int) -> None:
+        self._tries = max(1, MOST_WORK // max(1, size))  #: plans that may be made yet
 
-def _by_leave(on: Sequence[Request], others: Sequence[Request]) -> Iterator[str]:
-    """The fewest kinds of features that have to be left out, on another machine if those are fewer.
+    @property
+    def is_spent(self) -> bool:
+        """Whether no more is tried."""
+        return self._tries <= 0
 
-    A kind that one of them makes is not named.
-    """
-    found: list[tuple[int, int, str]] = []
-    for k, request in enumerate((*on, *others)):
-        plan = _made(replace(request, skips=SKIP_NAMES))
-        if plan is None:
-            continue
-        left = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
-        names = tuple(sorted({*request.skips, *(left & {*SKIP_NAMES})}))
-        if names and _made(replace(request, skips=names)) is not None:
-            elsewhere = f" --machine {request.machine.name}" if k >= len(on) else ""
-            found.append((len(names), k, f"--allow-skips {','.join(names)}{elsewhere}"))
-    yield from (words for _, _, words in sorted(found)[:1])
+    def made(self, request: Request) -> AnyPlan | None:
+        """The plan of all parts on the longest bar; None where the machine refuses them."""
+        plan = self.planned(request)
+        return None if isinstance(plan, BeamcamError) else plan
 
+    def planned(self, request: Request) -> AnyPlan | BeamcamError:
+        """The plan of one of each part on the longest bar, or why the machine refuses them.
 
-def _by_bar(request: Request) -> Iterator[str]:
-    """The shortest bar that would do, where the parts are refused for their bar."""
-    if request.machine.stock != "beam":
-        return
-    for length in LONG_BARS:
-        known = length == max(request.stock, default=None)
-        if not known and _made(replace(request, stock=(length,))) is not None:
-            yield f"--bar {length:g}"
+        Where no more is tried it is as if it were refused.
+        """
+        if self.is_spent:
+            return PlanError(())
+        self._tries -= 1
+        pieces = tuple(range(len(request.parts)))
+        try:
+            job = Job(replace(request, quantity=None), pieces, max(request.stock, default=None))
+            return post_of(request.machine).plan(job)
+        except BeamcamError as error:
+            return error
+
+    def by_thickness(self, request: Request) -> Iterator[str]:
+        """The least thickness of the machine's cut chart that would do, where none is known."""
+        torch = request.machine.torch
+        known = any(part.profile.web_thickness for part in request.parts)
+        if torch is None or torch.thickness or known:
             return
+        for thickness in sorted({row.up_to for row in torch.rows}):
+            if self.made(_with_torch(request, replace(torch, thickness=thickness))) is not None:
+                yield f"--thickness {thickness:g}"
+                return
 
+    def by_map(self, request: Request) -> Iterator[str]:
+        """Cuts, where the map has no process for some lines of a drawing."""
+        torch = request.machine.torch
+        if torch is None:
+            return
+        colours = {**torch.colours, OTHERS: "cut"}
+        if self.made(_with_torch(request, replace(torch, colours=colours))) is not None:
+            yield f"--map '{OTHERS}=cut'"
 
-def _one_by_one(on: Sequence[Request]) -> Iterator[str]:
-    """What makes each of several parts by itself, as those of two sections, where all can be."""
-    parts = on[0].parts
-    if len(parts) < 2 or not all(
-        any(_made(replace(request, parts=(part,))) is not None for request in on) for part in parts
-    ):
-        return
-    yield "`beamcam batch` (a program for each part)"
-    if parts[0].guid is not None:
-        yield f"--mark {parts[0].mark} (that member alone)"
+    def by_gap(self, request: Request) -> Iterator[str]:
+        """The least gap between ends that has to be closed, if the widest is enough."""
+        torch = request.machine.torch
+        if torch is None:
+            return
+        wider = [gap for gap in GAPS if gap > torch.gap]
+        tried = (_with_torch(request, replace(torch, gap=gap)) for gap in wider)
+        if wider and self.made(_with_torch(request, replace(torch, gap=wider[-1]))) is not None:
+            least = next((k for k, one in enumerate(tried) if self.made(one) is not None), -1)
+            yield f"--gap {wider[least]:g}"
 
+    def by_switch(self, requests: Iterable[Request], key: str) -> Iterator[str]:
+        """An option that is on or off, turned on, on the first machine where that helps."""
+        for request in requests:
+            torch = request.machine.torch
+            if torch is None or getattr(torch, key):
+                continue
+            if self.made(_with_torch(request, replace(torch, **{key: True}))) is not None:
+                yield f"--{key.replace('_', '-')}"
+                return
 
-def _by_turning(request: Request) -> Iterator[str]:
-    if request.machine.stock == "beam" and _made(replace(request, turn=True)) is not None:
-        yield "--turn"
+    def by_rotating(self, request: Request) -> Iterator[str]:
+        """The least turn by which the work fits on the table."""
+        torch = request.machine.torch
+        if torch is None or torch.rotate:
+            return
+        for angle in range(ROTATED_DEG, 180, ROTATED_DEG):
+            turned = _with_torch(request, replace(torch, rotate=float(angle)))
+            if self.made(turned) is not None:
+                yield f"--rotate {angle}"
+                return
+
+    def by_units(self, on: Sequence[Request], read: Callable[..., Reading]) -> Iterator[str]:
+        """Another unit of the drawings, where what they are refused for is their size."""
+        parts = on[0].parts
+        if not parts or any(part.measures is None for part in parts):
+            return
+        for unit in UNITS:
+            try:
+                again = [read(part.source.file, units=unit) for part in parts]
+            except BeamcamError:
+                continue
+            other = tuple(part for reading in again for part in reading.parts)
+            if len(other) == len(parts) and any(
+                self.made(replace(request, parts=other)) is not None for request in on
+            ):
+                yield f"--units {unit}"
+                return
+
+    def by_placing(self, request: Request) -> Iterator[str]:
+        """The corner of the table, where work that is left where it is drawn is refused."""
+        torch = request.machine.torch
+        if torch is None or torch.place != "drawn":
+            return
+        if self.made(_with_torch(request, replace(torch, place="corner"))) is not None:
+            yield "--place corner"
+
+    def by_splitting(self, request: Request, machines: Iterable[Machine]) -> Iterator[str]:
+        """The machines that make a part one after the other."""
+        if len(request.parts) != 1:
+            return
+        bars = [machine for machine in machines if machine.stock in ("beam", "profile")]
+        chain = chain_of(request, bars)
+        if len(chain) > 1:
+            names = ",".join(stage.machine.name for stage in chain)
+            yield f"`beamcam split --machines {names}` (a program for each machine)"
+
+    def by_leave(self, on: Sequence[Request], others: Sequence[Request]) -> Iterator[str]:
+        """The fewest kinds of features to leave out, on another machine if those are fewer.
+
+        A kind that one of them makes is not named.
+        """
+        found: list[tuple[int, int, str]] = []
+        for k, request in enumerate((*on, *others)):
+            plan = self.made(replace(request, skips=SKIP_NAMES))
+            if plan is None:
+                continue
+            left = {o.by.removeprefix("plan-") for o in plan.outcomes if o.how == "skipped"}
+            names = tuple(sorted({*request.skips, *(left & {*SKIP_NAMES})}))
+            if names and self.made(replace(request, skips=names)) is not None:
+                elsewhere = f" --machine {request.machine.name}" if k >= len(on) else ""
+                found.append((len(names), k, f"--allow-skips {','.join(names)}{elsewhere}"))
+        yield from (words for _, _, words in sorted(found)[:1])
+
+    def by_bar(self, request: Request) -> Iterator[str]:
+        """The shortest bar that would do, where the parts are refused for their bar."""
+        if request.machine.stock != "beam":
+            return
+        for length in LONG_BARS:
+            known = length == max(request.stock, default=None)
+            if not known and self.made(replace(request, stock=(length,))) is not None:
+                yield f"--bar {length:g}"
+                return
+
+    def one_by_one(self, on: Sequence[Request]) -> Iterator[str]:
+        """What makes each of several parts by itself, as those of two sections."""
+        parts = on[0].parts
+        if len(parts) < 2 or not all(
+            any(self.made(replace(request, parts=(part,))) is not None for request in on)
+            for part in parts
+        ):
+            return
+        yield "`beamcam batch` (a program for each part)"
+        if parts[0].guid is not None:
+            yield f"--mark {parts[0].mark} (that member alone)"
+
+    def by_turning(self, request: Request) -> Iterator[str]:
+        if request.machine.stock == "beam" and self.made(replace(request, turn=True)) is not None:
+            yield "--turn"

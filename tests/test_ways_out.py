@@ -3,16 +3,24 @@
 import re
 import shlex
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from math import cos, pi, sin
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+from msgspec.structs import replace
 
+from beamcam import ways_out
 from beamcam.cli import main
 from beamcam.errors import Source
-from beamcam.machine import load, shipped
-from beamcam.model.part import Hole, Part, Profile
+from beamcam.geometry.curves import Line
+from beamcam.machine import Machine, load, shipped
+from beamcam.model.drawing import Measures
+from beamcam.model.part import Contour, Hole, Part, Profile
+from beamcam.model.request import Job, Request
 from beamcam.pipeline import read_file, stock_of
+from beamcam.posts import Post, post_of
 from beamcam.ways_out import RULES
 from beamcam.writers.dstv import write
 from tests.conftest import CORPUS, ROOT
@@ -117,6 +125,34 @@ def test_no_way_out_is_none_on_any_machine() -> None:
         "plan-ways-out", "plan-no-way-out", "plan-ways-untried", "read-ways-out",
         "read-no-way-out",
     }  # fmt: skip
+
+
+def test_a_large_drawing_is_planned_a_few_times_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what is planned again and again no more than MOST_WORK curves and features are."""
+    planned: list[int] = []
+
+    def counted(machine: Machine) -> Post:
+        post = post_of(machine)
+
+        def plan(job: Job) -> object:
+            planned.append(sum(len(c.curves) for part in job.parts for c in part.contours))
+            return post.plan(job)
+
+        return replace(post, plan=plan)
+
+    monkeypatch.setattr(ways_out, "post_of", counted)
+    table = load("plate-linuxcnc")
+    for corners, is_tried in ((4, False), (900, True)):
+        ring = [(200.0 + 90.0 * cos(k), 200.0 + 90.0 * sin(k)) for k in
+                (2 * pi * n / corners for n in range(corners))]  # fmt: skip
+        lines = tuple(Line(a, b) for a, b in pairwise([*ring, (250.0, 250.0)]))
+        part = Part("P", Profile("B", "PL8", 500.0, 0.0, 0.0, 8.0), 500.0, Source("a"),
+                    features=(Contour("v", "open", lines, Source("a"), closed=False),),
+                    measures=Measures())  # fmt: skip
+        planned.clear()
+        said = ways_out.ways_out(Request((part,), table), [table], [load("plate-oxyfuel")] * 30)
+        assert (said.code == "plan-ways-untried") == is_tried
+        assert sum(planned) <= ways_out.MOST_WORK
 
 
 @pytest.mark.parametrize(("code", "status", "says"), [
