@@ -12,6 +12,7 @@ from beamcam.setup_sheet.html import page
 from beamcam.setup_sheet.playback import bar_data, table_data
 from beamcam.setup_sheet.solid_data import CHORDS, solids_of
 from beamcam.setup_sheet.tables import manual_work, tables_of
+from beamcam.verify.left_out import BY_HAND
 
 MAX_TEXT = 1_500_000  #: characters of a program that the page holds
 HEAD_LINES = 200  #: that it shows of a longer one
@@ -35,8 +36,12 @@ def verdict_of(content: Content) -> str:
     """Verdict of the read-back, in a sentence."""
     if content.verdict != "made":
         return VERDICTS[content.verdict]
-    lacking = ["what is left for manual work"] if content.left_out or content.hand else []
-    if any(said.code == ROUNDED.code for said in content.messages):
+    told = {said.code for said in content.messages}
+    by_hand = content.left_out or content.hand or BY_HAND.code in told
+    lacking = ["what is left for manual work"] if by_hand else []
+    # Without a plan nobody has said whether a coper had sharp corners to round.
+    is_coped = content.program.machine.coper is not None and not content.ledger
+    if ROUNDED.code in told or is_coped:
         lacking.append("corners that are cut round")
     if not lacking:
         return VERDICTS["made"]

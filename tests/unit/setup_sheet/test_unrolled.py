@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from beamcam.machine import load
+from beamcam.model.request import Request
 from beamcam.pictures.program import ReadProgram
-from beamcam.pipeline import post, read_file
+from beamcam.pipeline import post, read_back, read_file
 from beamcam.setup_sheet.content import Content, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
@@ -95,3 +96,12 @@ def test_corners_that_are_cut_round_are_in_the_verdict() -> None:
         assert told == is_rounded, name
         assert ("but for corners that are cut round." in setup_page(content)) == is_rounded
         assert ("exactly these parts" in setup_page(content)) == (not is_rounded)
+
+
+def test_a_program_and_its_part_alone_claim_no_more_than_is_known() -> None:
+    for name, machine in (("leg", "tube-linuxcnc"), ("trimmer", "coper-linuxcnc")):
+        content, _ = sheet(name, machine)
+        found = read_back(content.program.text, Request(content.program.parts, load(machine)))
+        page = setup_page(content_of(SheetSources(content.program, found=found)))
+        assert "exactly these parts" not in page
+        assert ("manual work and corners that are cut round." in page) == (name == "leg")
