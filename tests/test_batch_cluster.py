@@ -14,9 +14,12 @@ from typing import Any
 
 import pytest
 
-from beamcam.batch import Here, Shop, cluster, find_inputs, processes, run
+from beamcam.batch import cluster, processes
+from beamcam.batch.find import find_inputs
+from beamcam.batch.pool import Here
 from beamcam.batch.processes import MOST_BYTES, HeadStart
-from beamcam.batch.work import FileResult, Task, make_all
+from beamcam.batch.run import run
+from beamcam.batch.work import FileResult, Shop, Task, make_all
 from beamcam.machine import load
 from tests.conftest import ROOT
 from tests.runs import HANG_S, batch, counts, fill, programs, report, wait_until

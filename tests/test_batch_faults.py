@@ -17,10 +17,10 @@ from typing import cast
 import pytest
 
 from beamcam import pipeline
-from beamcam.batch import Shop, find_inputs, processes, work
-from beamcam.batch.find import Input, read_input
+from beamcam.batch import processes, work
+from beamcam.batch.find import Input, find_inputs, read_input
 from beamcam.batch.record import RECORD_NAME
-from beamcam.batch.work import FileResult, Task
+from beamcam.batch.work import FileResult, Shop, Task
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine import load
 from beamcam.model.plan import AnyPlan

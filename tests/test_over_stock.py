@@ -12,11 +12,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.batch import Here, Input, Shop, over_stock, work
-from beamcam.batch import run as run_files
+from beamcam.batch import over_stock, work
+from beamcam.batch.find import Input
+from beamcam.batch.pool import Here, driven
 from beamcam.batch.pool import Result as Outcome
-from beamcam.batch.pool import driven
+from beamcam.batch.run import run as run_files
 from beamcam.batch.shares import Look
+from beamcam.batch.work import Shop
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import read_file

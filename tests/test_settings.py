@@ -8,7 +8,8 @@ import pytest
 from click.testing import CliRunner
 from msgspec import Struct
 
-from beamcam.batch import Here, Shop
+from beamcam.batch.pool import Here
+from beamcam.batch.work import Shop
 from beamcam.cli import main
 from beamcam.config.values import ConfigFile
 from tests.conftest import SAMPLES, sampled

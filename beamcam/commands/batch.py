@@ -7,10 +7,11 @@ from typing import Any
 
 import click
 
-from beamcam.batch import find_inputs, run
+from beamcam.batch.find import find_inputs
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import path_from, recipe_of
 from beamcam.batch.rules import WRITE
+from beamcam.batch.run import run
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, keep_apart, say_lines
 from beamcam.commands.over_stock import write_lists

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import click
 
 from beamcam.commands import options
-from beamcam.commands.convert import target_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.pipeline import Posted
 from beamcam.writers import TARGETS
@@ -22,6 +21,8 @@ option = click.option(
 
 def check_rest(path: str, made: Sequence[Posted]) -> None:
     """Raises click.UsageError where no rest can be written, or not in such a file."""
+    from beamcam.commands.convert import target_of
+
     target = target_of(path, None)
     if target not in WHOLE:
         expected = ", ".join(suffix for t in WHOLE for suffix in t.suffixes)
@@ -36,6 +37,7 @@ def rest_file(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
 
     Raises BeamcamError as `rest_of_part` does.
     """
+    from beamcam.commands.convert import target_of
     from beamcam.rest_part import NO_REST, REST, rest_of_part
 
     found = rest_of_part(posted, target_of(path, None))

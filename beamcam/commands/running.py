@@ -14,8 +14,11 @@ from typing import IO, Any, Self
 import click
 
 from beamcam.asked import check_asked
-from beamcam.batch import FoundInputs, Here, Input, Shop, Workers, check_template
+from beamcam.batch.find import FoundInputs, Input
+from beamcam.batch.names import check_template
+from beamcam.batch.pool import Here, Workers
 from beamcam.batch.shares import ShareTask
+from beamcam.batch.work import Shop
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.kinds import KINDS, expected
