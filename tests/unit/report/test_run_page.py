@@ -18,8 +18,9 @@ SAMPLES = Path(__file__).resolve().parents[3] / "samples"
 def part(mark: str, machine: str, quantity: int = 1, pieces: int = 1) -> PartRow:
     return {
         "mark": mark, "quantity": quantity, "pieces": pieces, "profile": "IPE300", "length": 4000.0,
-        "machine": machine, "output": f"{mark}.gcode", "sha256": "", "bar": 6000.0,
-        "ledger": {"read": 1, "made": 1, "merged": 0, "duplicate": 0, "listed": 0, "skipped": 0},
+        "machine": machine, "output": f"{mark}.gcode", "sha256": "", "rest": None, "bar": 6000.0,
+        "ledger": {"read": 1, "made": 1, "merged": 0, "duplicate": 0, "listed": 0, "skipped": 0,
+                   "passed_on": 0},
         "by_hand": [], "skipped_by": {}, "mapped": {}, "tools": ["drill 18", "saw"],
         "operations": 3, "machine_time_s": 60.0,
     }  # fmt: skip
