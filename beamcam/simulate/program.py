@@ -4,7 +4,7 @@ text -> events (controllers) -> trace; what is wrong with the program by itself 
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from math import hypot, inf
+from math import hypot, inf, isfinite
 
 import numpy as np
 from msgspec import Struct
@@ -23,6 +23,7 @@ from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp
 from beamcam.motion.sheet_times import operation_seconds, place_behind
 from beamcam.motion.speed_sections import SpeedSection
 from beamcam.simulate.bars import ramp_intervals
+from beamcam.simulate.rules import ENDLESS
 from beamcam.simulate.trace import UNIFORM, Chords, State, Trace, TraceBuilder, head_axes, phases_of
 from beamcam.verify.steps.velocities import TableRow
 
@@ -71,6 +72,9 @@ def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simul
     section = dict(done.made.section)
     seen = section or ({"width": parts[0].profile.width} if parts else {})
     course = stretches(done.events, done.dialect, seen, machine)
+    endless = next((one for one in course if not isfinite(one.duration_s)), None)
+    if endless is not None:
+        raise VerifyError((*done.diagnostics, ENDLESS.at(Source(name, endless.line))))
     return Simulated(bar_trace(course, machine), done.diagnostics, section)
 
 

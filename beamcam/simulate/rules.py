@@ -19,6 +19,10 @@ TIPS = warning("simulate-tips",
     "{size} mm apart; expected them not to meet",
     "Two drills that stroke from opposite faces at once, each as far as the middle, touch at their "
     "points; a hole through a wall needs no more than its thickness and the drill's point.")
+ENDLESS = error("simulate-endless",
+    "found a move that takes no time that is a number; expected a section and places that an axis "
+    "can have",
+    "Of a section with a negative size, for one, nobody can say how long the saw is on its way.")
 PRECISION = note("simulate-precision",
     "one count of the encoder is {count} mm: corners are read up to {corner} mm off; the smallest "
     "step is {step} mm; {lost} of {moves} moves are below one count",
@@ -37,4 +41,4 @@ REGISTER = error("simulate-register",
     "A position that overflows its register would be shown elsewhere. Take a larger "
     '`modbus.scale`, or `modbus.values = "int32"` or "float".')
 
-RULES = (LIMIT, REACH, COLLISION, TIPS, PRECISION, MODBUS, CONTROLLER, PORT, REGISTER)
+RULES = (LIMIT, REACH, COLLISION, TIPS, ENDLESS, PRECISION, MODBUS, CONTROLLER, PORT, REGISTER)

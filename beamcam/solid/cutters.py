@@ -105,8 +105,9 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
     surface; exporters round outlines by up to OUTLINE_NOISE. A cut that comes to such an end goes
     on along x there, and the rest of the end is the plane's.
     """
-    from shapely import LineString, Polygon, box, union_all
+    from shapely import LineString, Polygon, box, make_valid, union_all
 
+    gone = make_valid(gone)
     ends: list[list[tuple[float, float]]] = []  # of the start and the end, (x, q) at both edges
     skew: list[bool] = []
     for (x, _, _), (side, along_y, along_z) in end_planes(part, drawn=True):
@@ -121,16 +122,17 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
         ends.append(chain)
         skew.append(bool(along_y or along_z))
     (a, b), (c, d) = ends
-    inner = box(-FAR, 0.0, FAR, wall.width).intersection(Polygon([a, c, d, b]))
+    # Planes that are skew enough cross within the wall.
+    inner = box(-FAR, 0.0, FAR, wall.width).intersection(make_valid(Polygon([a, c, d, b])))
     if gone.intersection(inner.buffer(-OUTLINE_NOISE)).buffer(-CHORD).is_empty:
         return Polygon()
     for (low, high), way, is_skew in zip(ends, (1.0, -1.0), skew, strict=True):
         if is_skew:
             line = [(x + way * OUTLINE_NOISE, q) for x, q in (low, high)]
-            beyond = Polygon([*line, (-way * FAR, high[1]), (-way * FAR, low[1])])
+            beyond = make_valid(Polygon([*line, (-way * FAR, high[1]), (-way * FAR, low[1])]))
             reached = gone.intersection(LineString([(x + way * CHORD, q) for x, q in line]))
             cuts = [
-                Polygon([(xa, qa), (xb, qb), (-way * FAR, qb), (-way * FAR, qa)])
+                make_valid(Polygon([(xa, qa), (xb, qb), (-way * FAR, qb), (-way * FAR, qa)]))
                 for one in getattr(reached, "geoms", [reached])
                 if one.geom_type == "LineString" and not one.is_empty
                 for (xa, qa), (xb, qb) in [(one.coords[0], one.coords[-1])]

@@ -254,7 +254,12 @@ def _from_edge(
     """
     edge = _edge_of(chain.start, wall)
     first = chain.points[0]
-    a, b = next((p, q) for p, q in pairwise(chain.points) if edge.beyond(p) * edge.beyond(q) <= 0.0)
+    crossing = next(
+        (k for k in pairwise(chain.points) if edge.beyond(k[0]) * edge.beyond(k[1]) <= 0.0), None
+    )
+    if crossing is None:  # a path that leaves the wall at once
+        return None
+    a, b = crossing
     begin, end = edge.beyond(a), edge.beyond(b)
     share = begin / (begin - end) if begin != end else 0.0
     x, y = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share

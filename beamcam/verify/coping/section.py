@@ -45,14 +45,18 @@ def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
     """All that lies within half a kerf of a path.
 
     That of a connected path is one polygon. GEOS fails at it now and then where a path comes back
-    to its start; then it is put together of its stretches.
+    to its start; then it is put together of its stretches, and so is that of a path which goes
+    over the same ones again and again.
     """
     from shapely import LineString, union_all
 
-    whole = line_of(points).buffer(half_kerf, ARC)
-    if whole.geom_type == "Polygon" and whole.is_valid:
-        return whole
-    ways = [LineString(way) for way in pairwise(points) if way[0] != way[1]]
+    if len(points) < 2 * len(set(points)):
+        whole = line_of(points).buffer(half_kerf, ARC)
+        if whole.geom_type == "Polygon" and whole.is_valid:
+            return whole
+    ways = [LineString(way) for way in dict.fromkeys(pairwise(points)) if way[0] != way[1]]
+    if not ways:
+        return line_of(points).buffer(half_kerf, ARC)
     return union_all([way.buffer(half_kerf, ARC) for way in ways])
 
 

@@ -18,6 +18,7 @@ from beamcam.planning.coping.regions import region_of
 from beamcam.planning.coping.rules import RULES
 from beamcam.planning.coping.walls import walls_of
 from beamcam.report.hand_list import hand_rows
+from beamcam.verify.coping.section import kerf_of
 from tests.random_copes import random_cope
 from tests.unit.coping.samples import (
     AT,
@@ -278,3 +279,11 @@ def test_every_rule_has_a_case() -> None:
     of_boxes = ("radius", "corner", "slant", "slow")  # in test_box_tubes.py
     tested |= {f"plan-coping-{name}" for name in of_boxes}
     assert {rule.code for rule in RULES} <= tested
+
+
+def test_kerfs_of_a_path_that_runs_round_again_and_again() -> None:
+    """What GEOS takes minutes for is put together of its stretches, each once."""
+    ring = [(100.0, 100.0), (140.0, 100.0), (140.0, 130.0), (100.0, 130.0)]
+    once = kerf_of([*ring, ring[0]], 1.2)
+    assert kerf_of(ring * 50, 1.2).symmetric_difference(once).area < 1e-3
+    assert kerf_of([ring[0]] * 5, 1.2).area == pytest.approx(pi * 1.44, rel=0.01)

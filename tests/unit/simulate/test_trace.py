@@ -145,6 +145,16 @@ def test_a_program_that_cannot_be_understood_is_refused(name: str, style: str) -
         simulate_program("G01 X!", load(name), style=style)
 
 
+def test_a_section_of_negative_width_has_no_time() -> None:
+    machine = load("beamline")
+    text = posted("dstv/channel.nc1", machine).text
+    wrong = text.replace("M44 K75", "M44 K-75")
+    assert wrong != text
+    with pytest.raises(VerifyError) as refused:
+        simulate_program(wrong, machine)
+    assert refused.value.diagnostics[-1].code == "simulate-endless"
+
+
 @pytest.mark.parametrize(("sample", "name"), TABLES[-2:])
 @pytest.mark.parametrize("speed", ["0.0", "-2.0"])
 def test_a_head_that_never_arrives_is_refused(sample: str, name: str, speed: str) -> None:
