@@ -394,7 +394,8 @@ TUBE_TEXTS: dict[str, OfText] = {
     "no inverse time": _dropped("G93"),
     "beside the normal": _line(
         r"(G1 .* Y)(-?[\d.]+)( .*)",
-        lambda m, c: f"{m[1]}{float(m[2]) + c.choice((-3, 0.2)):g}{m[3]}",
+        # Over a face of a rectangular tube Y is a place on it, which may be off by the tolerance.
+        lambda m, c: f"{m[1]}{float(m[2]) + c.choice((-3, 0.5)):g}{m[3]}",
     ),
     "tip too high": _line(
         r"(G1 .* Z)([\d.]+)( .*)", lambda m, c: f"{m[1]}{float(m[2]) + 1:g}{m[3]}"
