@@ -6,8 +6,7 @@
 Which planner, motion step, emitter and read-back belong together stands in `posts`.
 """
 
-from collections import Counter
-from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterable, Sequence
 from functools import partial
 from typing import Any, Literal, TypeVar
 
@@ -23,37 +22,30 @@ from beamcam.errors import (
     PlanError,
     ReadError,
     Severity,
-    Source,
     VerifyError,
     errors_in,
 )
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.model.plan import AnyPlan, Order, Plan, WorkTime
+from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
-from beamcam.planning.by_hand import TEXT_MOVED
 from beamcam.planning.jobs import Share, shares_of
 from beamcam.planning.left_out import (
     BY_HAND,
     LEFT_OUT,
     by_hand_sources,
     left_out_kinds,
-    left_out_sources,
     told,
 )
 from beamcam.planning.rules import named_skips
 from beamcam.planning.stock import from_store
-from beamcam.posts import Written, beginning, carries_head, post_of
+from beamcam.posts import Written, beginning, post_of
 from beamcam.readers.content import Reading, content, shown_name
-from beamcam.texts_told import other_places, stand_ins
+from beamcam.reconcile import head_differences, other_than_planned
 from beamcam.verify.asked import job_faults, pieces_asked
-from beamcam.verify.head import HEAD_TEXT, head_faults, head_of, other_bar
-from beamcam.verify.left_out import BY_HAND as FOR_HAND
-from beamcam.verify.left_out import LEDGER, UNCUT, UNCUT_TOLD
-from beamcam.verify.left_out import LEFT_OUT as MISSING
-from beamcam.verify.left_out import TEXT_MOVED as MOVED
-from beamcam.verify.rules import BAR_NEEDED, BAR_TOLD
+from beamcam.verify.head import head_of, other_bar
+from beamcam.verify.rules import BAR_NEEDED
 
 Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage
@@ -65,9 +57,6 @@ def untold(stage: str) -> None:
 
 #: Rules for features that a program does not make, as allowed or as the machine file says.
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
-
-
-TOLD_BAR = 0.001  #: mm that lengths of bars in messages are rounded to
 
 
 class Posted(Struct, frozen=True):
@@ -367,7 +356,7 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
     said: tuple[Diagnostic, ...] = ()
     if request.verified:
         found = kind.verify(written, job)
-        said = (*_other_than_planned(plan, found, job), *_head_faults(job, plan, written, found))
+        said = (*other_than_planned(plan, found, job), *head_differences(job, plan, written, found))
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)
@@ -389,83 +378,3 @@ def refuse_warnings(remarks: Iterable[Diagnostic]) -> None:
     refused = tuple(map(as_error, remarks))
     if errors_in(refused):
         raise StrictError(refused)
-
-
-def _other_than_planned(
-    plan: AnyPlan, found: Iterable[Diagnostic], job: Job
-) -> Iterator[Diagnostic]:
-    """What the read-back found; what is not made only where the plan says otherwise.
-
-    The features that it found missing, and that may be, are those that the plan left out by name;
-    the marks that it found to be manual work are those on the plan's list; the contours with waste
-    that no beam reaches are those that the plan reports; the bar that it needs where nobody gave
-    its length is no longer than the plan's.
-    """
-    missing: list[tuple[str, Source]] = []
-    refused = False
-    moved: list[Diagnostic] = []
-    for said in found:
-        if said.code in (MISSING.code, FOR_HAND.code):
-            missing.append((said.code, said.source))
-        elif said.code == MOVED.code:
-            moved.append(said)
-        elif said.code == UNCUT.code:
-            yield from _untold(plan, said)
-        elif said.code == HEAD_TEXT.code:  # which was written for these very parts
-            refused = True
-            yield as_error(said)
-        elif said.code == BAR_NEEDED.code and isinstance(plan, Plan):
-            yield from _too_short(plan, said, job.machine.format.resolution)
-        else:
-            refused = refused or said.severity is Severity.ERROR
-            yield said
-    if refused:  # what is missing may not have been looked for
-        return
-    hand = [*by_hand_sources(plan)]
-    told = [said for said in plan.remarks if said.code == TEXT_MOVED.code]
-    named = [(MISSING.code, source) for source in left_out_sources(plan)]
-    named += [(FOR_HAND.code, source) for source in hand]
-    if not (told or moved or missing or named):  # as of nearly every plan
-        return
-    alike = stand_ins(job.parts)
-    yield from other_places(told, moved, alike, hand)
-    lacking, planned = _of_the_first(missing, alike), _of_the_first(named, alike)
-    for code, source in (lacking - planned) + (planned - lacking):
-        one = code, source
-        yield LEDGER.at(source, found=lacking[one], expected=planned[one])
-
-
-def _of_the_first(
-    missing: Iterable[tuple[str, Source]], alike: Mapping[Source, Source]
-) -> Counter[tuple[str, Source]]:
-    """What is missing, each text by the first of those that are alike."""
-    return Counter((code, alike.get(source, source)) for code, source in missing)
-
-
-def _untold(plan: AnyPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
-    """An error for waste that stays in a corner of a contour, unless the plan reports it."""
-    from beamcam.planning.contours.rules import LEFT
-
-    told = [d for d in plan.remarks if d.code == LEFT.code]
-    place = uncut["x"], uncut["y"]
-    if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in told):
-        yield UNCUT_TOLD.at(uncut.source, **dict(uncut.values))
-
-
-def _too_short(plan: Plan, needed: Diagnostic, step: float) -> Iterator[Diagnostic]:
-    """An error if the plan's bar is shorter than its program needs, by more than `step`."""
-    if float(needed["found"]) > plan.bar.length + step + TOLD_BAR:
-        expected = f"{plan.bar.length:.3f}"
-        yield BAR_TOLD.at(needed.source, found=needed["found"], expected=expected)
-
-
-def _head_faults(
-    job: Job, plan: AnyPlan, written: Written, found: Sequence[Diagnostic]
-) -> Iterable[Diagnostic]:
-    """Differences of a program's head from the job and from what its read-back `found`."""
-    if not carries_head(job):
-        return ()
-    told_bar = isinstance(plan, Plan) and job.machine.saw is not None
-    bar = plan.bar.length if isinstance(plan, Plan) and told_bar else None
-    missing, by_hand = (sum(one.code == of.code for one in found) for of in (MISSING, FOR_HAND))
-    return head_faults(head_of(beginning(written)), job, bar, missing, by_hand)

@@ -44,7 +44,7 @@ class Section(NamedTuple):
 
     def below(self, face: str) -> float:
         """How far a face lies below the outermost steel on its side."""
-        if face != "v":  # the stem of a T stands amid its flange
+        if face != "v":  # the stem of a T stands in the middle of its flange
             return (self.height - self.flange) / 2 if self.code == "T" else 0.0
         return {"I": (self.width - self.web) / 2, "M": 0.0}.get(self.code, self.width - self.web)
 

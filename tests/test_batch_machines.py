@@ -82,7 +82,7 @@ def test_the_programs_of_a_part_lie_side_by_side(made: Path) -> None:
 
 
 def test_what_the_account_says(made: Path) -> None:
-    """Each program is a row; what the next machine gets is left out by nobody."""
+    """Each program is a row; what the next machine gets does not count as left out."""
     of_file = rows(again(made, "--force", "--json"))
     (tie,), (first, second) = of_file["tie"], of_file["header"]
     assert (tie["rest"], tie["ledger"]["passed_on"]) == (None, 0)

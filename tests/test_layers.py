@@ -36,7 +36,7 @@ STEPS = (
     ("machine_proof", "machine_chain"),
     ("asked",),
     ("pictures",),
-    ("setup_sheet", "texts_told"),
+    ("setup_sheet", "reconcile"),
     ("pipeline", "machine_choice", "ways_out"),
     ("remainder", "sheet_remainder", "frame", "rest_part"),
     ("batch", "api"),

@@ -39,7 +39,7 @@ def verdict_of(content: Content) -> str:
     told = {said.code for said in content.messages}
     by_hand = content.left_out or content.hand or BY_HAND.code in told
     lacking = ["what is left for manual work"] if by_hand else []
-    # Without a plan nobody has said whether a coper had sharp corners to round.
+    # Whether a coper had sharp corners to round is known from a plan only.
     is_coped = content.program.machine.coper is not None and not content.ledger
     if ROUNDED.code in told or is_coped:
         lacking.append("corners that are cut round")

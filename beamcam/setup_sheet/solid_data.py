@@ -96,7 +96,10 @@ def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
     if isinstance(made, BarMade):
         count = len(made.made.order)
     elif program.machine.stock == "profile":
-        return "what a torch leaves of a profile is not machined as a solid"
+        return (
+            "the page shows none of what a torch leaves of a profile or tube; `verify --solid` "
+            "looks at it"
+        )
     else:
         count = sum(last - first for first, last, process in made.strokes if process == "cut")
         torch = program.machine.torch

@@ -22,7 +22,7 @@ TIPS = warning("simulate-tips",
 ENDLESS = error("simulate-endless",
     "found a move that takes no time that is a number; expected a section and places that an axis "
     "can have",
-    "Of a section with a negative size, for one, nobody can say how long the saw is on its way.")
+    "A section of negative size, for one, gives the saw a way that has no length.")
 PRECISION = note("simulate-precision",
     "one count of the encoder is {count} mm: corners are read up to {corner} mm off; the smallest "
     "step is {step} mm; {lost} of {moves} moves are below one count",

@@ -182,7 +182,7 @@ def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, floa
     height, thick, web = profile.height, profile.flange_thickness, profile.web_thickness or 0.0
     if face in ("o", "u"):
         low = {"o": height - thick, "u": 0.0}[face]
-        if profile.code == "T":  # whose stem stands amid its flange
+        if profile.code == "T":  # whose stem stands in the middle of its flange
             low = (height - thick) / 2
         surfaces = low, low + thick
         xs = [end.x(y, q) for y in surfaces]

@@ -221,7 +221,7 @@ def _beyond_end(shape: Shape, profile: Profile, ends: tuple[End, End], step: flo
         middle = width - web
     if on_web:
         surfaces: tuple[float, float] = (middle, middle + web)
-    elif profile.code == "T":  # its stem stands amid its flange
+    elif profile.code == "T":  # its stem stands in the middle of its flange
         surfaces = height / 2 - flange / 2, height / 2 + flange / 2
     else:
         surfaces = (height - flange, height) if shape.face == "o" else (0.0, flange)

@@ -269,7 +269,7 @@ def _steel(face: Face, part: Part, ends: tuple[End, End], sides: tuple[float, fl
 
 
 def _stem(profile: Profile, xs: Sequence[float]) -> Iterator[Segment]:
-    """The foot of a T's stem with its fillets, amid the face that it stands on."""
+    """The foot of a T's stem with its fillets, in the middle of the face that it stands on."""
     half = profile.flange_thickness / 2 + profile.radius
     low, high = profile.height / 2 - half, profile.height / 2 + half
     yield (min(xs), low), (max(xs), low)

@@ -45,8 +45,8 @@ def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
     """All that lies within half a kerf of a path.
 
     That of a connected path is one polygon. GEOS fails at it now and then where a path comes back
-    to its start; then it is put together of its stretches, and so is that of a path which goes
-    over the same ones again and again.
+    to its start; then it is put together of its stretches, and so is that of a path which repeats
+    them many times.
     """
     from shapely import LineString, union_all
 
@@ -93,9 +93,9 @@ class Section:
         self.high, self.wide = profile.height, profile.width
         self.flange, self.web = profile.flange_thickness, profile.web_thickness or 0.0
         self.radius = profile.radius
-        self.amid = self.code in ("I", "T")  #: whether the web stands amid its flanges
+        self.is_central = self.code in ("I", "T")  #: whether the web stands in their middle
         self.has_upper = self.code in ("I", "U")  #: whether there is a flange at o
-        self.back = (self.wide - self.web) / 2 if self.amid else 0.0
+        self.back = (self.wide - self.web) / 2 if self.is_central else 0.0
         self.front = self.back + self.web
 
     @property
@@ -137,7 +137,7 @@ class Section:
         corners: list[tuple[float, float, Literal[1, -1], Literal[1, -1]]] = [
             (self.flange, self.front, 1, 1)
         ]
-        if self.amid:
+        if self.is_central:
             corners.append((self.flange, self.back, 1, -1))
         if self.has_upper:
             inner = self.high - self.flange
@@ -172,7 +172,7 @@ class Section:
 
     def root(self, face: str) -> tuple[float, float]:
         """The y of a flange below which the web and its fillets stand."""
-        least = self.back - self.radius if self.amid else 0.0
+        least = self.back - self.radius if self.is_central else 0.0
         return max(0.0, least), self.front + self.radius
 
 

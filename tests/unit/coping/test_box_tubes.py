@@ -11,26 +11,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.machine import Machine, load
+from beamcam.errors import PlanError
+from beamcam.machine import Machine
 from beamcam.machine.coper import TubeCorner
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
-from beamcam.model.plan import CopePlan
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
-from beamcam.planning.coping.plan import plan_coping
 from beamcam.report.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.part_solid import part_solid
-from beamcam.verify.coping import verify_coping
 from benchmarks import coping_faults
 from tests.conftest import THIRD_PARTY, examples
 from tests.random_boxes import mitred, over_corner, random_box
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.coping import samples
 from tests.unit.coping.samples import AT, job_of
+from tests.unit.coping.test_tubes import TUBE, found, planned, program_of
 
-TUBE = load("tube-linuxcnc")
 SHS = Profile("M", "SHS100*6", 100.0, 100.0, 6.0, 6.0, 10.0)
 RHS = Profile("M", "RHS120*80*5", 120.0, 80.0, 5.0, 5.0, 10.0)
 ARC = 10 * pi / 2
@@ -44,18 +41,6 @@ def tube(
     return Part(
         "T1", profile, length, AT, features=features, grade="S235JR", cuts=cuts or EndCuts()
     )
-
-
-def planned(part: Part, machine: Machine = TUBE) -> CopePlan:
-    return plan_coping((part,), machine)
-
-
-def program_of(part: Part, machine: Machine = TUBE) -> str:
-    return samples.program_of(part, machine)
-
-
-def found(text: str, part: Part, machine: Machine = TUBE) -> tuple[Diagnostic, ...]:
-    return errors_in(verify_coping(text, (part,), machine, (), "JOB"))
 
 
 def with_corners(*rows: TubeCorner) -> Machine:
@@ -75,7 +60,7 @@ def test_a_tube_is_cut_to_length_all_round() -> None:
 
 
 def test_the_blocks_of_a_face_and_a_corner_worked_by_hand() -> None:
-    """An SHS of 100 with corners of 10, its seam amid the face that lies below."""
+    """An SHS of 100 with corners of 10, its seam in the middle of the face that lies below."""
     lines = program_of(tube()).splitlines()
     first = lines.index("G93")
     # 3 mm down and 8.05 mm along at 4200 mm/min, then 40 mm across half the face.

@@ -16,7 +16,7 @@ from beamcam.solid.kernel import outline
 IPE300 = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)
 UPN200 = Profile("U", "UPN200", 200.0, 75.0, 11.5, 8.5, 11.5)
 L100 = Profile("L", "L100x65x8", 100.0, 65.0, 8.0, 8.0, 10.0)
-#: On its side: a stem of 130 x 7 amid a flange of 150 x 10.
+#: On its side: a stem of 130 x 7 in the middle of a flange of 150 x 10.
 TEE = Profile("T", "T", 130.0, 150.0, 10.0, 7.0, 12.0)
 RHS = Profile("M", "RHS120x80x5", 120.0, 80.0, 5.0, 5.0, 10.0)
 CHS = Profile("RO", "CHS100x5", 100.0, 100.0, 0.0, 5.0)

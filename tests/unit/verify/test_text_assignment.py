@@ -13,7 +13,7 @@ from beamcam.machine import load
 from beamcam.model.part import EndCuts, Part, TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.texts_told import other_places, stand_ins
+from beamcam.reconcile import other_places, stand_ins
 from beamcam.verify.drawn_texts import covering
 from beamcam.verify.left_out import TEXT_MOVED
 from beamcam.verify.text_assignment import cheapest
