@@ -150,7 +150,7 @@ def faces_of(part: Part, is_tube: bool) -> tuple[Face, ...]:
 def face_view(part: Part, face: Face, strokes: Sequence[Stroke], coper: Coper) -> View:
     """A face from x 0 to the part's end, or as far as it is cut; of a tube all of its surface."""
     view = _view(part, face, strokes)
-    return _round(view, part, coper) if coper.turns == "bar" else view
+    return _unrolled(view, part, coper) if coper.turns == "bar" else view
 
 
 def _view(part: Part, face: Face, strokes: Sequence[Stroke]) -> View:
@@ -171,7 +171,7 @@ def _view(part: Part, face: Face, strokes: Sequence[Stroke]) -> View:
     )  # fmt: skip
 
 
-def _round(view: View, part: Part, coper: Coper) -> View:
+def _unrolled(view: View, part: Part, coper: Coper) -> View:
     """The view of the whole surface of a tube, unrolled."""
     section = tube_section(unrolled_pipe(part), coper)
     title = "v   surface of the tube, unrolled, from outside; y = 0 is its lowest line"
