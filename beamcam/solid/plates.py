@@ -141,6 +141,8 @@ def _is_drilled(
     shape: Shape, whole: Shape, least: float, left: Sequence[tuple[Feature, Shape]]
 ) -> bool:
     """Whether a contour is an opening, round or a slot, that is smaller than the torch can cut."""
+    if shape.area < CHORD:  # a slit, which the torch follows
+        return False
     corners = shape.minimum_rotated_rectangle.exterior.coords
     width, long = sorted((dist(corners[0], corners[1]), dist(corners[1], corners[2])))
     area = (long - width) * width + pi * width * width / 4

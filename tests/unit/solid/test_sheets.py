@@ -252,6 +252,13 @@ def test_a_line_in_a_plate_is_a_slit() -> None:
     assert codes(posted(part, made), made, part) == []
 
 
+def test_a_contour_without_area_is_a_slit() -> None:
+    """A line there and back, which DSTV calls a contour, encloses no opening of any size."""
+    (part,) = read_file(str(ROOT / "samples" / "bad" / "dstv" / "dstv-contour-area.nc1")).parts
+    machine = machine_of("plate-linuxcnc", allow_open=True)
+    assert codes(posted(part, machine), machine, part) == []
+
+
 def test_a_cut_out_as_large_as_a_piece_is_no_piece_more() -> None:
     made = machine_of("laser-grbl", "none")
     part = drawing(
