@@ -193,9 +193,10 @@ def drawn_from(known: Sequence[Case], stock: str, rng: Random) -> Case | None:
     return case or None
 
 
-def _words(text: str) -> str:
-    """A program without its comments."""
-    return re.sub(r"\(.*?\)|;.*", "", text)
+def _words(text: str) -> list[str]:
+    """The blocks of a program without its comments."""
+    blocks = (re.sub(r"\(.*?\)|;.*", "", line).strip() for line in text.splitlines())
+    return [block for block in blocks if block]
 
 
 def main() -> None:
