@@ -43,6 +43,7 @@ Shape = Any  #: of shapely
 # found as the faces of their lines. Holes that a torch does not make are left, and told.
 
 
+FINEST = 1e-5  #: mm between a curve and its chords, where a width is the least but for chords
 SKIPS = ("tool", "slot", "countersink", "sink-depth", "thread-depth")  #: kinds of holes not made
 
 
@@ -125,9 +126,13 @@ def _outlines(
     whole: Shape = Polygon()
     if not drawn and not any(kind == "outer" for _, kind, _ in shapes):
         whole = _rectangle(part)
-    shapes += [(face, "outer", None) for face in faces]
+    for face in faces:
+        around = face.exterior.buffer(torch.gap + CHORD)
+        shapes.append(
+            (face, "outer", next((cut[k] for k in lines if lines[k].within(around)), None))
+        )
     for shape, kind, contour in sorted(shapes, key=lambda s: -s[0].area):
-        if contour is not None and _is_drilled(shape, whole, least, left):
+        if contour is not None and _is_drilled(shape, contour, whole, least, left):
             if not any(shape.within(other) for _, other in left):
                 left.append((contour, shape))
         elif kind == "outer" and not (drawn and whole.contains(shape.representative_point())):
@@ -138,18 +143,33 @@ def _outlines(
 
 
 def _is_drilled(
-    shape: Shape, whole: Shape, least: float, left: Sequence[tuple[Feature, Shape]]
-) -> bool:
-    """Whether a contour is an opening, round or a slot, that is smaller than the torch can cut."""
+    shape: Shape, contour: Contour, whole: Shape, least: float,
+    left: Sequence[tuple[Feature, Shape]],
+) -> bool:  # fmt: skip
+    """Whether an opening, round or a slot, is smaller than the torch can cut.
+
+    `contour` draws it, or a stretch of it. One as wide as the least, but for chords, is measured
+    by its curves.
+    """
+    from shapely import Polygon
+
     if shape.area < CHORD:  # a slit, which the torch follows
         return False
-    corners = shape.minimum_rotated_rectangle.exterior.coords
-    width, long = sorted((dist(corners[0], corners[1]), dist(corners[1], corners[2])))
+    width, long = _sides(shape)
+    if abs(width - least) < 4 * CHORD and contour.closed:
+        width, long = _sides(Polygon(polylines(contour.curves, FINEST).points))
     area = (long - width) * width + pi * width * width / 4
     is_round = abs(shape.area - area) < CHORD * shape.length
     middle = shape.representative_point()
     is_opening = whole.contains(middle) or any(hole.contains(middle) for _, hole in left)
-    return is_round and width < least - CHORD / 10 and is_opening
+    return is_round and width < least - 4 * FINEST and is_opening
+
+
+def _sides(shape: Shape) -> tuple[float, float]:
+    """The lesser and the greater side of the least rectangle around a shape."""
+    corners = shape.minimum_rotated_rectangle.exterior.coords
+    one, other = dist(corners[0], corners[1]), dist(corners[1], corners[2])
+    return min(one, other), max(one, other)
 
 
 def _enclosed(lines: list[Shape], gap: float) -> tuple[list[Shape], list[Shape]]:

@@ -252,6 +252,22 @@ def test_a_line_in_a_plate_is_a_slit() -> None:
     assert codes(posted(part, made), made, part) == []
 
 
+def test_openings_for_the_drill_are_measured_by_their_curves() -> None:
+    """A circle as wide as the least is cut, one narrower by 0.001 mm is not; nor is a slot, whose
+    four curves are drawn singly."""
+    made = machine_of("plate-linuxcnc", min_hole=8.0, min_hole_share=0.0)
+    slot = [
+        Line((40.0, 27.0), (50.0, 27.0)), Arc((50.0, 30.0), 3.0, -90.0, 180.0),
+        Line((50.0, 33.0), (40.0, 33.0)), Arc((40.0, 30.0), 3.0, 90.0, 180.0),
+    ]  # fmt: skip
+    singly = [Contour("v", "open", (curve,), SRC, closed=False) for curve in slot]
+    for radius, drilled in ((4.0, 1), (3.9995, 2), (4.0005, 1)):
+        part = drawing(ring(50, 50, 50), ring(50, 60, radius), *singly)
+        assert made.torch is not None
+        assert len(plate_of(part, made.torch, ()).left) == drilled
+        assert codes(posted(part, made), made, part) == []
+
+
 def test_a_contour_without_area_is_a_slit() -> None:
     """A line there and back, which DSTV calls a contour, encloses no opening of any size."""
     (part,) = read_file(str(ROOT / "samples" / "bad" / "dstv" / "dstv-contour-area.nc1")).parts
