@@ -12,9 +12,9 @@ from typing import Any
 
 import click
 
-from beamcam.collector import collector_seldom
 from beamcam.interrupts import end_here
 from beamcam.plain_text import terminal_lines
+from beamcam.processes import collector_seldom
 from beamcam.system import is_unicode
 from beamcam.version import __version__
 

@@ -54,7 +54,7 @@ def bar_post() -> Post:
     """Of a saw and drilling line."""
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
-    from beamcam.planning.orientation import plan_oriented
+    from beamcam.planning.beam import plan_oriented
     from beamcam.verify.bars import verify
 
     def plan(job: Job) -> Plan:

@@ -15,14 +15,13 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan
 from beamcam.model.request import Job
-from beamcam.planning.by_hand import TEXT_MOVED
-from beamcam.planning.left_out import by_hand_sources, left_out_sources
+from beamcam.planning.left_out import TEXT_MOVED, by_hand_sources, left_out_sources
 from beamcam.posts import Written, beginning, carries_head
+from beamcam.verify.asked import BY_HAND as FOR_HAND
+from beamcam.verify.asked import LEDGER, TEXT_TOLD, UNCUT, UNCUT_TOLD
+from beamcam.verify.asked import LEFT_OUT as MISSING
+from beamcam.verify.asked import TEXT_MOVED as MOVED
 from beamcam.verify.head import HEAD_TEXT, head_faults, head_of
-from beamcam.verify.left_out import BY_HAND as FOR_HAND
-from beamcam.verify.left_out import LEDGER, TEXT_TOLD, UNCUT, UNCUT_TOLD
-from beamcam.verify.left_out import LEFT_OUT as MISSING
-from beamcam.verify.left_out import TEXT_MOVED as MOVED
 from beamcam.verify.rules import BAR_NEEDED, BAR_TOLD
 
 TOLD_BAR = 0.001  #: mm that lengths of bars in messages are rounded to

@@ -16,8 +16,7 @@ from msgspec.structs import replace
 from beamcam import readers
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
-from beamcam.machine_chain import Link, chain_of
-from beamcam.machine_choice import none_makes_it
+from beamcam.machine_choice import Link, chain_of, none_makes_it
 from beamcam.model.part import Feature, Part, Plane
 from beamcam.model.plan import NOT_MADE, AnyPlan, unfinished
 from beamcam.model.request import Request

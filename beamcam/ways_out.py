@@ -8,12 +8,12 @@ from msgspec.structs import replace
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import OTHERS, Torch
-from beamcam.machine_chain import chain_of
+from beamcam.machine_choice import chain_of
 from beamcam.model.part import Contour, TextMark
 from beamcam.model.plan import AnyPlan
 from beamcam.model.request import Job, Request
+from beamcam.planning.beam import MOST_TRIED
 from beamcam.planning.contours.rules import SHARED, UNMAPPED
-from beamcam.planning.orientation import MOST_TRIED
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import post_of
 from beamcam.readers.content import Reading

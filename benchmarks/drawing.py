@@ -24,7 +24,6 @@ from typing import TypeVar
 import make_drawing
 from script import arguments, start
 
-from beamcam.collector import collector_seldom
 from beamcam.emitters import cutting
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
@@ -33,6 +32,7 @@ from beamcam.model.program import Feed, Movement, Traverse
 from beamcam.motion.sheet import sheet_program
 from beamcam.pipeline import post, read_file
 from beamcam.planning.sheet import plan_sheet
+from beamcam.processes import collector_seldom
 from beamcam.verify.sheets import verify_sheet
 
 RUNS = 3

@@ -13,7 +13,7 @@ import numpy as np
 from script import arguments, at_least, start
 
 from beamcam.emitters.columns import lines
-from beamcam.emitters.numbers import number
+from beamcam.emitters.head import number
 
 RUNS = 5
 DECIMALS = 3

@@ -48,7 +48,7 @@ def measure(path: Path) -> dict[str, float]:
     """Seconds of opening and of reading, the members read, and the memory that took."""
     import ifcopenshell
 
-    from beamcam.collector import collector_seldom
+    from beamcam.processes import collector_seldom
     from beamcam.readers.ifc import Options, read
     from beamcam.system import cores
 

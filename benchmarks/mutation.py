@@ -33,8 +33,8 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.rules import SKIP_NAMES
+from beamcam.verify.asked import BY_HAND, LEFT_OUT
 from beamcam.verify.bars import verify
-from beamcam.verify.left_out import BY_HAND, LEFT_OUT
 from benchmarks.asked_liars import told as told_of_jobs
 from benchmarks.faults import FAULTS
 from benchmarks.feed_faults import told as told_of_feeds

@@ -24,8 +24,7 @@ from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.geometry.curves import Arc, Curve, Line, arc_through
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
-from beamcam.model.drawing import Measures
-from beamcam.model.part import Contour, Part, Profile, TextMark
+from beamcam.model.part import Contour, Measures, Part, Profile, TextMark
 from beamcam.pipeline import post
 from beamcam.readers import read
 from benchmarks.script import arguments, at_least, start

@@ -16,8 +16,7 @@ from beamcam.errors import Severity, errors_in
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
-from beamcam.model.drawing import Measures
-from beamcam.model.part import Part
+from beamcam.model.part import Measures, Part
 from beamcam.pipeline import post
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.verify.sheets import verify_sheet

@@ -23,8 +23,7 @@ from beamcam.machine import Machine, load
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import LookSettings, Torch
-from beamcam.model.drawing import Measures
-from beamcam.model.part import Contour, Hole, Part, Process, Profile, Slot, TextMark
+from beamcam.model.part import Contour, Hole, Measures, Part, Process, Profile, Slot, TextMark
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
 from beamcam.model.request import Job, Request
 from beamcam.planning.contours.direction import stretch

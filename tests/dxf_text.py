@@ -2,8 +2,8 @@
 
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Curve
-from beamcam.model.drawing import extent
 from beamcam.model.lengths import total_length
+from beamcam.model.part import extent
 from beamcam.readers import dxf
 
 Pair = tuple[int, object]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from beamcam.geometry.curves import Line
-from beamcam.geometry.sampling import points_at
+from beamcam.geometry.polylines import points_at
 
 
 def polygon_of(chain, points_a_curve=256):

@@ -14,10 +14,9 @@ from typing import Any
 
 import pytest
 
-from beamcam.batch import cluster, processes
+from beamcam.batch import cluster, pool
 from beamcam.batch.find import find_inputs
-from beamcam.batch.pool import Here
-from beamcam.batch.processes import MOST_BYTES, HeadStart
+from beamcam.batch.pool import MOST_BYTES, HeadStart, Here
 from beamcam.batch.run import run
 from beamcam.batch.work import FileResult, Shop, Task, make_all
 from beamcam.machine import load
@@ -99,7 +98,7 @@ def test_files_lost_with_the_process_here_go_to_the_cluster(
     def die(chunk: tuple[Task, ...], shop: Shop) -> list[FileResult]:
         os._exit(1)
 
-    monkeypatch.setattr(processes, "make_all", die)
+    monkeypatch.setattr(pool, "make_all", die)
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--scheduler", scheduler)
     assert counts(result) == (40, 0, 0, 0)
 

@@ -17,7 +17,7 @@ from typing import cast
 import pytest
 
 from beamcam import pipeline
-from beamcam.batch import processes, work
+from beamcam.batch import pool, work
 from beamcam.batch.find import Input, find_inputs, read_input
 from beamcam.batch.record import RECORD_NAME
 from beamcam.batch.work import FileResult, Shop, Task
@@ -299,7 +299,7 @@ def test_a_worker_that_dies_is_told_for_its_file(
             os.kill(os.getpid(), signal.SIGKILL)
         return work.make_all(tasks, shop)
 
-    monkeypatch.setattr(processes, "make_all", make_all)  # which the workers are forked with
+    monkeypatch.setattr(pool, "make_all", make_all)  # which the workers are forked with
     said = tmp_path / "r.json"
     result = batch(tmp_path / "in", "-o", tmp_path / "out", "--jobs", 2, "--report", said)
     assert counts(result) == (39, 0, 0, 1)

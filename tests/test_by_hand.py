@@ -17,7 +17,7 @@ from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
-from beamcam.machine.marking import Marks, Policy
+from beamcam.machine.stations import Marks, Policy
 from beamcam.model.description import MarkKind, mark_kind
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.model.plan import Outcome
@@ -26,8 +26,8 @@ from beamcam.pipeline import Posted, RefusedProgram, post, read_back
 from beamcam.planning.left_out import BY_HAND
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.report.hand_list import HEAD, LIST_SUFFIX, as_csv, hand_rows
+from beamcam.verify.asked import BY_HAND as FOR_HAND
 from beamcam.verify.head import head_of
-from beamcam.verify.left_out import BY_HAND as FOR_HAND
 from tests.conftest import SAMPLES
 from tests.runs import batch, counts, part, report
 from tests.unit.planning.shop import part as beam

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 from beamcam.cli import main
 from beamcam.commands import common
 from beamcam.commands.common import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
-from beamcam.commands.kinds import KINDS, NO_PROGRAMS
+from beamcam.commands.pictures import KINDS, NO_PROGRAMS
 from beamcam.machine.names import DEFAULTS
 from tests.conftest import SAMPLES
 from tests.runs import part

@@ -10,9 +10,8 @@ from click.testing import CliRunner, Result
 from beamcam import system
 from beamcam.cli import main
 from beamcam.config import places
-from beamcam.config.load import ConfigError, load, with_tolerances
 from beamcam.config.places import ConfigFiles, config_files
-from beamcam.config.values import Config, ConfigFile, over
+from beamcam.config.values import Config, ConfigError, ConfigFile, load, over, with_tolerances
 from beamcam.machine import load as load_machine
 from beamcam.machine.torch import LookSettings
 from beamcam.system import is_windows

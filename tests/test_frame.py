@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.cli import main
-from beamcam.frame import frame_of
 from beamcam.machine import load
 from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import Posted, post
+from beamcam.remainder import frame_of
 from beamcam.verify.sheets.frame import frame_faults
 from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import box, circle, contour, drawing

@@ -207,7 +207,7 @@ def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch
         asked.append(count)
         return Here(made)
 
-    monkeypatch.setattr("beamcam.batch.processes.Processes", processes)
+    monkeypatch.setattr("beamcam.batch.pool.Processes", processes)
     for folder in "AB":
         Path("job", folder).mkdir()
         for k in range(4):

@@ -13,8 +13,8 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.machine import Machine, load
-from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.overlay import with_torch
+from beamcam.machine.tables import DIALECTS
 from beamcam.machine.torch import LookSettings
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back

@@ -21,7 +21,7 @@ from beamcam.batch import find
 from beamcam.batch.names import check_template
 from beamcam.cli import main
 from beamcam.commands.common import Voice, stop_without_output, write
-from beamcam.config.load import load as load_config
+from beamcam.config.values import load as load_config
 from beamcam.files import FilesRead, write_whole
 from beamcam.interrupts import asked_to_end
 from beamcam.machine import load
@@ -100,7 +100,7 @@ def test_each_output_reaches_the_disk_where_not_all_can_at_once(
     assert synced == []
     monkeypatch.delattr(os, "sync")
     monkeypatch.setattr(
-        sys.modules["beamcam.batch.outputs"], "write_new", lambda *_: False
+        sys.modules["beamcam.batch.names"], "write_new", lambda *_: False
     )  # no files without a name
     batch(tmp_path / "in", "-o", tmp_path / "b", "--jobs", 1)
     assert len(synced) == 3

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.batch.find import SUFFIXES, Input
-from beamcam.readers.file_end import has_end
+from beamcam.readers import has_end
 from beamcam.watch import AGAIN_S, HotFolder, Stamp, file_away, look
 from tests.conftest import ROOT, SAMPLES, examples
 from tests.runs import BAD, HANG_S, batch, counts, fill, part, programs, wait_until

@@ -16,8 +16,7 @@ from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load, shipped
-from beamcam.model.drawing import Measures
-from beamcam.model.part import Contour, Hole, Part, Profile
+from beamcam.model.part import Contour, Hole, Measures, Part, Profile
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import read_file, stock_of
 from beamcam.posts import Post, post_of

@@ -26,11 +26,10 @@ from beamcam.asked import (
 from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
-from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.names import DEFAULT_MACHINE
 from beamcam.machine.runtime import STYLES
-from beamcam.machine.tables import STEP_FORMS
+from beamcam.machine.tables import DIALECTS, STEP_FORMS
 from beamcam.model.description import MarkFrom, marked
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order
@@ -118,7 +117,7 @@ def load(
     asked = converted(tables, ConfigFile)
     config = Config(loaded.name, sheet=asked.sheet, map=asked.map, tolerances=asked.tolerances)
     if config.tolerances:
-        from beamcam.config.load import with_tolerances
+        from beamcam.config.values import with_tolerances
 
         loaded = with_tolerances(loaded, config)
     if not (config.map or sheet):

@@ -22,7 +22,7 @@ from beamcam.asked import (
 )
 from beamcam.controllers import rules
 from beamcam.diff.pairing import Difference
-from beamcam.diff.programs import ProgramText, diff_texts
+from beamcam.diff.statements import ProgramText, diff_texts
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError, errors_in
 from beamcam.machine import Machine
 from beamcam.machine.names import DEFAULT_MACHINE

@@ -28,7 +28,7 @@ from beamcam.batch.names import folded
 from beamcam.batch.recipe import Recipe, path_below, path_from
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
-from beamcam.readers.dstv.reader import MADE
+from beamcam.readers.dstv import MADE
 from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
 from beamcam.report.run import Row, dumped, loaded, names_in
 from beamcam.system import BINARY

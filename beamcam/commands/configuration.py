@@ -14,7 +14,6 @@ from msgspec.structs import replace
 from beamcam.asked import expected_job
 from beamcam.commands.rules import MACHINE_ELSEWHERE
 from beamcam.config import rules
-from beamcam.config.load import ConfigError, load
 from beamcam.config.places import (
     CONFIG_NAME,
     ConfigFiles,
@@ -23,7 +22,7 @@ from beamcam.config.places import (
     is_ones_own_place,
     not_followed,
 )
-from beamcam.config.values import Config, merged
+from beamcam.config.values import Config, ConfigError, load, merged
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.load import SHIPPED, files_of_machine
 from beamcam.machine.machine import Machine

@@ -127,7 +127,7 @@ def _version(package: str) -> str:
 def _configuration() -> Finding:
     files = own_files()
     if files:
-        from beamcam.config.load import load
+        from beamcam.config.values import load
 
         try:
             for path in files:

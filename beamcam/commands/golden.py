@@ -10,7 +10,7 @@ from msgspec import Struct
 from beamcam import readers
 from beamcam.commands.rules import NEW, NO_SAMPLE
 from beamcam.diff.pairing import Difference
-from beamcam.diff.programs import ProgramText, diff_texts
+from beamcam.diff.statements import ProgramText, diff_texts
 from beamcam.errors import ReadError, Source, errors_in
 from beamcam.machine import Machine
 from beamcam.report.hand_list import LIST_SUFFIX, HandRow, as_csv

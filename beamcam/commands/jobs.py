@@ -10,7 +10,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.commands.common import STANDARD, Voice
-from beamcam.commands.comparison import is_part, refuse_other_format
+from beamcam.commands.diff import is_part, refuse_other_format
 from beamcam.commands.parts import input_bytes, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, machines_for
 from beamcam.config.values import Config

@@ -10,9 +10,8 @@ from msgspec.structs import replace
 from beamcam.api.shop_lists import bars_of, not_made, planned_counts
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, wants_colour, write
-from beamcam.commands.listed import counted_parts, machines_in_shop, refuse_missing
-from beamcam.commands.parts import member_options
-from beamcam.commands.quantities import quantity
+from beamcam.commands.options import quantity
+from beamcam.commands.parts import counted_parts, machines_in_shop, member_options, refuse_missing
 from beamcam.commands.settings import files_read, machine_of_stock, settled
 from beamcam.commands.sheets import drawing_options, torch_options
 from beamcam.config.values import Config

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.addresses import MODBUS_PORT, Address
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.jobs import read_program
+from beamcam.commands.options import MODBUS_PORT, Address
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machine_of_stock, settled
 from beamcam.config.values import Config

@@ -19,11 +19,12 @@ from typing import Any
 import click
 
 from beamcam.commands.common import STANDARD, Voice
-from beamcam.commands.kinds import Callback
-from beamcam.commands.rules import OUTPUT_FORMAT
-from beamcam.errors import BeamcamError, Source
+from beamcam.commands.pictures import Callback
+from beamcam.commands.rules import MORE_BARS, OUTPUT_FORMAT
+from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.description import MARKS_FROM
 from beamcam.model.request import remnant_of
+from beamcam.planning.jobs import numbered
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
@@ -320,3 +321,58 @@ def voiced(function: Function) -> Function:
             voice.end()
 
     return with_voice
+
+
+MODBUS_PORT = 502  #: of Modbus TCP, by the standard
+
+
+class Address(click.ParamType):  # type: ignore[type-arg]  # older versions take none
+    """HOST:PORT; the port may be left out where there is one by default."""
+
+    name = "host:port"
+
+    def __init__(self, port: int | None = None) -> None:
+        self._port = port
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, int]:
+        text = str(value)
+        if self._port is not None and ":" not in text.rpartition("]")[2]:
+            text = f"{text}:{self._port}"
+        host, colon, port = text.rpartition(":")
+        if not (colon and host and port.isdigit() and 0 < int(port) < 65536):
+            self.fail(f"found {value!r}; expected HOST:PORT such as localhost:502", param, ctx)
+        return host.strip("[]"), int(port)
+
+
+FROM_FILE = "file"
+
+
+class QuantityType(click.ParamType):  # type: ignore[type-arg]
+    """`file`, or a number of pieces."""
+
+    name = "quantity"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | int:
+        if value == FROM_FILE or isinstance(value, int):
+            return value  # type: ignore[no-any-return]
+        if value.isascii() and value.isdigit() and 0 < int(value[:9]) <= MAX_QUANTITY:
+            return int(value)
+        self.fail(f"found {value!r}; expected file, or 1 to {MAX_QUANTITY}", param, ctx)
+
+
+MAX_QUANTITY = 100_000
+quantity = click.option(
+    "--quantity", type=QuantityType(), metavar="file|N",
+    help="Pieces of each part: as many as its file says, or N.",
+)  # fmt: skip
+
+
+def program_names(output: str, count: int) -> tuple[str, ...]:
+    """The names of `count` programs. Raises PlanError for several on standard output."""
+    if output == STANDARD and count > 1:
+        raise PlanError(MORE_BARS.at(Source("beamcam"), found=count))
+    return numbered(output, count)

@@ -8,8 +8,8 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Grouped, Voice, write
 from beamcam.commands.common import as_json as json_of
-from beamcam.commands.kinds import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
+from beamcam.commands.pictures import of_kind
 from beamcam.commands.plan_coping import coping_lines, coping_record
 from beamcam.commands.plan_sheet import not_made_lines, sheet_lines, sheet_record
 from beamcam.commands.settings import files_read, machines_for, settled
@@ -19,12 +19,17 @@ from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
-from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
+from beamcam.model.plan import (
+    Order,
+    Plan,
+    SheetPlan,
+    ToolLoad,
+)
 from beamcam.model.request import Request
 from beamcam.pipeline import Planned, remarks_on, whole_job
 from beamcam.plain_text import terminal_text
+from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
-from beamcam.planning.orientation import Trial, try_turns
 from beamcam.planning.stock import from_store
 from beamcam.posts import post_of
 from beamcam.report.run import as_message, ledger_of

@@ -8,9 +8,9 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Grouped, Voice, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
+from beamcam.commands.options import quantity
 from beamcam.commands.parts import job_options, read_parts
 from beamcam.commands.pictures import check_paper, paper, picture, picture_suffix, unit
-from beamcam.commands.quantities import quantity
 from beamcam.commands.settings import files_read, machine_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic

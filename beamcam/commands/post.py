@@ -8,17 +8,20 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
-from beamcam.commands import options, rest
+from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Grouped, Voice, keep_apart, keep_refused, write
-from beamcam.commands.kinds import program
+from beamcam.commands.options import program_names, quantity
 from beamcam.commands.parts import part_options, read_parts, request_of
-from beamcam.commands.quantities import program_names, quantity
+from beamcam.commands.pictures import program
 from beamcam.commands.remainders import (
     ONE_BAR,
     ONE_SHEET,
+    check_rest,
     from_contour,
     from_operation,
     is_coded_sheet,
+    rest_file,
+    rest_option,
 )
 from beamcam.commands.settings import (
     files_read,
@@ -74,7 +77,7 @@ FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (
     metavar="FILE",
     help="Write a program too that leads the head round the work, its tool off.",
 )
-@rest.option
+@rest_option
 @from_contour("Write only the rest of a sheet's program, from contour N of `plan`.")
 @part_options
 @options.no_verify
@@ -159,8 +162,8 @@ def command(
             made = [(output, _rest(made, first, contour))]
         beside = [] if frame is None else _frames(made, frame)
         if rest_name is not None:
-            rest.check_rest(rest_name, [each for _, each in made])
-            text, told = rest.rest_file(rest_name, made[0][1])
+            check_rest(rest_name, [each for _, each in made])
+            text, told = rest_file(rest_name, made[0][1])
             beside += [] if text is None else [(rest_name, text)]
             said += (told,)
     except RefusedProgram as error:
@@ -230,7 +233,7 @@ def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | 
 
 def _frames(made: Sequence[tuple[str, Posted]], name: str) -> list[tuple[str, str]]:
     """The frame of each program, by the name of its file. Raises RefusedProgram."""
-    from beamcam.frame import frame_of
+    from beamcam.remainder import frame_of
 
     return [
         (path, frame_of(posted).text)

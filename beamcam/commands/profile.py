@@ -8,8 +8,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Voice, write
-from beamcam.commands.kinds import KINDS, PICTURES, expected
-from beamcam.commands.pictures import picture
+from beamcam.commands.pictures import KINDS, PICTURES, expected, picture
 from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 

@@ -8,8 +8,8 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, read_all, write
-from beamcam.commands.comparison import refuse_part
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
+from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.rules import SECTION
 from beamcam.commands.settings import files_read, machine_for_program, settled

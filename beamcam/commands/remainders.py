@@ -1,5 +1,6 @@
 """The remainder of a program after a stop in mid bar: its option, and what is wrong with one."""
 
+from collections.abc import Sequence
 from pathlib import PurePath
 
 import click
@@ -7,12 +8,13 @@ from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.parts import input_bytes
-from beamcam.errors import Diagnostic
+from beamcam.errors import Diagnostic, Source
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
 from beamcam.model.request import Request
-from beamcam.pipeline import begin, finished, whole_job
+from beamcam.pipeline import Posted, begin, finished, whole_job
 from beamcam.readers.content import shown_name
+from beamcam.writers import TARGETS
 
 ONE_BAR = "--from-operation is for the program of one bar."
 ONE_SHEET = "--from-contour is for the program of one sheet, in G-code."
@@ -72,3 +74,41 @@ def faults_of_rest(
 
 def _text(program: bytes | str) -> str:
     return program if isinstance(program, str) else program.decode("utf-8", "replace")
+
+
+OF_ONE = "--rest is for the programs of one part of a bar, as it was read: without --turn."
+#: Formats that hold all of a part.
+WHOLE = tuple(t for t in TARGETS if t.name != "faces-dxf")
+
+rest_option = click.option(
+    "--rest", "rest_name", type=options.FILE, metavar="FILE",
+    help="Write what the program does not make of its part too, for the next machine.",
+)  # fmt: skip
+
+
+def check_rest(path: str, made: Sequence[Posted]) -> None:
+    """Raises click.UsageError where no rest can be written, or not in such a file."""
+    from beamcam.commands.convert import target_of
+
+    target = target_of(path, None)
+    if target not in WHOLE:
+        expected = ", ".join(suffix for t in WHOLE for suffix in t.suffixes)
+        raise click.UsageError(f"--rest {path!r}: expected a name in {expected}")
+    request = made[0].job.request
+    if len(request.parts) != 1 or request.turn or request.machine.stock == "sheet":
+        raise click.UsageError(OF_ONE)
+
+
+def rest_file(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
+    """The text of the rest, None where nothing is left, and a note of it.
+
+    Raises BeamcamError as `rest_of_part` does.
+    """
+    from beamcam.commands.convert import target_of
+    from beamcam.rest_part import NO_REST, REST, rest_of_part
+
+    found = rest_of_part(posted, target_of(path, None))
+    if found is None:
+        return None, NO_REST.at(Source(path))
+    part, text = found
+    return text, REST.at(Source(path), found=len(part.features))

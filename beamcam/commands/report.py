@@ -10,10 +10,9 @@ from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Grouped, Voice, write
 from beamcam.commands.configuration import configuration_line, machine_line, reference
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.kinds import KINDS, expected
+from beamcam.commands.options import quantity
 from beamcam.commands.parts import job_options
-from beamcam.commands.pictures import check_paper, paper, unit
-from beamcam.commands.quantities import quantity
+from beamcam.commands.pictures import KINDS, check_paper, expected, paper, unit
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.model.plan import Order

@@ -21,9 +21,9 @@ from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import Shop
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
-from beamcam.commands.kinds import KINDS, expected
+from beamcam.commands.options import quantity
 from beamcam.commands.parts import letter, member_choice, selection_options
-from beamcam.commands.quantities import quantity
+from beamcam.commands.pictures import KINDS, expected
 from beamcam.commands.rules import SETTINGS
 from beamcam.commands.settings import check_split, machines_of_split, machines_of_stock
 from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
@@ -32,7 +32,7 @@ from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
 from beamcam.machine import Machine
-from beamcam.machine.dialects import DIALECTS
+from beamcam.machine.tables import DIALECTS
 from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
@@ -199,13 +199,13 @@ def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]
         connect = partial(Cluster, shop, dask.scheduler, dask.answer_s, dask.chunks)
         if len(inputs) < FILES_OF_HEAD_START:
             return connect()
-        from beamcam.batch.processes import HeadStart
+        from beamcam.batch.pool import HeadStart
 
         return HeadStart(shop, len(inputs), connect)
     count = min(jobs or cores(), len(inputs))
     if count <= 1 and all(_is_quick(one.path) for one in inputs):
         return Here(shop)
-    from beamcam.batch.processes import Processes
+    from beamcam.batch.pool import Processes
 
     return Processes(shop, max(count, 1))
 

@@ -338,7 +338,7 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
     """A machine with the tolerances, the map and the sheet of the job."""
     remark(machine.remarks)
     if config.tolerances:
-        from beamcam.config.load import with_tolerances
+        from beamcam.config.values import with_tolerances
 
         machine = with_tolerances(machine, config)
     if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
@@ -359,8 +359,8 @@ def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> 
         source = config.sources.get(key)
         if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:
             raise
-        from beamcam.config.load import ConfigError
         from beamcam.config.rules import WRONG_VALUE
+        from beamcam.config.values import ConfigError
 
         expected = error.diagnostics[0]["expected"]
         raise ConfigError(

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from beamcam.commands import options
-from beamcam.commands.addresses import Address
 from beamcam.commands.common import STANDARD, Grouped, Voice, say_lines, write
 from beamcam.commands.jobs import against, asked_program
-from beamcam.commands.kinds import PICTURES, of_kind
+from beamcam.commands.options import Address, quantity
 from beamcam.commands.parts import job_options
-from beamcam.commands.pictures import picture
-from beamcam.commands.quantities import quantity
+from beamcam.commands.pictures import PICTURES, of_kind, picture
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
 from beamcam.interrupts import INTERRUPTED, asked_to_end

@@ -8,8 +8,8 @@ import click
 from beamcam.commands.common import STANDARD, Voice, write
 from beamcam.config.values import Config
 from beamcam.files import FilesRead, remove_made
-from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.machine import Machine
+from beamcam.machine.tables import DIALECTS
 from beamcam.pipeline import Posted
 
 

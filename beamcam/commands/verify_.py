@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, say_json
-from beamcam.commands.comparison import refuse_part
+from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes, looking_options, read_parts, request_of
 from beamcam.commands.remainders import (
     ONE_BAR,
@@ -28,8 +28,8 @@ from beamcam.pipeline import read_back
 from beamcam.planning.rules import named_skips
 from beamcam.readers.content import shown_name
 from beamcam.report.run import as_message
+from beamcam.verify.asked import BY_HAND, LEFT_OUT
 from beamcam.verify.head import Head, head_of, head_remarks
-from beamcam.verify.left_out import BY_HAND, LEFT_OUT
 
 #: Rules for features that a program may be without.
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)

@@ -17,8 +17,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from msgspec import Struct
 
 from beamcam.config import rules
-from beamcam.config.load import load
-from beamcam.config.values import Config, MapRow, Sheet
+from beamcam.config.values import Config, MapRow, Sheet, load
 from beamcam.errors import Diagnostic
 from beamcam.files import write_whole
 from beamcam.machine.toml import line_of, toml_text

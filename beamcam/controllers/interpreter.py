@@ -13,8 +13,17 @@ from math import atan2, degrees, dist, inf, isnan, nan
 from typing import Any, Protocol
 
 from beamcam.controllers.dialect import DOCUMENTED, Dialect
-from beamcam.controllers.events import BarEvent, Curve, Lettering, Move, Other, Pause, Place, Switch
-from beamcam.controllers.heights import Heights
+from beamcam.controllers.events import (
+    BarEvent,
+    Curve,
+    Heights,
+    Lettering,
+    Move,
+    Other,
+    Pause,
+    Place,
+    Switch,
+)
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point

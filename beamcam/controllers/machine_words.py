@@ -15,21 +15,23 @@ from beamcam.controllers import cell_events, interpreter_of
 from beamcam.controllers.dialect import (
     DOCUMENTED,
     FIELD,
+    IDLE_SWITCHES,
+    STOPS,
     TELLS,
     Dialect,
     dialect_of,
     role_of,
+    tool_words,
 )
 from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
 from beamcam.controllers.rules import SETTING, SHEET_SETTING
-from beamcam.controllers.table_words import IDLE_SWITCHES, STOPS, tool_words
 from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine import rules
 from beamcam.machine.codes import key_for, plain_code
-from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
 from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
+from beamcam.machine.tables import DIALECTS
 from beamcam.model.description import PART_DATA
 
 #: Of the tools of a bar; `scribe` and `punch` do not turn.

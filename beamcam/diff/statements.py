@@ -8,7 +8,8 @@ line by line, without comments and spacing.
 import re
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
-from math import isnan
+from math import dist, isnan
+from typing import NamedTuple
 
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import (
@@ -28,11 +29,13 @@ from beamcam.controllers.events import (
     Touch,
     Zero,
 )
-from beamcam.diff.pairing import Difference
+from beamcam.diff.bars import diff_programs
+from beamcam.diff.pairing import Difference, Pair, moved, paired
 from beamcam.errors import Diagnostic, errors_in
 from beamcam.geometry.curves import Arc, EllipseArc
-from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.machine import Machine
+from beamcam.machine.tables import DIALECTS
+from beamcam.verify.coping.strokes import Stroke
 
 _ST_COMMENT = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
 
@@ -160,3 +163,70 @@ def _turned(events: Sequence[BarEvent], decimals: int) -> Iterator[str]:
 
 def _number(value: float, decimals: int) -> str:
     return f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+CLOSED = 0.02  #: mm between the ends of a closed cut
+MOST_OPEN = 2  #: places that no closed cut has
+
+
+def stroke_pairs(a: Sequence[Stroke], b: Sequence[Stroke], resolution: float) -> Iterator[Pair]:
+    """The cuts of two programs face by face, those that are closed and the others.
+
+    Places nearer than `resolution` are one.
+    """
+    step = resolution / 2 + 1e-9
+    for face, closed in sorted({_sort(stroke) for stroke in (*a, *b)}):
+        old, new = ([s for s in strokes if _sort(s) == (face, closed)] for strokes in (a, b))
+        yield from paired(old, new, stroke_place, lambda x, y: _changes(x, y, step))
+
+
+def _sort(stroke: Stroke) -> tuple[str, bool]:
+    return stroke.face, is_closed(stroke)
+
+
+def is_closed(stroke: Stroke) -> bool:
+    """Whether a cut behind its lead comes back to where it began."""
+    ring = stroke.points[1:]
+    return len(ring) > MOST_OPEN and dist(ring[0], ring[-1]) <= CLOSED
+
+
+def stroke_place(stroke: Stroke) -> tuple[float, float]:
+    """The middle of a cut without its lead."""
+    xs, ys = zip(*(stroke.points[1:] or stroke.points), strict=True)
+    return (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
+
+
+def _changes(a: Stroke, b: Stroke, step: float) -> list[str]:
+    (ax, ay), (bx, by) = stroke_place(a), stroke_place(b)
+    changes = moved(bx - ax, by - ay, step)
+    if len(a.points) != len(b.points) or any(
+        abs((p - ax) - (r - bx)) > 2 * step or abs((q - ay) - (t - by)) > 2 * step
+        for (p, q), (r, t) in zip(a.points, b.points, strict=True)
+    ):
+        changes.append("another course")
+    if a.row.feed_mm_min != b.row.feed_mm_min:
+        changes.append(f"feed {a.row.feed_mm_min:.6g} to {b.row.feed_mm_min:.6g} mm/min")
+    return changes
+
+
+class ProgramText(NamedTuple):
+    """A program, and the machine that reads it."""
+
+    name: str  #: in messages
+    text: str
+    machine: Machine
+
+
+def diff_texts(
+    a: ProgramText, b: ProgramText
+) -> tuple[tuple[Difference, ...], tuple[Diagnostic, ...]]:
+    """What program B makes otherwise than A, both for bars, sheets or profiles; and what is wrong
+    with the blocks of either, at its own file and line."""
+    if a.machine.stock in ("sheet", "profile"):
+        (first, said), (second, more) = (statements(*one) for one in (a, b))
+        return diff_statements(first, second, a.machine.format.length_decimals), (*said, *more)
+    from beamcam.verify.bars import run
+
+    old, new = (run(one.text, one.machine, None, one.name) for one in (a, b))
+    step = max(a.machine.format.resolution, b.machine.format.resolution)
+    return diff_programs(old.made, new.made, step), (*old.diagnostics, *new.diagnostics)

@@ -7,8 +7,7 @@ import numpy as np
 from msgspec.structs import astuple
 
 from beamcam.emitters.columns import lines
-from beamcam.emitters.head import comment_room
-from beamcam.emitters.numbers import number
+from beamcam.emitters.head import comment_room, number
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.description import PART_DATA

@@ -3,7 +3,7 @@
 The runtime of the machine, which is the same for every job, and in it what is the job's own.
 Two styles: `chain`, a block of statements for each operation, which fires once its predecessor is
 active and has arrived, and latches; `table`, set-points in arrays, split over units where one would
-get too large. What a dialect calls the sections of a job is told in machine/dialects.py.
+get too large. What a dialect calls the sections of a job is told in machine/tables.py.
 """
 
 import re
@@ -13,10 +13,9 @@ from zlib import crc32
 
 from msgspec import Struct
 
-from beamcam.machine.dialects import Dialect
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES, dialect_of, lreal, runtime_of
-from beamcam.machine.tables import Triggers
+from beamcam.machine.tables import Dialect, Triggers
 from beamcam.model.program import Lift, Switch, Travel, TriggerOp, TriggerTable
 from beamcam.plain_text import comment_text
 

@@ -34,9 +34,8 @@ from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line, signed_area
 from beamcam.geometry.plane import Point, cross, distance, dot
-from beamcam.geometry.polylines import polylines
+from beamcam.geometry.polylines import points_at, polylines
 from beamcam.geometry.raw_offset import MITRE_LIMIT, Ring, raw_offsets
-from beamcam.geometry.sampling import points_at
 
 # --- refit ----------------------------------------------------------------------------------------
 

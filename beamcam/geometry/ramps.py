@@ -1,10 +1,15 @@
-"""Fastest motion over a distance of 1 from rest to rest, within limits of its derivatives.
+r"""Fastest motion over a distance of 1 from rest to rest, within limits of its derivatives.
 
 speed        ______________          the acceleration grows by the jerk, stays, and falls back;
           .'                '.       the same to brake, mirrored. Without a limit of the jerk
-        /                    \\      that is a trapezoid, and a triangle where the way is short.
+        /                    \      that is a trapezoid, and a triangle where the way is short.
  _____.'                      '.__
  jerk steady jerk   cruise   jerk ...
+
+Velocity over time as phases of constant jerk, and its position, velocity and acceleration.
+
+Units are the caller's: mm and mm/s; or rpm, whose positions are then sixtieths of revolutions.
+Time is seconds.
 """
 
 from math import cbrt, inf, sqrt

@@ -20,7 +20,7 @@ from typing import Any
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine import rules
-from beamcam.machine.materials import ALUMINIUM, MILD_STEEL, STAINLESS
+from beamcam.machine.torch import ALUMINIUM, MILD_STEEL, STAINLESS
 
 MM_PER_INCH = 25.4
 _SECTION = re.compile(r"\[(MATERIAL_NUMBER_|Tool)\s*(\d+)\]", re.IGNORECASE)

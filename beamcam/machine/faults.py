@@ -3,21 +3,18 @@
 from collections.abc import Iterator
 from math import sqrt
 
-from beamcam.machine.dialects import DIALECTS
 from beamcam.machine.formula import body_faults
 from beamcam.machine.machine import Machine
+from beamcam.machine.range_faults import Fault, trigger_faults
 from beamcam.machine.stations import Saw, Spindle
-from beamcam.machine.tables import STEP_FORMS, modbus_faults
+from beamcam.machine.tables import DIALECTS, STEP_FORMS, modbus_faults
 from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
 from beamcam.machine.torch import Torch
-from beamcam.machine.trigger_faults import trigger_faults
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")
 #: Kinds of tools that follow a path, for which the bar has to move forward and back.
 ALONG_A_PATH = ("mill", "scribe")
-
-Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
 
 
 def tool_faults(machine: Machine) -> Iterator[Fault]:

@@ -16,7 +16,6 @@ from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine import rules
 from beamcam.machine.codes import code_faults
-from beamcam.machine.coper_faults import coper_faults
 from beamcam.machine.faults import (
     number_faults,
     pair_faults,
@@ -28,7 +27,7 @@ from beamcam.machine.faults import (
 from beamcam.machine.formula import NoValueError, as_formula
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.overlay import KeyTwice, with_more_rows, with_present_keys
-from beamcam.machine.range_faults import range_faults, template_faults
+from beamcam.machine.range_faults import coper_faults, range_faults, template_faults
 from beamcam.machine.references import marking_faults, name_faults, reference_faults
 from beamcam.machine.toml import (
     MAX_TOML_BYTES,

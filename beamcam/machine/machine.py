@@ -12,10 +12,10 @@ from msgspec import Meta, field
 
 from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
+from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine.coper import Coper
 from beamcam.machine.formula import Body
-from beamcam.machine.marking import Marks
-from beamcam.machine.stations import Drill, Pair, Saw, Spindle
+from beamcam.machine.stations import Drill, Marks, Pair, Saw, Spindle
 from beamcam.machine.tables import Modbus, Stepper, Triggers
 from beamcam.machine.tools import ToolSet
 from beamcam.machine.torch import Torch
@@ -168,3 +168,35 @@ class Machine(MachineFile, frozen=True):
         if station is None:
             raise TypeError(f"{self.name} has no {what}")
         return station
+
+
+# A line without a saw takes parts that are cut; one without a drill saws them only. What the work
+# asks of a station holds for these too, but for who would make a cut, or lay parts on a bar.
+NO_SAW = Saw(
+    kerf=0.0,
+    min_angle=-90.0,
+    max_angle=90.0,
+    max_height=MAX_COORDINATE,
+    max_width=MAX_COORDINATE,
+    min_tilt=-90.0,
+    max_tilt=90.0,
+    compound=True,
+)
+
+
+NO_DRILL = Drill(x=0.0, max_height=MAX_COORDINATE, max_width=MAX_COORDINATE, fits=(), cutting=())
+
+
+def saw_of(machine: Machine) -> Saw:
+    """The saw of a machine, or one that cuts nothing."""
+    return machine.saw or NO_SAW
+
+
+def drill_of(machine: Machine) -> Drill:
+    """The drill of a machine, or one that reaches nothing."""
+    return machine.drill or NO_DRILL
+
+
+def text_x(machine: Machine) -> float:
+    """Machine X of a text at bar x 0, where a stamp or printer letters."""
+    return drill_of(machine).x if machine.marks.x is None else machine.marks.x

@@ -5,13 +5,19 @@ closed, would make programs that the read-back refuses.
 """
 
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from math import hypot, sqrt
 from string import Formatter
 
+from msgspec.structs import fields
+
 from beamcam.conversion import nearest
+from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Drill
-from beamcam.machine.torch import Torch
+from beamcam.machine.tables import DIALECTS, Dialect, HeightAxis, Triggers
+from beamcam.machine.torch import Torch, TorchRow
 from beamcam.machine.words import PART_NAMES, WORD_NAMES
 
 Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
@@ -147,3 +153,199 @@ def _line_faults(line: str, names: frozenset[str]) -> Iterator[tuple[str, str]]:
             yield "{" + str(name) + "}", nearest(str(name), names)
         elif conversion or not _FIELD_FORM.fullmatch(form or ""):
             yield line, "{" + name + "}, or with a width of two digits, such as {" + name + ":>8}"
+
+
+def coper_faults(machine: Machine) -> Iterator[Fault]:
+    """Each key of a coper that contradicts another."""
+    coper, words = machine.coper, machine.words
+    if coper is None:
+        return
+    if machine.stock != "profile":
+        yield "coper", machine.stock, "no such table, or stock = 'profile'"
+    if machine.controller != "linuxcnc":
+        yield "controller", machine.controller, "linuxcnc, which runs a torch round a profile"
+    for name in ("turn", "traverse", "feed", "cut_on", "cut_off"):
+        if not getattr(words, name):
+            yield f"words.{name}", [], "a template, since there is a coper"
+    round_bar = coper.turns == "bar"
+    for name in ("a", "inverse"):
+        if any("{" + name in line for line in words.feed) != round_bar:
+            expected = f"{{{name}}} where coper.turns is bar, and nowhere else"
+            yield "words.feed", list(words.feed), expected
+    if round_bar == bool({*coper.profiles} - {"RO", "M"}) or not (
+        round_bar or {*coper.profiles}.isdisjoint({"RO", "M"})
+    ):
+        yield (
+            "coper.profiles",
+            list(coper.profiles),
+            "RO and M where the bar turns, else I, U and L",
+        )
+    if coper.corners and "M" not in coper.profiles:
+        yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
+    yield from _reach_faults(machine, coper)
+    if coper.tcp == bool(coper.pivot):
+        expected = "0 where tcp is true, and above 0 where it is false"
+        yield "coper.pivot", coper.pivot, expected
+    if not any(row.process == "cut" for row in coper.rows):
+        yield "coper.rows", [row.process for row in coper.rows], "a row for cut"
+    for index, row in enumerate(coper.rows):
+        yield from _row_faults(f"coper.rows.{index}", row, coper)
+    feeds = [(row.feed_mm_min, row.material) for row in coper.rows]
+    for index, said in enumerate(feeds):
+        if feeds.index(said) != index:
+            expected = "another feed for each thickness, which is told by it"
+            yield f"coper.rows.{index}.feed_mm_min", said[0], expected
+    step = machine.format.resolution
+    if not 4 * step <= coper.tolerance <= 1.0:
+        expected = f"{4 * step:g} to 1 mm, four steps of its numbers at least"
+        yield "coper.tolerance", coper.tolerance, expected
+    if coper.head_width < coper.torch_width:
+        yield "coper.head_width", coper.head_width, "at least torch_width"
+
+
+def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
+    """Axes that do not come to the corners of the tubes that they are for."""
+    if "M" not in coper.profiles:
+        return
+    half, long = coper.max_width / 2, hypot(coper.max_height, coper.max_width) / 2
+    wide = max(half, coper.max_height / 2)
+    for name, least, most in (("Y", -wide, wide), ("Z", 0.0, long + coper.clearance)):
+        for k, axis in enumerate(machine.axes):
+            if axis.moves == name and (axis.limits[0] > least or axis.limits[1] < most):
+                expected = f"{least:g} to {most:.4g} at least, for rectangular tubes"
+                yield f"axes.{k}.max", axis.max, expected
+
+
+def _row_faults(key: str, row: TorchRow, coper: Coper) -> Iterator[Fault]:
+    if row.process != "cut":
+        yield f"{key}.process", row.process, "cut, as a coper does nothing else"
+    for name in ("kerf", "cut_height", "pierce_height", "pierce_s"):
+        if not getattr(row, name):
+            yield f"{key}.{name}", 0.0, "a figure above 0, as the torch goes round the steel by it"
+    if row.cut_height <= coper.play:
+        yield f"{key}.cut_height", row.cut_height, f"more than play, {coper.play:g} mm"
+    if row.pierce_height < row.cut_height:
+        yield f"{key}.pierce_height", row.pierce_height, "at least cut_height"
+    if row.passes != 1:
+        yield f"{key}.passes", row.passes, "1, as a torch cuts through at once"
+    if coper.corner_radius < row.kerf / 2:
+        expected = f"at least {row.kerf / 2:g}, half the kerf of the widest row"
+        yield "coper.corner_radius", coper.corner_radius, expected
+    if coper.lead < row.pierce_radius:
+        yield "coper.lead", coper.lead, f"at least {row.pierce_radius:g}, what piercing burns"
+    if coper.trim < 2 * (coper.lead + row.kerf):
+        expected = f"at least {2 * (coper.lead + row.kerf):g}, for leads and kerfs"
+        yield "coper.trim", coper.trim, expected
+
+
+MIN_CYCLE_S = 0.0005  #: no task of such a controller comes round sooner
+
+
+def trigger_faults(triggers: Triggers, machine: Machine) -> Iterator[Fault]:
+    """Each key of a trigger program that contradicts another, or that it cannot have."""
+    if triggers.cycle_s < MIN_CYCLE_S:
+        yield "triggers.cycle_s", triggers.cycle_s, f"at least {MIN_CYCLE_S:g} s"
+    windows = [("triggers", triggers.arrival_window, triggers.count)]
+    if triggers.z is not None:
+        windows.append(("triggers.z", triggers.z.arrival_window, triggers.z.count))
+    for key, window, count in windows:
+        if window < (least := triggers.least_window(count)):
+            what = "a count" if triggers.counted == "floor" else "half a count"
+            expected = f"{what} of the encoder or more, {least:.4f} mm"
+            yield f"{key}.arrival_window", window, expected
+    torch = machine.torch
+    # Points are cut off to the decimals of both axes, and count as reached a little before.
+    least = triggers.in_position / 2 + machine.format.resolution * sqrt(2)
+    if torch is not None and torch.tolerance <= least:
+        expected = f"more than {least:g}, which rounding and triggers.in_position take"
+        yield "torch.tolerance", torch.tolerance, expected
+    if torch is not None:
+        way = max(torch.length, torch.width) + triggers.overrun + 2 * triggers.back_off
+        # Slowly off the switch by two windows from where it was seen, and against it again.
+        slowly = 6 * triggers.homing_window / triggers.homing_slow_mm_s
+        if (z := triggers.z) is not None:  # which homes first
+            way += z.home_height + triggers.overrun + 2 * z.back_off
+            slowly += 6 * triggers.lift_window / triggers.homing_slow_mm_s
+        least = way / triggers.homing_mm_s + slowly
+        if triggers.max_homing_s < least:
+            expected = f"{least:g} or more for {way:g} mm at homing_mm_s and the slow approach"
+            yield "triggers.max_homing_s", triggers.max_homing_s, expected
+    if triggers.homing_slow_mm_s > triggers.homing_mm_s:
+        expected = f"at most homing_mm_s, {triggers.homing_mm_s:g}"
+        yield "triggers.homing_slow_mm_s", triggers.homing_slow_mm_s, expected
+    # An arrival is seen in the second cycle at rest, once the lag has run down to a twentieth.
+    least = 4 * triggers.cycle_s + 3 * triggers.following_lag_s
+    if triggers.max_late_s < least:
+        expected = f"{least:g} or more, 4 cycles and 3 times following_lag_s"
+        yield "triggers.max_late_s", triggers.max_late_s, expected
+    dialect = DIALECTS.get(machine.controller, DIALECTS["simotion"])
+    yield from _st_name_faults(triggers, dialect)
+    yield from _place_faults(triggers, dialect)
+    defaults = {field.name: field.default for field in fields(Triggers)}
+    for key in dialect.without:
+        if (found := getattr(triggers, key)) != defaults[key]:
+            expected = f"no such key, as the controller is {machine.controller}"
+            yield f"triggers.{key}", found, expected
+    if triggers.path_objects and triggers.technology not in _PATH_PACKAGES:
+        expected = f"{' or '.join(_PATH_PACKAGES)}, which have path objects"
+        yield "triggers.package", triggers.package, expected
+    for row in torch.rows if torch else ():
+        if row.process not in triggers.outputs:
+            yield "triggers.outputs", dict(triggers.outputs), f"an output for {row.process}"
+    if triggers.z is not None:
+        yield from _height_faults(triggers.z, torch.rows if torch else ())
+
+
+def _height_faults(z: HeightAxis, rows: Sequence[TorchRow]) -> Iterator[Fault]:
+    """Heights that are not below one another as they have to be: cut, pierce, clearance, home.
+
+    A row that does not know its heights is refused where it is used.
+    """
+    if z.clearance >= z.home_height:
+        expected = f"less than home_height, {z.home_height:g}"
+        yield "triggers.z.clearance", z.clearance, expected
+    for row in rows:
+        for key, height in (("pierce_height", row.pierce_height), ("cut_height", row.cut_height)):
+            if height > z.clearance:
+                expected = f"at most triggers.z.clearance, {z.clearance:g}"
+                yield f"torch.rows.{key}", height, expected
+
+
+def _place_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
+    """Inputs and outputs that are neither addresses nor names, or that stand for two things."""
+    optional = filter(None, (triggers.acknowledge, triggers.stop))
+    of_z = triggers.z.limits if triggers.z else ()
+    inputs = (*triggers.limits, *of_z, triggers.start, *optional)
+    outputs = (*triggers.outputs.values(), *filter(None, [triggers.fault_lamp]))
+    for key, places, letter, kind in (
+        ("limits", inputs, "I", "input such as %I0.0"),
+        ("outputs", outputs, "Q", "output such as %Q62.0"),
+    ):
+        pattern = re.compile(f"%{letter}{dialect.address}")
+        for place in places:
+            if not (pattern.fullmatch(place) or _ST_NAME.fullmatch(place)):
+                yield f"triggers.{key}", place, f"an address of an {kind} or the name of a variable"
+    for place in triggers.normally_closed:
+        if place not in inputs:
+            yield "triggers.normally_closed", place, f"one of the inputs {', '.join(inputs)}"
+    # %IX0.0 and %I0.0 are one place.
+    used = Counter(_BIT.sub(r"\1", p.upper()) for p in (*inputs, *outputs, *triggers.all_axes))
+    for place, count in used.items():
+        if count > 1:
+            yield "triggers", place, "each input, output and axis once"
+
+
+def _st_name_faults(triggers: Triggers, dialect: Dialect) -> Iterator[Fault]:
+    for name in (*triggers.all_axes, triggers.path_object, triggers.technology, *triggers.uses):
+        if not _ST_NAME.fullmatch(name):
+            yield "triggers.axes", name, "letters, digits and single _, a letter first"
+    for name, other in triggers.names.items():
+        if name not in dialect.renamed:
+            yield "triggers.names", name, f"one of {', '.join(dialect.renamed)}"
+        elif not all(_ST_NAME.fullmatch(word) for word in other.removeprefix("_").split(".")):
+            yield f"triggers.names.{name}", other, "letters, digits and single _"
+
+
+_BIT = re.compile(r"^(%[IQ])X")
+_PATH_PACKAGES = ("PATH", "CAM_EXT")
+_ST_NAME = re.compile(r"[A-Za-z](_?[A-Za-z0-9])*")

@@ -13,8 +13,7 @@ from math import inf, pi
 
 from beamcam.caches import cached
 from beamcam.machine.torch import OTHERS
-from beamcam.model.drawing import Dashed
-from beamcam.model.part import Contour, Process
+from beamcam.model.part import Contour, Dashed, Process
 
 # --- colour names ---------------------------------------------------------------------------------
 

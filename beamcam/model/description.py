@@ -7,7 +7,7 @@ from typing import Literal
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import circle_of, slot_of
-from beamcam.machine.marking import Marks, Policy
+from beamcam.machine.stations import Marks, Policy
 from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
 
 

@@ -5,18 +5,25 @@ of their own. On each, x runs along the part from 0 and y from the face's lower 
 Numbers stand as in a DSTV file: v and u are right-handed seen from outside, o and h are seen
 mirrored (7th edition, page 8), so that counter-clockwise seen from outside is clockwise in the
 numbers of o and h. Curves are plain geometry in those numbers.
+
+Contents of a drawing other than its contours, and the extent of curves.
+
+Filled shapes and curves on hidden layers are not features, since nothing is cut along them; they
+are kept so that their lengths can be given when somebody asks.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf
 from typing import Literal
 
 from msgspec import Struct, field
+from msgspec.structs import replace
 
 from beamcam.conversion import Keys
 from beamcam.errors import Source
-from beamcam.geometry.curves import Curve, Point
-from beamcam.model.drawing import Measures
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Box, Point
+from beamcam.model.lengths import total_length
 from beamcam.model.quantities import EndAngle, Number, Whole
 
 Face = str
@@ -223,6 +230,37 @@ class Comment(Keys, frozen=True):
     before: str  #: "header:9", "feature:4", "feature:4:2" (row 2 of it), "end"; see anchors.py
 
 
+class Dashed(Struct, frozen=True):
+    """Curves of one look that are drawn with gaps, as centre lines and hidden edges are."""
+
+    layer: str | None
+    colour: str | None
+    line_type: str  #: its name in the drawing
+    count: int  #: of chains
+    source: Source  #: of the first
+
+
+class Measures(Struct, frozen=True):
+    """Contents of a drawing that are not features of the part."""
+
+    filled: tuple[Curve, ...] = ()  #: outlines of shapes with a fill and no stroke
+    hidden: tuple[Curve, ...] = ()  #: curves on layers that are off, frozen or not plotting
+    not_cut: tuple[tuple[str, int], ...] = ()  #: entities that are not curves, by name: how many
+    grid: float | None = None  #: what coordinates are rounded to, if the file shows it
+    lettered: tuple[tuple[str, int], ...] = ()  #: layers whose texts are marked, and how many
+    dashed: tuple[Dashed, ...] = ()
+
+    @property
+    def filled_length(self) -> float:
+        """Length of `filled`."""
+        return total_length(self.filled)
+
+    @property
+    def hidden_length(self) -> float:
+        """Length of `hidden`."""
+        return total_length(self.hidden)
+
+
 class Part(Struct, frozen=True):
     """A piece mark, its stock and its features, in the order of the file."""
 
@@ -276,3 +314,31 @@ class Part(Struct, frozen=True):
     @property
     def texts(self) -> Iterator[TextMark]:
         return (f for f in self.features if type(f) is TextMark)
+
+
+def moved_feature(feature: Feature, by: Point) -> Feature:
+    """The feature moved in the plane of its plate; values across the plate stay."""
+    if isinstance(feature, Contour):
+        return replace(feature, curves=tuple([moved_curve(curve, by) for curve in feature.curves]))
+    if isinstance(feature, Hole | Slot | TextMark):
+        return replace(feature, x=feature.x + by[0], y=feature.y + by[1])
+    return feature
+
+
+def moved_curve(curve: Curve, by: Point) -> Curve:
+    """The curve moved; of lines and arcs no angle is rounded."""
+    dx, dy = by
+    if isinstance(curve, Line):
+        (x0, y0), (x1, y1) = curve.start, curve.end
+        return Line((x0 + dx, y0 + dy), (x1 + dx, y1 + dy))
+    if isinstance(curve, Arc):
+        x, y = curve.centre
+        return Arc((x + dx, y + dy), curve.radius, curve.start_deg, curve.sweep_deg)
+    return curve.transformed(((1.0, 0.0, dx), (0.0, 1.0, dy)))
+
+
+def extent(curves: Iterable[Curve]) -> Box | None:
+    """The bounding box of all curves; None if there are none."""
+    from beamcam.geometry.arrays import CurveTable
+
+    return CurveTable(tuple(curves)).box

@@ -15,9 +15,19 @@ from beamcam.conversion.schema import Schema, schema_of
 from beamcam.errors import Source
 from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.model.curve_json import curve_to_json
-from beamcam.model.drawing import Measures
 from beamcam.model.lengths import duplicate_length, total_length
-from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    Contour,
+    EndPlane,
+    Feature,
+    Hole,
+    Measures,
+    Part,
+    Slot,
+    TextMark,
+)
 from beamcam.model.part_forms import PartForm
 
 PART_SCHEMA = "beamcam/part/1"

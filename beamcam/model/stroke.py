@@ -2,8 +2,7 @@
 
 from msgspec import Struct
 
-from beamcam.machine.absent import drill_of
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of
 from beamcam.machine.stations import Axis, Drill, Spindle
 from beamcam.model.part import Face, Profile
 from beamcam.model.plan import SpindleOp

@@ -6,9 +6,8 @@ from typing import cast
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
-from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of, saw_of
 from beamcam.machine.stations import Drill
 from beamcam.machine.tools import Tool
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in

@@ -40,8 +40,7 @@ from beamcam.model.program import (
     TriggerTable,
 )
 from beamcam.motion.feed_limits import feasible_mm_s
-from beamcam.motion.lookahead import joint_speeds
-from beamcam.motion.speed_sections import SpeedSection, join_segments
+from beamcam.motion.lookahead import SpeedSection, join_segments, joint_speeds
 from beamcam.motion.step_events import MICROSECONDS
 from beamcam.motion.steps import plan_way, ways
 

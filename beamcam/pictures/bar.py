@@ -12,12 +12,10 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.machine.absent import text_x
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, text_x
 from beamcam.model.part import Face, Profile
 from beamcam.model.section import face_title, runs_down
-from beamcam.pictures.depths import SteelDepths
-from beamcam.pictures.features import lettering
+from beamcam.pictures.features import SteelDepths, lettering
 from beamcam.pictures.scene import (
     TOOL_COLOURS,
     Circle,

@@ -14,14 +14,16 @@ from beamcam.geometry.curves import join_boxes
 from beamcam.model.part import Face, Part
 from beamcam.model.section import FACE_NAMES, face_title, runs_down
 from beamcam.pictures.bar import BarMade
-from beamcam.pictures.changed_sizes import bore_words, called_on, changed_sizes, feature_words
-from beamcam.pictures.ends import end_lines
-from beamcam.pictures.features import feature_shapes, lettering
+from beamcam.pictures.features import end_lines, feature_shapes, lettering
 from beamcam.pictures.overlay import (
     Compared,
+    bore_words,
+    called_on,
     changed_places,
+    changed_sizes,
     compared_pairs,
     drawn_pair,
+    feature_words,
     overlay_scene,
     program_names,
     rising,

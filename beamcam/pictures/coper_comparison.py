@@ -8,15 +8,16 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.diff.pairing import Pair
-from beamcam.diff.strokes import is_closed, stroke_pairs
+from beamcam.diff.statements import is_closed, stroke_pairs
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face, Part
-from beamcam.pictures.changed_sizes import called_on, changed_sizes
 from beamcam.pictures.coper import face_view, faces_of, on_views, part_of, strokes_of
 from beamcam.pictures.overlay import (
     Compared,
+    called_on,
     changed_places,
+    changed_sizes,
     compared_pairs,
     drawn_pair,
     program_names,

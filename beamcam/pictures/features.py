@@ -1,23 +1,76 @@
-"""Shapes of a part's features, and of the section that it is made of."""
+r"""Shapes of a part's features, and of the section that it is made of.
 
-from collections.abc import Iterator, Sequence
-from math import hypot
+Depths of machined features in the steel: of the full diameter, not of the tool's point.
+
+|\        /|   drill      to the shoulder of its point; through, once that has passed the wall
+| \      / |   sink       of the cone within the steel: what is in the pilot hole cuts nothing
+|  |    |  |   tap, mill  of the tip
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import atan2, degrees, hypot, radians, tan
 
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.polylines import polylines
+from beamcam.machine.machine import Machine
+from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import (
     MIRRORED_FACES,
     Bend,
     Camber,
     Contour,
+    EndPlane,
+    Face,
     Feature,
     Hole,
+    Part,
     Profile,
     Slot,
     TextMark,
 )  # fmt: skip
+from beamcam.model.section import FACE_NAMES
+from beamcam.pictures.callouts import Place, Size
 from beamcam.pictures.scene import CAPITAL, Circle, Frame, Point, Polyline, Shape, Text
-from beamcam.verify.bars.machined_features import StampedText
+from beamcam.verify.bars.machined_features import Bore, MachinedPath, StampedText
+from beamcam.verify.bars.tools import ToolCatalogue
+
+SAME_PLACE = 0.5  #: mm between a sink and its pilot hole
+
+
+class SteelDepths:
+    """Depths of what a program makes on a bar."""
+
+    def __init__(self, machine: Machine, profile: Profile, bores: Iterable[Bore]) -> None:
+        self._shop = ToolCatalogue(machine, machine.drill) if machine.drill is not None else None
+        self._profile, self._noise = profile, 2 * machine.format.resolution
+        self._pilots: dict[tuple[str, int, int], float] = {}
+        for bore in bores:
+            if bore.kind == "drill":
+                key = _place(bore)
+                self._pilots[key] = max(self._pilots.get(key, 0.0), bore.diameter)
+
+    def of(self, op: Bore | MachinedPath) -> float | None:
+        """The depth of one in the steel, mm; None where it goes through the wall."""
+        thickness = self._profile.thickness(op.face)
+        depth = self._bore(op) if isinstance(op, Bore) else op.max_depth
+        is_through = op.kind in ("drill", "tap", "mill") and thickness > 0.0
+        return None if is_through and depth > thickness - self._noise else depth
+
+    def _bore(self, bore: Bore) -> float:
+        if self._shop is None or bore.kind not in ("drill", "countersink"):
+            return bore.tip_depth
+        if bore.kind == "drill":
+            return bore.tip_depth - self._shop.tip("drill", bore.diameter, bore.face)
+        angle = self._shop.point_deg("countersink", bore.diameter, bore.face)
+        if angle >= FLAT_DEG:
+            return bore.tip_depth
+        pilot = self._pilots.get(_place(bore), 0.0)
+        return bore.tip_depth - pilot / 2 / tan(radians(angle) / 2)
+
+
+def _place(bore: Bore) -> tuple[str, int, int]:
+    return bore.face, round(bore.x / SAME_PLACE), round(bore.y / SAME_PLACE)
+
 
 CHORD_PIXELS = 0.02  #: of the chords that stand for curves
 CROSS = 5.0  #: half of the cross of a mark, pixels
@@ -158,3 +211,79 @@ def section_outlines(profile: Profile) -> tuple[tuple[Point, ...], ...]:
             outer = ((0.0, 0.0), (w, 0.0), (w, h), (0.0, h))
             return (outer, ((t, f), (w - t, f), (w - t, h - f), (t, h - f)))
     return ()
+
+
+def _rise_and_depth(profile: Profile, face: Face, y: float) -> Point:
+    """Place in the section of a point of a face: up from the lower edge, and across."""
+    if face in ("v", "h"):
+        return y, profile.width / 2
+    if profile.code == "T":  # the stem, in the middle of the flange
+        return profile.height / 2, y
+    return (profile.height if face == "o" else 0.0), y
+
+
+def end_lines(part: Part, face: Face) -> tuple[tuple[Point, Point], tuple[Point, Point]]:
+    """The lines in which the end cuts meet a face, each from y 0 upwards.
+
+    x = c - rise tan(web) - across tan(flange) at both ends; the start touches x 0, the end the
+    length (DSTV, header).
+    """
+    p, cuts = part.profile, part.cuts
+    corners = [(r, z) for r in (0.0, p.height) for z in (0.0, p.width)]
+
+    def line(web_deg: float, flange_deg: float, start: bool) -> tuple[Point, Point]:
+        a, b = tan(radians(web_deg)), tan(radians(flange_deg))
+        ways = [-r * a - z * b for r, z in corners]
+        c = -min(ways) if start else part.length - max(ways)
+
+        def at(y: float) -> Point:
+            r, z = _rise_and_depth(p, face, y)
+            return c - r * a - z * b, y
+
+        return at(0.0), at(p.face_width(face))
+
+    return (
+        line(cuts.web_start, cuts.flange_start, True),
+        line(cuts.web_end, cuts.flange_end, False),
+    )
+
+
+def end_cuts(part: Part, frame: Frame) -> Iterator[Polyline]:
+    """The cuts of both ends, on the web."""
+    c = part.cuts
+    for k, (line, web, flange) in enumerate(
+        zip(end_lines(part, "v"), (c.web_start, c.web_end), (c.flange_start, c.flange_end),
+            strict=True)
+    ):  # fmt: skip
+        angles = f"web {web:g}, flange {flange:g} degrees"
+        yield Polyline("cut", frame.all(line), False, f"{'end' if k else 'start'} cut, {angles}")
+
+
+def cutting_planes(part: Part, frame: Frame) -> Iterator[Polyline]:
+    """The cutting planes, where they cross the web at the depth of their point."""
+    for plane in part.features:
+        if isinstance(plane, EndPlane) and plane.normal[0]:
+            (px, py, _), (nx, ny, nz) = plane.point, plane.normal
+            line = [(px - (y - py) * ny / nx, y) for y in (0.0, part.profile.height)]
+            tip = f"cutting plane, normal {nx:g}, {ny:g}, {nz:g}"
+            yield Polyline("cut", frame.all(line), False, tip)
+
+
+def mitres(part: Part, face: Face) -> Iterator[Size]:
+    """The angles of skew end cuts as they are seen on a face, and of cutting planes on the web."""
+    if face not in FACE_NAMES or part.measures is not None:
+        return
+    c, on_web = part.cuts, face in ("v", "h")
+    angles = (c.web_start, c.web_end) if on_web else (c.flange_start, c.flange_end)
+    if part.profile.code != "B":
+        for (a, b), angle in zip(end_lines(part, face), angles, strict=True):
+            if angle:
+                middle = Place(((a[0] + b[0]) / 2, (a[1] + b[1]) / 2))
+                yield Size((f"mitre {round(abs(angle), 2):g}\N{DEGREE SIGN}",), (middle,), False)
+    for plane in part.features if face == "v" else ():
+        if isinstance(plane, EndPlane) and plane.normal[0]:
+            (px, py, _), (nx, ny, nz) = plane.point, plane.normal
+            web, tilt = (round(degrees(atan2(n, abs(nx))), 2) for n in (ny, nz))
+            tilted = f", tilted {abs(tilt):g}\N{DEGREE SIGN}" if tilt else ""
+            words = f"plane {abs(web):g}\N{DEGREE SIGN}{tilted}"
+            yield Size((words,), (Place((px, py)),), False)

@@ -35,7 +35,7 @@ from beamcam.pictures.callouts import (
     size_letters,
     sizes_on,
 )  # fmt: skip
-from beamcam.pictures.ends import cutting_planes, end_cuts, end_lines, mitres
+from beamcam.pictures.features import cutting_planes, end_cuts, end_lines, mitres
 from beamcam.pictures.scene import (
     LETTER,
     Circle,

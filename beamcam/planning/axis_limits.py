@@ -20,8 +20,7 @@ from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
 from beamcam.errors import Diagnostic, Source, error
-from beamcam.machine.absent import drill_of
-from beamcam.machine.machine import ControlledAxis, Machine
+from beamcam.machine.machine import ControlledAxis, Machine, drill_of
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from beamcam.machine.absent import text_x
+from beamcam.machine.machine import text_x
 from beamcam.machine.tools import Tool
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SawOp, TextOp, WorkOp
 from beamcam.planning.nesting import LaidParts
-from beamcam.planning.operations.line import BarLine
+from beamcam.planning.operations.part_planner import BarLine
 from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork

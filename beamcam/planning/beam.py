@@ -4,16 +4,20 @@ parts, as they lie -> what each needs (work) -> in order, laid on the bar
       -> operations at machine X, with their tools -> in order of work -> a ledger of every feature
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import chain, repeat
 from operator import attrgetter
 from typing import Literal
 
+from msgspec import Struct
+from msgspec.structs import replace
+
 from beamcam.budget import check_features
-from beamcam.errors import PlanError, errors_in
+from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import (
+    AS_GIVEN,
     FeatureRef,
     Order,
     Outcome,
@@ -24,13 +28,14 @@ from beamcam.model.plan import (
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.bar_operations import bar_operations
-from beamcam.planning.cutting_data import cutting_remarks
-from beamcam.planning.magazine import reloads
+from beamcam.planning.magazine import cutting_remarks, reloads
 from beamcam.planning.nesting import lay
-from beamcam.planning.operations.line import line_of
+from beamcam.planning.operations.part_planner import line_of
 from beamcam.planning.operations.work import PartWork, works_on
 from beamcam.planning.order import sort_along_x
-from beamcam.planning.stock import refuse_stock
+from beamcam.planning.stock import is_too_short, refuse_stock
+from beamcam.planning.times import work_time
+from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
 LEDGER_TOLERANCE = 0.001  #: mm
 
@@ -110,3 +115,164 @@ def _balance(plan: Plan, machine: Machine) -> None:
     sawn = {p for op in plan.operations if type(op) is SawOp for p in op.pieces}
     if sawn != set(range(len(plan.pieces))):
         raise AssertionError("a piece has no cut")
+
+
+def plan_oriented(
+    parts: Sequence[Part],
+    machine: Machine,
+    bar: float | None = None,
+    skips: Collection[str] = (),
+    order: Order = "given",
+    turn: bool = False,
+) -> Plan:
+    """The plan of `plan_bar`; with `turn`, of the parts in the orientations that are best.
+
+    Raises PlanError as `plan_bar` does; without `turn`, with the turn that would help.
+    """
+    if turn:
+        return plan_turned(parts, machine, bar, skips, order)
+    try:
+        return plan_bar(parts, machine, bar, skips, order)
+    except PlanError as error:
+        if is_too_short(error.diagnostics):
+            raise
+
+        raise PlanError([*error.diagnostics, *turns_that_help(parts, machine, skips)]) from error
+
+
+# --- turn choice ----------------------------------------------------------------------------------
+
+# The turn of a part on the rollers, where the planner may choose.
+#
+# Each of the eight turns of a part is tried by planning it alone. One is out if the section does
+# not lie so on the rollers or if the machine cannot make something of the part that way; of the
+# others the one is taken that needs the least time, and as given if that is as good.
+
+
+BAR_BEHIND = 10_000.0  #: mm of bar behind a part that is tried
+MOST_TRIED = 500  #: features of a part of which other ways are looked for unasked
+MIN_GAIN_S = 1.0  #: a turn that gains less is not worth the lifting
+SKIP_WEIGHT_S = 1e6  #: for each feature left out: it is better made in another orientation
+
+
+class Trial(Struct, frozen=True):
+    """One of a part's eight orientations, and its result."""
+
+    turn: Turn
+    part: Part
+    seconds: float | None  #: of its work alone; None if it is out
+    because: str  #: why it is out, or ""
+    code: str = ""  #: of the message that refuses it
+
+
+class Orientation(Struct, frozen=True):
+    """The chosen orientation of a part."""
+
+    part: Part
+    turn: str
+    remarks: tuple[Diagnostic, ...]
+
+
+def plan_turned(
+    parts: Sequence[Part], machine: Machine, bar: float | None, skips: Collection[str], order: Order
+) -> Plan:
+    """The plan of a bar whose parts lie as is best. Raises PlanError as `plan_bar` does."""
+    choices = _choose_turns(parts, machine, skips)
+    plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
+    pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
+    told = dict.fromkeys(said for c in choices for said in c.remarks)
+    return replace(plan, pieces=pieces, remarks=(*told, *plan.remarks))
+
+
+def turns_that_help(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> Iterator[Diagnostic]:
+    """For each part that cannot be made as given, the turn that would help, if one does.
+
+    Parts of more than `MOST_TRIED` features are not tried, as no turn was asked for.
+    """
+    for part in {id(p): p for p in parts}.values():
+        if len(part.features) > MOST_TRIED:
+            continue
+        trials = try_turns(part, machine, skips)
+        if next(trials).seconds is None:
+            helping = next((t for t in trials if t.seconds is not None), None)
+            if helping is not None:
+                yield rules.TURN_HELPS.at(part.source, found=helping.turn.name)
+
+
+def try_turns(part: Part, machine: Machine, skips: Collection[str]) -> Iterator[Trial]:
+    """All eight orientations of a part, in the order of `TURNS`: as it is given first."""
+    made: list[Trial] = []
+    for turn in TURNS:
+        trial = _tried(part, turn, made, machine, skips)
+        if trial.seconds is not None:
+            made.append(trial)
+        yield trial
+
+
+def _tried(
+    part: Part, turn: Turn, made: Sequence[Trial], machine: Machine, skips: Collection[str]
+) -> Trial:
+    """A part in one orientation; of those that were `made` before it one may be no different."""
+    if not lies(part.profile, turn):
+        return Trial(turn, part, None, f"a {part.profile.code} does not lie so on the rollers")
+    lying = turned(part, turn)
+    same = next((t for t in made if alike(t.part, lying)), None)
+    if same is not None:
+        return Trial(turn, lying, None, f"no different from {same.turn.name!r}")
+    try:
+        plan = plan_bar([lying], machine, _trial_bar(lying, machine), skips)
+    except PlanError as error:
+        first = errors_in(error.diagnostics)[0]
+        return Trial(turn, lying, None, f"{first.code}: {first.message}", first.code)
+    skipped = sum(outcome.how == "skipped" for outcome in plan.outcomes)
+    return Trial(turn, lying, work_time(plan, machine).total_s + SKIP_WEIGHT_S * skipped, "")
+
+
+def _trial_bar(part: Part, machine: Machine) -> float:
+    """Length of a bar with more behind the part, as behind all but the last of a bar."""
+    ample = part.length + BAR_BEHIND
+    most = None if machine.layout is None else machine.layout.max_bar
+    return ample if most is None else min(ample, most)
+
+
+def _choose_turns(
+    parts: Sequence[Part], machine: Machine, skips: Collection[str]
+) -> tuple[Orientation, ...]:
+    """The orientation of each part on one bar.
+
+    A bar lies one way for all of them: if the best turns would set it on its web for one part and
+    on its flange for another, all lie as given or all are set on the other side.
+    """
+    trials = {id(part): tuple(try_turns(part, machine, skips)) for part in parts}
+    for allowed in ((False, True), (False,), (True,)):
+        choices = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
+                   for p in parts}  # fmt: skip
+        made = [choices[id(p)] for p in parts]
+        found = [c for c in made if c is not None]
+        if len(found) == len(made) and len({c.part.profile for c in found}) == 1:
+            return tuple(found)
+    return tuple(Orientation(part, AS_GIVEN, ()) for part in parts)
+
+
+def _choose(part: Part, trials: Sequence[Trial]) -> Orientation | None:
+    """The best of some orientations; None if the part can be made in none of them."""
+    made = [t for t in trials if t.seconds is not None]
+    if not made:
+        return None
+    best = min(made, key=lambda t: (round((t.seconds or 0.0) / MIN_GAIN_S), TURNS.index(t.turn)))
+    given = trials[0]
+    if given.turn is not TURNS[0]:
+        reason = "as the other parts on the bar have to lie"
+    elif given.seconds is None:
+        reason = f"as given it cannot be made ({given.code or given.because})"
+    else:
+        gain = given.seconds - (best.seconds or 0.0)
+        if best is given or gain < MIN_GAIN_S:
+            return Orientation(part, AS_GIVEN, ())
+        reason = f"{gain:.1f} s less than as given"
+        if gain >= SKIP_WEIGHT_S / 2:
+            reason = "so nothing has to be left out"
+    said = rules.TURNED.at(part.source, found=best.turn.name, reason=reason)
+    return Orientation(best.part, best.turn.name, (said,))

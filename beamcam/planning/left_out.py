@@ -10,14 +10,83 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.geometry.plane import Box, join_boxes
+from beamcam.machine.stations import Marks
 from beamcam.machine.torch import OTHERS, Torch
 from beamcam.model.colour import colour_name, key_of
-from beamcam.model.description import description
-from beamcam.model.drawing import Dashed
-from beamcam.model.part import Contour, Part
+from beamcam.model.description import description, mark_kind, policy_on
+from beamcam.model.part import Contour, Dashed, Feature, Part, TextMark
 from beamcam.model.plan import HATCH, AnyPlan, Outcome, SheetPlan, unfinished
-from beamcam.planning.by_hand import REASONS
+from beamcam.planning import rules
 from beamcam.planning.rules import SKIP_NAMES
+
+TEXT_MOVED = warning("plan-text-moved",
+    "the text {text!r} is lettered at x {x}, y {y}, {height} mm high; found no room {distance} mm "
+    "clear at x {wanted_x}, y {wanted_y}, {wanted_height} mm high",
+    "Letters on an edge or over a hole cannot be read. `marks.min_distance` and `marks.min_height` "
+    "of the machine file say how much room is kept, and how small letters may be.")  # fmt: skip
+TEXT_SIGN = warning("plan-text-sign",
+    "found {sign!r} in the text {text!r}; expected a character of {has}, {other!r} is written",
+    "`marks.replace` of the machine file says what is written for a character that no letter of "
+    "the font, or of the stamp or printer, stands for.")  # fmt: skip
+TEXT_HEIGHT = note("plan-text-height",
+    "found the text {text!r} {found} mm high; it is lettered {height} mm high, the nearest of the "
+    "machine's",
+    "`marks.heights` of the machine file says in which heights its stamp or printer "
+    "letters.")  # fmt: skip
+TEXT_SEARCH = error("plan-text-search",
+    "found no end of the search for a place of the text {text!r} on face {face} in {most} steps; "
+    'expected room where the part has it, fewer texts, or text = "list" in [marks]',
+    "A text is moved to the nearest place that is clear. Among hundreds of texts or holes that may "
+    "take for ever; so that none is left out that has a place, the part is refused.")  # fmt: skip
+
+#: Why a mark is left for manual work, by its name in the ledger.
+BY_POLICY, NO_UNIT = "marks", "no-unit"
+NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
+CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
+NOT_MOVED = "not-moved"
+DRILL, BEVEL = "drill", "bevel"  #: of a sheet's features that are only begun by the machine
+REASONS = {
+    BY_POLICY: "the machine file leaves such marks for manual work",
+    NO_UNIT: "the machine has no unit that letters",
+    NO_ROOM: "there is no room for it on its face",
+    TOO_SMALL: "the machine does not letter so small",
+    BLANK: "none of its characters can be seen",
+    FACE: "the lettering unit does not reach that face",
+    CHARACTERS: "the machine has no characters for it",
+    ANGLE: "the machine does not letter at that angle",
+    NOT_MOVED: "it is not clear of edges and holes there, and the machine moves no text",
+    HEIGHT: "the machine does not letter at that height, which is binding",
+    DRILL: "the torch cannot make it and marks its centre for the drill",
+    BEVEL: "the torch cuts its bevelled edges square",
+}
+
+
+def listed_by(feature: Feature, marks: Marks) -> str | None:
+    """Why a mark is manual work wherever it is; None if it is not."""
+    policy = policy_on(feature, marks)
+    if policy == "make" and isinstance(feature, TextMark) and marks.unit == "none":
+        return NO_UNIT
+    return BY_POLICY if policy == "list" else None
+
+
+def refuse_mark(feature: Feature, marks: Marks) -> Diagnostic | None:
+    """Why a mark is refused whatever the machine could do; None if it is not."""
+    if policy_on(feature, marks) != "refuse":
+        return None
+    why = f'marks.{mark_kind(feature)} of the machine file is "refuse"'
+    face = getattr(feature, "face", "")
+    return rules.MARK.at(feature.source, found=_named(feature), face=face, why=why)
+
+
+def _named(feature: Feature) -> str:
+    match feature:
+        case TextMark():
+            return f"the text {feature.text!r}"
+        case Contour():
+            return f"{sum(curve.length for curve in feature.curves):g} mm of line"
+        case _:
+            return "a centre punch"
+
 
 LEFT_OUT = warning("plan-left-out",
     "found {what}, which the machine cannot make; left out, as --allow-skips {kind} allows",
@@ -130,7 +199,7 @@ def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
                 rings = _boxes_cut(plan) if rings is None else rings
                 inside[look] += _is_within(feature, rings)
     for look, count in curves.items():
-        contour, process, named = first[look], look[2], _named(*look[:2])
+        contour, process, named = first[look], look[2], _look_named(*look[:2])
         if process == "mark" and inside[look] and not _is_settled(contour, torch):
             yield CLOSED_MARK.at(
                 contour.source, count=inside[look], look=named, how=MAPPED_AWAY[process],
@@ -163,7 +232,7 @@ def _dashed(part: Part, torch: Torch) -> Iterator[Diagnostic]:
         key = key_of(lines, torch.colours)
         if key is not None and torch.colours[key] == "cut" and not _is_settled(lines, torch):
             yield DASHED.at(
-                lines.source, count=lines.count, look=_named(lines.layer, lines.colour),
+                lines.source, count=lines.count, look=_look_named(lines.layer, lines.colour),
                 line_type=lines.line_type, key=_key(lines, [part]),
             )  # fmt: skip
 
@@ -184,7 +253,7 @@ def _key(lines: Contour | Dashed, parts: Iterable[Part]) -> str:
     return colour_name(lines.colour or "")
 
 
-def _named(layer: str | None, colour: str | None) -> str:
+def _look_named(layer: str | None, colour: str | None) -> str:
     words = [] if colour is None else [f"of colour {colour_name(colour)}"]
     return " ".join([*words, *([] if layer is None else [f"on layer {layer!r}"])])
 
@@ -248,4 +317,16 @@ def _looks(parts: Iterable[Part]) -> list[str]:
     return [*sorted(layers), *sorted(colours)]
 
 
-RULES = (LEFT_OUT, BY_HAND, NOT_CUT, CLOSED_MARK, DASHED, UNMATCHED, IDLE)
+RULES = (
+    LEFT_OUT,
+    BY_HAND,
+    NOT_CUT,
+    CLOSED_MARK,
+    DASHED,
+    UNMATCHED,
+    IDLE,
+    TEXT_MOVED,
+    TEXT_SIGN,
+    TEXT_HEIGHT,
+    TEXT_SEARCH,
+)

@@ -14,9 +14,9 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic
 from beamcam.geometry.lettering import Glyph, body_share, glyph_of, spelled, spelled_with
 from beamcam.geometry.plane import Box, Point, box_around
-from beamcam.machine.marking import Marks
+from beamcam.machine.stations import Marks
 from beamcam.model.part import MIRRORED_FACES, TextMark
-from beamcam.planning.by_hand import (
+from beamcam.planning.left_out import (
     ANGLE,
     BLANK,
     CHARACTERS,

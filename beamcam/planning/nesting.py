@@ -38,7 +38,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import Bar, Order, Piece
 from beamcam.planning import rules
 from beamcam.planning.operations.ends import End, Ends
-from beamcam.planning.operations.line import BarLine
+from beamcam.planning.operations.part_planner import BarLine
 from beamcam.planning.operations.work import PartWork
 
 EXACT_ORDER = 9  #: parts whose best order is searched for among all

@@ -24,7 +24,6 @@ from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.model.plan import ContourOp, Outcome, Piece, SheetPlan
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import BEVEL
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import (
     OUTLINE,
@@ -34,6 +33,7 @@ from beamcam.planning.contours.assign_process import (
 )
 from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
 from beamcam.planning.contours.join import Joined, join
+from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of
 from beamcam.planning.contours.look_settings import (
     refuse_order,
     refuse_overcuts,
@@ -43,7 +43,7 @@ from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.outline import Shape, points_of
-from beamcam.planning.contours.place import box_of, refuse_large, refuse_size, shift_of
+from beamcam.planning.left_out import BEVEL
 
 #: What arcs for short chords may take of the machine's tolerance; rounding has the rest.
 CHORDS_SHARE = 0.5

@@ -14,16 +14,13 @@ from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Box, Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
-from beamcam.model.drawing import Measures
-from beamcam.model.moved import moved_feature
-from beamcam.model.part import Contour, Feature, Part
+from beamcam.model.part import Contour, Feature, Measures, Part, moved_feature
 from beamcam.model.plan import SKELETON
 from beamcam.model.request import Request
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE, assign_processes
-from beamcam.planning.contours.layout import spaced
+from beamcam.planning.contours.layout import box_of, spaced
 from beamcam.planning.contours.material import Material
-from beamcam.planning.contours.place import box_of
 
 THICKNESS_SLACK = 0.01  #: mm that parts of one sheet may differ by
 

@@ -15,7 +15,7 @@ from beamcam.model.section import section_fault
 from beamcam.planning import rules
 from beamcam.planning.nesting import SAME_ANGLE_DEG, Row, bar_of, lay_on_bar, row_of, row_with
 from beamcam.planning.operations.ends import End, Ends, ends_of
-from beamcam.planning.operations.line import BarLine
+from beamcam.planning.operations.part_planner import BarLine
 
 Made = TypeVar("Made")
 

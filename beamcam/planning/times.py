@@ -18,9 +18,8 @@ from typing import Literal, cast
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.machine.absent import drill_of, saw_of
 from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.machine import ControlledAxis, Machine
+from beamcam.machine.machine import ControlledAxis, Machine, drill_of, saw_of
 from beamcam.machine.stations import Drill
 from beamcam.model import drill_cycle
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion

@@ -12,8 +12,7 @@ from math import isnan, nan, radians, tan
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source, errors_in
-from beamcam.machine.absent import drill_of, text_x
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of, text_x
 from beamcam.machine.stations import Saw
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.part import EndCuts, Face, Feature, Hole, Part, Profile, Slot, TextMark

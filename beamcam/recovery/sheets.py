@@ -18,8 +18,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.model.drawing import Measures
-from beamcam.model.part import Contour, ContourKind, Hole, Part, Process, Profile
+from beamcam.model.part import Contour, ContourKind, Hole, Measures, Part, Process, Profile
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole

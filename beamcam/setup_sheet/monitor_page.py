@@ -10,7 +10,7 @@ from beamcam.pictures.program import ReadProgram, bar_made, table_made
 from beamcam.setup_sheet.html import page
 from beamcam.setup_sheet.page import program_data
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data
-from beamcam.simulate.bars import cell_axes
+from beamcam.simulate.course import cell_axes
 from beamcam.simulate.trace import State, TraceAxis, head_axes
 
 

@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from beamcam.geometry.array_types import Counts, Flags
 from beamcam.pictures.bar import BarMade, order_numbers
-from beamcam.pictures.depths import SteelDepths
+from beamcam.pictures.features import SteelDepths
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulate.trace import Trace
 from beamcam.verify.bars.machined_features import Bore, Cut, StampedText, Thing

@@ -12,7 +12,7 @@ from beamcam.setup_sheet.html import page
 from beamcam.setup_sheet.playback import bar_data, table_data
 from beamcam.setup_sheet.solid_data import CHORDS, solids_of
 from beamcam.setup_sheet.tables import manual_work, tables_of
-from beamcam.verify.left_out import BY_HAND
+from beamcam.verify.asked import BY_HAND
 
 MAX_TEXT = 1_500_000  #: characters of a program that the page holds
 HEAD_LINES = 200  #: that it shows of a longer one

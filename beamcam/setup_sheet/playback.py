@@ -18,9 +18,8 @@ from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
-from beamcam.machine.absent import text_x
 from beamcam.machine.formula import Formula
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Spindle
 from beamcam.model.part import Profile
 from beamcam.pictures.bar import BarMade

@@ -24,7 +24,7 @@ from beamcam.controllers.events import HeadMove, Switch
 from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.array_types import Counts
 from beamcam.machine.faults import TABLE_CONTROLLERS
-from beamcam.machine.materials import material_said
+from beamcam.machine.torch import material_said
 from beamcam.model.part import Part, Profile
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.program import ReadProgram

@@ -20,9 +20,9 @@ from beamcam.machine.runtime import PROCESSES
 from beamcam.machine.tables import Stepper
 from beamcam.model.part import Part
 from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp
+from beamcam.motion.lookahead import SpeedSection
 from beamcam.motion.sheet_times import operation_seconds, place_behind
-from beamcam.motion.speed_sections import SpeedSection
-from beamcam.simulate.bars import ramp_intervals
+from beamcam.simulate.course import ramp_intervals
 from beamcam.simulate.rules import ENDLESS
 from beamcam.simulate.trace import UNIFORM, Chords, State, Trace, TraceBuilder, head_axes, phases_of
 from beamcam.verify.steps.velocities import TableRow
@@ -64,8 +64,7 @@ def simulate_program(
 
 
 def _bar(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
-    from beamcam.simulate.bars import bar_trace
-    from beamcam.simulate.course import stretches
+    from beamcam.simulate.course import bar_trace, stretches
     from beamcam.verify.bars import run
 
     done = run(text, machine, parts[0].profile if parts else None, name)

@@ -21,8 +21,13 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.path_limits import path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.lift_times import LiftTimes
-from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, speeds_along
-from beamcam.motion.speed_sections import SpeedSection
+from beamcam.motion.lookahead import SpeedSection
+from beamcam.motion.sheet_times import (
+    SECONDS_PER_MINUTE,
+    Segment,
+    segment_of,
+    speeds_along,
+)
 from beamcam.simulate.trace import (
     UNIFORM,
     Chords,

@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike
 
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
-from beamcam.motion.lookahead import cut_phases
-from beamcam.motion.speed_sections import SpeedSection
+from beamcam.motion.lookahead import SpeedSection, cut_phases
 
 # --- phases ---------------------------------------------------------------------------------------
 

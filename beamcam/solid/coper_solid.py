@@ -19,8 +19,7 @@ from beamcam.controllers.events import BarEvent, Move, Place, Switch
 from beamcam.errors import BeamcamError, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for, material_said
-from beamcam.machine.torch import TorchRow
+from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
 from beamcam.solid.kernel import Frame, facets, minus, outline, prism
 from beamcam.solid.part_solid import part_solid

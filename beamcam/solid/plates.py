@@ -18,8 +18,7 @@ from beamcam.controllers import table_events
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import material_said
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import Torch, material_said
 from beamcam.model.colour import process_of
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot
 from beamcam.model.request import Request

@@ -19,8 +19,7 @@ from beamcam.errors import BeamcamError, Source
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for
-from beamcam.machine.torch import Torch, TorchRow
+from beamcam.machine.torch import Torch, TorchRow, is_row_for
 from beamcam.solid.kernel import CHORD, facets
 from beamcam.solid.rules import NO_SOLID
 

@@ -14,14 +14,14 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, error
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point
-from beamcam.machine.marking import Marks
+from beamcam.machine.stations import Marks
 from beamcam.model.part import MIRRORED_FACES
-from beamcam.verify.drawn_texts import EXACT, DrawnText, is_where_wanted
-from beamcam.verify.left_out import TEXT_MOVED
-from beamcam.verify.wanted_texts import Segment, Wanted
+from beamcam.verify.asked import TEXT_MOVED
+from beamcam.verify.drawn_texts import EXACT, DrawnText, Segment, Wanted, is_where_wanted
 
 if TYPE_CHECKING:
     from shapely import Geometry, Polygon
+
 
 TEXT = error("verify-text",
     "found the text {text!r} at x {x}, y {y}, {height} mm high; expected {expected}",

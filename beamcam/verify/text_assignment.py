@@ -13,10 +13,17 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Floats
-from beamcam.machine.marking import Marks
-from beamcam.verify.drawn_texts import EXACT, DrawnPieces, DrawnText, covering, is_where_wanted
+from beamcam.machine.stations import Marks
+from beamcam.verify.drawn_texts import (
+    EXACT,
+    DrawnPieces,
+    DrawnText,
+    Segment,
+    Wanted,
+    covering,
+    is_where_wanted,
+)
 from beamcam.verify.lettering import SURE, Places, Steel, box_of, is_clear, judge
-from beamcam.verify.wanted_texts import Segment, Wanted
 
 if TYPE_CHECKING:
     from shapely import Polygon

@@ -6,8 +6,8 @@ from itertools import pairwise
 import pytest
 
 from beamcam.errors import errors_in
-from beamcam.model.drawing import extent
 from beamcam.model.lengths import total_length
+from beamcam.model.part import extent
 from beamcam.readers import dxf
 from tests.conftest import CORPUS
 

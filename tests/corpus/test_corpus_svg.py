@@ -6,8 +6,8 @@ import pytest
 
 from beamcam.errors import errors_in
 from beamcam.model.colour import parse_colour
-from beamcam.model.drawing import extent
 from beamcam.model.lengths import total_length
+from beamcam.model.part import extent
 from beamcam.readers import svg
 from tests.conftest import CORPUS
 

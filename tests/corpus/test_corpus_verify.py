@@ -10,8 +10,8 @@ from beamcam.model.request import Request
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.solid.opinion import solid_faults
+from beamcam.verify.asked import BY_HAND, LEFT_OUT, TEXT_MOVED
 from beamcam.verify.bars import verify
-from beamcam.verify.left_out import BY_HAND, LEFT_OUT, TEXT_MOVED
 from tests.conftest import CORPUS
 
 FILES = sorted((CORPUS / "dstv").glob("*/*.[nN][cC]*"))

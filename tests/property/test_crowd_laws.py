@@ -22,6 +22,7 @@ from beamcam.machine import load
 from beamcam.machine.stations import Drill
 from beamcam.model.part import Contour, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
+from beamcam.planning.beam import MOST_TRIED
 from beamcam.planning.operations import hole_pairs, slot
 from beamcam.planning.operations.hole_pairs import (
     ROUNDING,
@@ -30,7 +31,6 @@ from beamcam.planning.operations.hole_pairs import (
     _is_same,
     drop_duplicates,
 )
-from beamcam.planning.orientation import MOST_TRIED
 from beamcam.ways_out import MOST_CURVES, ways_out
 from tests.conftest import ROOT, examples
 

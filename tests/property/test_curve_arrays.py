@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry.arrays import CurveTable
-from beamcam.geometry.cubics import cubics_of
+from beamcam.geometry.biarcs import cubics_of
 from beamcam.geometry.curves import Arc, Bezier, BSpline, NewtonCurve, bezier_pieces, join_boxes
 from beamcam.geometry.near import first_equal, near_pairs
-from beamcam.model.drawing import extent
-from beamcam.planning.contours.rounds import TURNED_RAD, chords_of, may_go_round
+from beamcam.model.part import extent
+from beamcam.planning.contours.repeats import TURNED_RAD, chords_of, may_go_round
 from tests.conftest import examples
 from tests.property.curve_strategies import arcs, beziers, ellipses, lines, newton_curves, splines
 

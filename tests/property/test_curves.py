@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.bspline import BSpline
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, NewtonCurve, signed_area
 from beamcam.geometry.plane import is_similarity, mapped
-from beamcam.geometry.sampling import points_at
+from beamcam.geometry.polylines import points_at
 from tests.conftest import examples
 from tests.property.curve_strategies import arcs, beziers, curves, regular_matrices
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, BSpline, Line
-from beamcam.geometry.sampling import points_at
+from beamcam.geometry.polylines import points_at
 from beamcam.motion.densify import DensifyRules, densify, truncated, worst_truncation
 from tests.conftest import examples
 from tests.property.curve_strategies import (

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from beamcam.controllers import table_run
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.curves import Bezier, Curve
-from beamcam.geometry.sampling import points_at
+from beamcam.geometry.polylines import points_at
 from beamcam.pipeline import post
 from tests.conftest import examples
 from tests.unit.sheets.parts import contour, drawing, table

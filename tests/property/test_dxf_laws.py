@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.errors import Diagnostic
-from beamcam.model.drawing import extent
 from beamcam.model.lengths import total_length
+from beamcam.model.part import extent
 from beamcam.readers import dxf
 from tests.conftest import examples
 from tests.dxf_text import arc, block, circle, curves_of, drawing, insert, line, polyline, spline

@@ -14,8 +14,8 @@ from beamcam.geometry.arc_fitting import fit_chains
 from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Line, arc_through, signed_area
 from beamcam.geometry.offset import Offset, Vanished, flat_offset, offset_chains
+from beamcam.geometry.polylines import points_at
 from beamcam.geometry.raw_offset import raw_offsets
-from beamcam.geometry.sampling import points_at
 from tests.conftest import examples
 from tests.rings import polygon_of
 

@@ -9,8 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Source
 from beamcam.machine import load
-from beamcam.machine.absent import saw_of
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
-from beamcam.machine.absent import saw_of
+from beamcam.machine.machine import saw_of
 from beamcam.model.part import (
     Bend,
     Bevel,

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.plane import determinant, mapped
-from beamcam.model.drawing import extent
 from beamcam.model.lengths import total_length
+from beamcam.model.part import extent
 from beamcam.readers import svg
+from beamcam.readers.svg.page import parse_transform
 from beamcam.readers.svg.path import parse_path
-from beamcam.readers.svg.transform import parse_transform
 from tests.conftest import examples
 from tests.svg_text import curves_of, drawing
 

@@ -26,8 +26,7 @@ from beamcam.machine import load
 from beamcam.machine.torch import LookSettings
 from beamcam.model.hatch import hatched
 from beamcam.model.lengths import duplicate_length, total_length
-from beamcam.model.moved import moved_curve
-from beamcam.model.part import Contour, Part, Profile
+from beamcam.model.part import Contour, Part, Profile, moved_curve
 from beamcam.motion.feed_limits import min_radius_of_ellipse, min_radius_of_parabola
 from tests.dxf_text import drawing, tags
 

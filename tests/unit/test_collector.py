@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import beamcam
-from beamcam.collector import SELDOM
+from beamcam.processes import SELDOM
 
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 PACKAGE = SAMPLES.parent / "beamcam"
@@ -27,7 +27,7 @@ def test_only_the_command_line_and_its_workers_tune_it() -> None:
         for path in sorted(PACKAGE.rglob("*.py"))
         if re.search(r"import gc\b|collector_seldom", path.read_text(encoding="utf-8"))
     ]
-    assert tuning == ["batch/processes.py", "cli.py", "collector.py"]
+    assert tuning == ["batch/pool.py", "cli.py", "processes.py"]
 
 
 def test_a_command_looks_for_rings_seldom_and_not_at_its_end() -> None:
@@ -47,7 +47,7 @@ def test_rings_are_found_all_the_same() -> None:
     """However long a command runs, what points to itself does not gather."""
     code = (
         "import gc\n"
-        "from beamcam.collector import collector_seldom\n"
+        "from beamcam.processes import collector_seldom\n"
         "collector_seldom()\n"
         "before = len(gc.get_objects())\n"
         f"for _ in range({2 * SELDOM[0]}):\n    ring = []\n    ring.append(ring)\n"

@@ -26,7 +26,7 @@ from beamcam.caches import BoundedCache, PerObject
 from beamcam.controllers import rules
 from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, Lexer
 from beamcam.controllers.codesys.curves import arc_fault, curve_of
-from beamcam.controllers.dialect import DOCUMENTED, Dialect
+from beamcam.controllers.dialect import DOCUMENTED, Dialect, event_of, with_number
 from beamcam.controllers.events import (
     Acceleration,
     Blending,
@@ -38,7 +38,6 @@ from beamcam.controllers.events import (
     Switch,
 )
 from beamcam.controllers.interpreter import Interpreter, Words
-from beamcam.controllers.table_words import event_of, with_number
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import meaning_of, shown_code
 from beamcam.machine.machine import CodeMeaning

@@ -9,9 +9,8 @@ from math import inf
 
 from msgspec import Struct
 
-from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.dialect import HEAD_ACTIONS, Dialect, carried, event_of, with_number
 from beamcam.controllers.events import Blending, Compensation, Other, Pause, Side, Switch
-from beamcam.controllers.table_words import HEAD_ACTIONS, carried, event_of, with_number
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import OTHER_LETTERS, key_for, meaning_of, shown_code
 from beamcam.machine.machine import CodeMeaning

@@ -17,12 +17,10 @@ from math import isnan, nan
 
 from msgspec.structs import replace
 
-from beamcam.controllers.dialect import MAGIC
-from beamcam.controllers.events import Material, ToolOffset
-from beamcam.controllers.heights import Heights
+from beamcam.controllers.dialect import HEAD_ACTIONS, MAGIC, event_of
+from beamcam.controllers.events import Heights, Material, ToolOffset
 from beamcam.controllers.interpreter import Interpreter
 from beamcam.controllers.rs274.blocks import Block
-from beamcam.controllers.table_words import HEAD_ACTIONS, event_of
 
 _NAME = re.compile(r"\s*(#<[^<>]+>)\s*=(.*)|\s*(o<[^<>]+>)\s*call\b(.*)", re.IGNORECASE)
 _HAL_FEED = re.compile(r"#<_hal\[plasmac\.cut-feed-rate\]>", re.IGNORECASE)

@@ -178,7 +178,7 @@ class Path:
 # `z`, `circularType` and its values, `ijkMode`, `i`, `j`, `k`, `mergeMode` and its values,
 # `nextCommand`, `velocityProfile`, `velocity`, `positiveAccel`, `negativeAccel`, `pathObjectType`:
 # manual TO Path Interpolation 11/2010, chapters 2.5, 2.8 and 5.1. TON, ABS, SQRT: IEC 61131-3.
-# `UNCONFIRMED` in machine/dialects.py lists what no source shows; a machine's file can say that the
+# `UNCONFIRMED` in machine/tables.py lists what no source shows; a machine's file can say that the
 # project's package calls it otherwise.
 
 

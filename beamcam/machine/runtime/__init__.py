@@ -13,9 +13,8 @@ from importlib.resources import files
 from msgspec import Struct
 
 from beamcam.caches import PerObject
-from beamcam.machine.dialects import DIALECTS, Dialect
 from beamcam.machine.machine import Machine
-from beamcam.machine.tables import Triggers
+from beamcam.machine.tables import DIALECTS, Dialect, Triggers
 
 STYLES = ("chain", "table")
 PROCESSES = ("cut", "mark", "engrave")  #: switched on by the kinds 1, 3, 5, off by 2, 4, 6

@@ -26,7 +26,11 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import (
+from beamcam.planning.contours import rules
+from beamcam.planning.contours.ability import is_drilled, min_hole, refusal
+from beamcam.planning.contours.layout import outline_of
+from beamcam.planning.contours.outline import Shape, points_of
+from beamcam.planning.left_out import (
     BEVEL,
     DRILL,
     FACE,
@@ -35,10 +39,6 @@ from beamcam.planning.by_hand import (
     listed_by,
     refuse_mark,
 )
-from beamcam.planning.contours import rules
-from beamcam.planning.contours.ability import is_drilled, min_hole, refusal
-from beamcam.planning.contours.layout import outline_of
-from beamcam.planning.contours.outline import Shape, points_of
 from beamcam.planning.lettering import place_text, remarks
 from beamcam.planning.lettering_room import Room
 

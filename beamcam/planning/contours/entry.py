@@ -11,20 +11,121 @@ that corner the controller can only stop where it touches both the lead and the 
 """
 
 from collections.abc import Sequence
-from math import asin, hypot, sqrt
+from math import asin, dist, hypot, pi, sqrt
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic
+from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.direction import Curves, stretch
-from beamcam.planning.contours.lead_in import waste_side
-from beamcam.planning.contours.outline import Shape
+from beamcam.planning.contours.look_settings import PLAIN
+from beamcam.planning.contours.outline import Shape, stretches_of
 from beamcam.planning.contours.outline import ways as polylines_of
-from beamcam.planning.contours.overcut import overcut_length
+
+ROUNDING = 1e-6
+
+
+def overcut_length(shape: Shape, torch: Torch) -> float:
+    """The overcut that is asked of a contour: of its colour or layer, of small holes, or of all."""
+    if shape.process != "cut" or not shape.is_ring:
+        return 0.0
+    own = torch.settings.get(shape.look, PLAIN).overcut
+    if own is None and shape.is_small:
+        own = torch.hole_overcut
+    return torch.overcut if own is None else own
+
+
+def overcut(shape: Shape, kerf: float, torch: Torch) -> Curves:
+    """The stretch of a closed contour that is cut again at its end, none without an overcut.
+
+    It is at most half of the way to the first bridge, or of the
+    contour where there is none.
+    """
+    asked = overcut_length(shape, torch)
+    if not asked:
+        return ()
+    first = stretches_of(shape, kerf, torch)[0]
+    lengths = [curve.length for curve in first]
+    return stretch(first, lengths, 0.0, min(asked, sum(lengths) / 2))
+
+
+def is_shortened(shape: Shape, kerf: float, torch: Torch) -> bool:
+    """Whether a contour has too little room for its overcut."""
+    asked = overcut_length(shape, torch)
+    if not asked:
+        return False
+    first = stretches_of(shape, kerf, torch)[0]
+    return sum(curve.length for curve in first) / 2 < asked - ROUNDING
+
+
+SAME_CIRCLE = 1e-4  #: mm that arcs of a round hole may be apart
+
+
+def waste_side(area: float, is_hole: bool) -> int:
+    """1 if what falls out lies left of a closed contour of that signed area, -1 if right."""
+    return 1 if (area > 0.0) == is_hole else -1
+
+
+def leads(
+    curves: Curves, side: int, torch: Torch, share: float, over: Curves = ()
+) -> tuple[Curves, Curves]:
+    """Lead-in and lead-out of a closed contour on its waste side, `share` of the machine's length.
+
+    The lead-out begins at the end of the overcut, `over`. A line comes square to the contour; an
+    arc is a quarter circle that is tangent to it.
+
+          |  line            .-  arc
+          v                 (
+        --o--->           --o--->
+    """
+    start, last = curves[0].start, (over or curves)[-1]
+    return (
+        _lead(start, curves[0].tangent(0.0), side, torch, torch.lead_in * share, False),
+        _lead(last.end, last.tangent(1.0), side, torch, torch.lead_out * share, True),
+    )
+
+
+def from_middle(curves: Curves) -> Curves:
+    """Lead-in of a round hole: half a circle from its middle, tangent to it; none of another."""
+    first, *others = curves
+    if not isinstance(first, Arc) or not all(_is_of(first, other) for other in others):
+        return ()
+    (x, y), (mx, my) = first.start, first.centre
+    half = Arc(
+        ((x + mx) / 2, (y + my) / 2), first.radius / 2, first.start_deg - 180.0,
+        180.0 if first.sweep_deg > 0.0 else -180.0,
+    )  # fmt: skip
+    return (half,)
+
+
+def _is_of(arc: Arc, other: Curve) -> bool:
+    """Whether another curve lies on the circle of an arc."""
+    return (
+        isinstance(other, Arc)
+        and dist(arc.centre, other.centre) <= SAME_CIRCLE
+        and abs(arc.radius - other.radius) <= SAME_CIRCLE
+    )
+
+
+def _lead(
+    at: Point, tangent: Point, side: int, torch: Torch, length: float, is_out: bool
+) -> Curves:
+    if torch.lead == "none" or length <= 0.0:
+        return ()
+    normal = (-side * tangent[1], side * tangent[0])
+    if torch.lead == "line":
+        far = (at[0] + length * normal[0], at[1] + length * normal[1])
+        return (Line(at, far) if is_out else Line(far, at),)
+    radius = length / (pi / 2)
+    centre = (at[0] + radius * normal[0], at[1] + radius * normal[1])
+    at_contour = direction_deg((-normal[0], -normal[1]))
+    sweep = 90.0 * side
+    return (Arc(centre, radius, at_contour if is_out else at_contour - sweep, sweep),)
+
 
 #: The shares of the machine's length of a lead that are tried, longest first.
 SHARES = (1.0, 0.8, 0.6, 0.45, 0.35, 0.25)

@@ -14,14 +14,13 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable
 from beamcam.geometry.chains import Chains, join_curves
 from beamcam.geometry.curves import Bezier, Curve, Line
-from beamcam.geometry.near import near_pairs
-from beamcam.geometry.overlapping import overlapping
+from beamcam.geometry.near import near_pairs, overlapping
 from beamcam.machine.torch import Torch, TorchProcess
-from beamcam.planning.contours import rounds, rules
+from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import AssignedCurve
 from beamcam.planning.contours.doubling import told, without_steps_back
 from beamcam.planning.contours.outline import Shape, entity
-from beamcam.planning.contours.repeats import Repeats, contours_once, loose_once
+from beamcam.planning.contours.repeats import Repeats, contours_once, free_repeats, loose_once
 
 #: A closed chain whose ends are nearer than this needs no joining.
 SAME_POINT = 1e-9
@@ -58,7 +57,7 @@ def join(
     that they are closed (`rings`) have to be.
     """
     found = Joined()
-    for said in (*told(wanted, curves.free(), kerf), *rounds.told(wanted, curves.free())):
+    for said in (*told(wanted, curves.free(), kerf), *free_repeats(wanted, curves.free())):
         (found.refusals if said.severity is Severity.ERROR else found.remarks).append(said)
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
     loose, gaping = _closed_features(wanted, curves, torch.gap, rings, found)

@@ -6,9 +6,15 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.load import load, shipped
-from beamcam.machine.materials import is_row_for, material_of, material_said
 from beamcam.machine.tables import HeightAxis
-from beamcam.machine.torch import Torch, TorchProcess, TorchRow
+from beamcam.machine.torch import (
+    Torch,
+    TorchProcess,
+    TorchRow,
+    is_row_for,
+    material_of,
+    material_said,
+)
 from beamcam.model.part import Part
 from beamcam.planning.contours import rules
 

@@ -19,15 +19,19 @@ from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
 from beamcam.planning.contours.chain import chained
 from beamcam.planning.contours.direction import begun, is_turned, reversed_chain
-from beamcam.planning.contours.entry import entries
+from beamcam.planning.contours.entry import (
+    entries,
+    is_shortened,
+    overcut,
+    overcut_length,
+    waste_side,
+)
 from beamcam.planning.contours.kerf import NO_LEADS, Lead, common_cuts, compensated, leads_of
-from beamcam.planning.contours.lead_in import waste_side
+from beamcam.planning.contours.layout import moved
 from beamcam.planning.contours.look_settings import is_one_way, rank
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
 from beamcam.planning.contours.outline import Shape, stretches_of, wants_tabs
-from beamcam.planning.contours.overcut import is_shortened, overcut, overcut_length
-from beamcam.planning.contours.place import moved
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 

@@ -21,8 +21,7 @@ from beamcam.geometry.curves import Line, signed_area
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
-from beamcam.model.moved import moved_feature
-from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.model.part import Contour, Hole, Part, Slot, moved_feature
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.outline import outlines
 
@@ -164,7 +163,7 @@ def _holds(polygon: "Polygon", place: Point | None) -> bool:
 def _shared(contours: Sequence[Contour]) -> Iterator[_Shared]:
     """The edges that two contours share, one on each side of them."""
     from beamcam.geometry.arrays import CurveTable
-    from beamcam.geometry.overlapping import overlapping
+    from beamcam.geometry.near import overlapping
 
     curves = [curve for contour in contours for curve in contour.curves]
     owners = [k for k, contour in enumerate(contours) for _ in contour.curves]

@@ -2,8 +2,7 @@
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
-from beamcam.machine.materials import is_row_for, material_said
-from beamcam.machine.torch import TorchRow
+from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Face, Part
 from beamcam.planning.coping import rules
 

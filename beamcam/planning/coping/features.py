@@ -10,8 +10,8 @@ from beamcam.machine.machine import Machine
 from beamcam.model.description import policy_on
 from beamcam.model.part import Contour, Feature, Hole, Part, Profile, Slot
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import listed_by, refuse_mark
 from beamcam.planning.coping import rules
+from beamcam.planning.left_out import listed_by, refuse_mark
 
 
 class Sorted(Struct, frozen=True):

@@ -20,7 +20,6 @@ from beamcam.model.part import Contour, Face, Feature, Hole, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
 from beamcam.model.surface import Around, around
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import BEVEL
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.box_tube import Unrolled, unrolled
 from beamcam.planning.coping.chart import Chart
@@ -38,6 +37,7 @@ from beamcam.planning.coping.regions import (
     sharp_corners,
 )
 from beamcam.planning.coping.walls import Wall
+from beamcam.planning.left_out import BEVEL
 
 STEPS = 96  #: places round a hole
 LEAST_SLANT = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work

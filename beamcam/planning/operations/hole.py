@@ -28,9 +28,8 @@ from beamcam.planning.operations.hole_pairs import (
     refuse_too_near,
     unmerged_because,
 )
-from beamcam.planning.operations.part_planner import Kind, PartPlanner
+from beamcam.planning.operations.part_planner import Kind, PartPlanner, refuse_face, refuse_place
 from beamcam.planning.operations.paths import pocket_path
-from beamcam.planning.operations.reach import refuse_face, refuse_place
 from beamcam.planning.operations.tools import (
     HoleWork,
     Tooling,

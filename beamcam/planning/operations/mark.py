@@ -5,9 +5,8 @@ from collections.abc import Iterator, Sequence
 from beamcam.errors import Diagnostic, warning
 from beamcam.model.part import Contour, Face
 from beamcam.planning.operations.finished_part import TOLERANCE
-from beamcam.planning.operations.part_planner import Kind, PartPlanner
+from beamcam.planning.operations.part_planner import IN_THE_WAY, Kind, PartPlanner
 from beamcam.planning.operations.paths import line_points
-from beamcam.planning.operations.reach import IN_THE_WAY
 from beamcam.planning.operations.tools import Tooling
 from beamcam.planning.operations.working_step import Found, WorkingStep
 from beamcam.planning.rules import MARK, no_unit

@@ -2,23 +2,127 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import inf
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Severity, note, warning
-from beamcam.machine.machine import Machine
+from beamcam.caches import PerObjectAndKey
+from beamcam.errors import Diagnostic, Severity, error, note, warning
+from beamcam.machine.machine import Layout, Machine, drill_of, saw_of
+from beamcam.machine.stations import Drill, Saw
 from beamcam.model.description import named
-from beamcam.model.part import Face, Feature, Hole, Part, Slot
+from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan, WorkOp
-from beamcam.model.section import OTHER_SIDE
+from beamcam.model.section import NO_PLATE, OTHER_SIDE
+from beamcam.model.weight import lip_of
 from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
-from beamcam.planning.operations.line import BarLine
-from beamcam.planning.operations.reach import reached_on
+from beamcam.planning.operations.tools import ToolLibrary, library_of
 from beamcam.planning.operations.working_step import Found, Said, Settled, WorkingStep
+from beamcam.planning.rules import NO_SPINDLE
+
+OFF_FACE = error("plan-off-face",
+    "found a hole at x {x}, y {y} on face {face}; expected it within {length} x {width} mm",
+    "A hole beyond its face is a mistake of the exporter; the drill would meet no "
+    "steel.")  # fmt: skip
+IN_THE_WAY = error("plan-reach",
+    "found {what} at y {y} on face {face}; expected y from {least} to {greatest}, the {wall} is in "
+    "the tool's way",
+    "A tool that comes to the web between the flanges needs room beside them, and beside the lips "
+    "of a C, which are as long as its weight per metre says, or 0.6 of the "
+    "flange.")  # fmt: skip
+
+
+class Reach(Struct, frozen=True):
+    """Reach of a spindle on a face of a section."""
+
+    spindle: int  #: number
+    width: float  #: of the face
+    least: float  #: y between which nothing is in the tool's way
+    greatest: float
+    wall: str = "flange"  #: that is in its way beyond
+
+
+Reached = Mapping[Face, Reach]
+
+
+def _clear_between(profile: Profile, face: Face) -> tuple[float, float]:
+    """Range of y in which a tool reaches a face; unbounded where no flange is beside it."""
+    if profile.code == "T" and face in ("o", "u"):  # its stem, over the flange
+        return profile.web_thickness or 0.0, inf
+    if face != "v" or profile.code not in ("I", "U", "C", "L"):
+        return -inf, inf
+    flange = profile.flange_thickness
+    return flange, (inf if profile.code == "L" else profile.height - flange)
+
+
+def _reached(machine: Machine, profile: Profile) -> Reached:
+    out = NO_PLATE.get(profile.code, ())
+    return {
+        s.face: Reach(s.number, profile.face_width(s.face), *_clear_between(profile, s.face))
+        for s in machine.spindles
+        if s.face not in out
+    }
+
+
+#: The faces of a section that the machine's spindles reach.
+reached_by: PerObjectAndKey[Machine, Profile, Reached] = PerObjectAndKey(
+    "planning.machines", "planning.reaches", _reached
+)
+
+
+def reached_on(machine: Machine, part: Part) -> Reached:
+    """The faces of a part that the machine's spindles reach: between the lips of a C too."""
+    reached, lip = reached_by(machine, part.profile), lip_of(part)
+    if "v" not in reached or not lip or lip <= reached["v"].least:
+        return reached
+    inside = replace(reached["v"], least=lip, greatest=part.profile.height - lip, wall="lip")
+    return {**reached, "v": inside}
+
+
+def refuse_face(shape: Hole | Slot, what: str, reached: Reached) -> Diagnostic:
+    """That no spindle comes to the face of a hole or slot."""
+    expected = f"one of {', '.join(reached)}" if reached else "none, as the machine has no spindle"
+    return NO_SPINDLE.at(shape.source, kind=what, found=shape.face, expected=expected)
+
+
+def refuse_place(
+    shape: Hole | Slot, x: float, y: float, part: Part, reach: Reach
+) -> Diagnostic | None:
+    """Why a tool does not come to a circle of a hole or slot, about x and y; None if it does."""
+    if not (0 <= x <= part.length and 0 <= y <= reach.width):
+        return OFF_FACE.at(
+            shape.source, x=f"{x:g}", y=f"{y:g}", face=shape.face, length=f"{part.length:g}",
+            width=f"{reach.width:g}",
+        )  # fmt: skip
+    radius = shape.diameter / 2
+    if not reach.least <= y - radius or not y + radius <= reach.greatest:
+        return IN_THE_WAY.at(
+            shape.source, what=f"a hole of diameter {shape.diameter:g}", y=f"{y:g}",
+            face=shape.face, least=f"{reach.least + radius:g}",
+            greatest=f"{min(reach.greatest, reach.width) - radius:g}", wall=reach.wall,
+        )  # fmt: skip
+    return None
+
+
+class BarLine(Struct, frozen=True):
+    """The machine data used in planning a bar."""
+
+    machine: Machine
+    saw: Saw
+    drill: Drill
+    layout: Layout
+    library: ToolLibrary
+
+
+def line_of(machine: Machine) -> BarLine:
+    """The line of a machine. Raises TypeError if it has no layout."""
+    layout = machine.needed(machine.layout, "layout")
+    return BarLine(machine, saw_of(machine), drill_of(machine), layout, library_of(machine))
+
 
 FROM_BEHIND = note("plan-from-behind",
     "found {what} at x {x}, y {y} on face {face}; it is made from face {other}",
@@ -29,7 +133,6 @@ ANGLE_FACE = warning("plan-angle-face",
     "on face {other}",
     "An angle has one flange, whose outside is u. Exporters that take the section for a channel "
     "write its other side as o.")  # fmt: skip
-RULES = (FROM_BEHIND, ANGLE_FACE)
 
 
 class PartPlanner:
@@ -140,3 +243,6 @@ class Kind(Struct, frozen=True):
     reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
     #: What might have been done instead of an operation, and why it was not.
     rejected: Callable[[WorkOp, Plan, Machine], Iterator[str]] = nothing
+
+
+RULES = (FROM_BEHIND, ANGLE_FACE, OFF_FACE, IN_THE_WAY)

@@ -14,9 +14,8 @@ from beamcam.model.description import named
 from beamcam.model.part import Face, Hole, Slot
 from beamcam.planning import rules
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.part_planner import Kind, PartPlanner
+from beamcam.planning.operations.part_planner import Kind, PartPlanner, refuse_face, refuse_place
 from beamcam.planning.operations.paths import pocket_path
-from beamcam.planning.operations.reach import refuse_face, refuse_place
 from beamcam.planning.operations.tools import Tooling
 from beamcam.planning.operations.working_step import Found, Said, WorkingStep
 

@@ -13,7 +13,7 @@ from beamcam.model.part import Face, Hole, Slot, TextMark
 from beamcam.model.plan import Typed
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
-from beamcam.planning.by_hand import FACE
+from beamcam.planning.left_out import FACE
 from beamcam.planning.lettering import Lettered, place_text, remarks
 from beamcam.planning.lettering_room import Room
 from beamcam.planning.operations.ends import wall_end

@@ -18,8 +18,7 @@ from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Rule, error
-from beamcam.machine.absent import drill_of
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of
 from beamcam.machine.stations import Drill, Fit
 from beamcam.machine.tools import FLAT_DEG, Tool, ToolKind, ToolSet
 from beamcam.model.part import Face, HoleKind

@@ -15,14 +15,13 @@ from beamcam.model.description import policy_on
 from beamcam.model.part import Feature, Part
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
-from beamcam.planning.by_hand import listed_by, refuse_mark
+from beamcam.planning.left_out import listed_by, refuse_mark
 from beamcam.planning.operations.contour import CONTOUR
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.hole import HOLE
-from beamcam.planning.operations.line import BarLine
 from beamcam.planning.operations.mark import LINE
 from beamcam.planning.operations.other import OTHER
-from beamcam.planning.operations.part_planner import Kind, PartPlanner
+from beamcam.planning.operations.part_planner import BarLine, Kind, PartPlanner
 from beamcam.planning.operations.saw_cut import SAW_CUT
 from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.text import TEXT

@@ -19,8 +19,7 @@ from beamcam.geometry.curves import (
     NewtonCurve,
 )
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.model.drawing import Measures, extent
-from beamcam.model.part import Contour, Part, Profile
+from beamcam.model.part import Contour, Measures, Part, Profile, extent
 from beamcam.plain_text import whole_text
 from beamcam.readers.drawing.rules import LAYER_OPTION, NO_CURVES, TOO_LARGE
 

@@ -1,16 +1,38 @@
 """Polylines of a layer as polynomials through their vertices: `--fit newton=LAYER`."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
-from beamcam.geometry.newton import newton_through
+from beamcam.geometry.newton import NewtonCurve, find_oscillation, newton_through, node_error
 from beamcam.model.part import Contour, Part
 from beamcam.readers.drawing import drawing_part
 from beamcam.readers.drawing.rules import FIT_LAYER, FIT_NODES, FITTED
-from beamcam.readers.polynomials import checked_polynomials
+from beamcam.readers.rules import NODES_LOST, OSCILLATION
+
+#: A polynomial that misses its nodes by more, in mm, is another curve than was asked for.
+MAX_NODE_ERROR = 1e-6
+
+
+def checked_polynomials(part: Part) -> Iterator[Diagnostic]:
+    """A warning for each polynomial that oscillates between its nodes, with how far; an error for
+    each that arithmetic does not bring through them."""
+    for contour in part.contours:
+        for curve in contour.curves:
+            if not isinstance(curve, NewtonCurve):
+                continue
+            error = node_error(curve)
+            if not error <= MAX_NODE_ERROR:
+                yield NODES_LOST.at(
+                    contour.source,
+                    nodes=len(curve.nodes),
+                    found=error,
+                    expected=MAX_NODE_ERROR,
+                )
+            elif (found := find_oscillation(curve)) is not None:
+                yield OSCILLATION.at(contour.source, found=found)
 
 
 def fit_newton(part: Part, layers: Sequence[str]) -> tuple[Part, tuple[Diagnostic, ...]]:

@@ -1,6 +1,305 @@
 """The DSTV reader (.nc, .nc1): 7th edition of the standard, and what real files make of it."""
 
-from beamcam.readers.dstv.reader import Account, looks_like, read, read_with_account
+from collections.abc import Iterator
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.errors import Rule, Source
+from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Part, Profile
+from beamcam.readers.content import Reading
+from beamcam.readers.dstv import rules
+from beamcam.readers.dstv.blocks import (
+    Content,
+    Placed,
+    decode,
+    decode_as,
+    place_comments,
+    split_blocks,
+)
+from beamcam.readers.dstv.contours import Rows, build_contour, is_mirrored, read_contour_rows
+from beamcam.readers.dstv.header import header_lines, read_header
+from beamcam.readers.dstv.lint import check
+from beamcam.readers.dstv.rows import (
+    FACE_LETTERS,
+    Place,
+    RowReader,
+    features_of,
+    read_bend,
+    read_camber,
+    read_end_planes,
+    read_hole,
+    read_info,
+    read_plane,
+    read_section_point,
+    read_text,
+    read_tolerance,
+)
 from beamcam.readers.dstv.rules import RULES
+from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 
 __all__ = ["RULES", "Account", "looks_like", "read", "read_with_account"]
+
+
+#: What stands before the rows of features that are there, and what says that the ends are.
+MADE, MADE_ENDS = "**BEAMCAM MADE ", "ENDS"
+#: Blocks of a feature a row: what reads a row, and the rule for one that nothing explains.
+_FEATURES: dict[str, tuple[RowReader[Feature | None], Rule]] = {
+    "BO": (read_hole, rules.HOLE_FIELDS),
+    "SI": (read_text, rules.TEXT_FIELDS),
+    "KA": (read_bend, rules.BEND_FIELDS),
+    "UE": (read_camber, rules.CAMBER_FIELDS),
+}
+#: Blocks of contours by the letter that their rows go by.
+_CONTOURS = {"AK": "A", "IK": "I", "KO": "K", "PU": "P"}
+#: Blocks on planes by their letter: the block on faces that has the same rows.
+_ON_PLANES = {"B": "BO", "S": "SI", "A": "AK", "I": "IK", "K": "KO", "P": "PU", "E": "E"}
+
+
+class Account(Struct):
+    """Account of a file's lines: each data line is in the part or reported."""
+
+    data_lines: list[int]
+    taken: list[int]
+    reported: list[int]
+
+    @property
+    def lost(self) -> list[int]:
+        """Data lines that are neither in the part nor in a diagnostic; always empty."""
+        return sorted({*self.data_lines} - {*self.taken} - {*self.reported})
+
+
+def looks_like(data: bytes) -> bool:
+    """Whether the bytes are a DSTV file by their lines: a line ST, or two codes of its own."""
+    lines = {line.strip() for line in split_lines(decode(data[:20000])[0])}
+    return "ST" in lines or len(lines & {"EN", "BO", "AK", "IK", "SI", "KO"}) >= 2
+
+
+def read(data: bytes, name: str, encoding: str | None = None) -> Reading:
+    """The part of a DSTV file and its diagnostics; never raises.
+
+    `name` is the file's name for messages. Where the header cannot be read there is no part.
+    `encoding` is that of its text; by default it is recognised by the letters.
+    """
+    return read_with_account(data, name, encoding)[0]
+
+
+def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple[Reading, Account]:
+    """As `read`, with the account of the file's lines."""
+    log = Log(name)
+    encoding = wrong = None
+    if asked is None:
+        text, encoding = decode(data)
+    else:
+        text, wrong = decode_as(data, asked, name)
+    lines = split_lines(text)
+    texts = [*map(str.strip, lines)]
+    if wrong is not None:
+        log.diagnostics.append(wrong)
+    if encoding is not None:
+        line = next((i for i, row in enumerate(lines, 1) if not row.isascii()), 1)
+        log.add(rules.ENCODING, line, encoding=encoding)
+    start, comments = _find_start(texts, log)
+    if start is None:
+        return _refused(lines, log)
+    head = header_lines(lines, texts, start)
+    header = read_header(head, Source(name, start), log)
+    if header is None:
+        return _refused(lines, log)
+    made = None
+    if any(text.startswith(MADE) for text in texts[head.end :]):
+        made = _made(texts, head.end, name)
+        body = ["" if text.startswith(MADE) else text for text in texts[head.end :]]
+        texts = [*texts[: head.end], *body]
+    comments += [(0, f"header:{n}", text) for n, text in head.comments]
+    blocks, loose, end = split_blocks(lines, texts, head.end, log)
+    loose = head.trailing + loose
+    indented = head.numbers + [n for block in blocks for n in block.numbers[:1]]
+    _note_indent(lines, texts, indented, log)
+    content = Content()
+    for block in blocks:
+        _read_block(block, content, header.profile, log)
+    features = tuple(_finish_contours(content, header.profile, log))
+    part = replace(
+        header,
+        features=features,
+        planes=tuple(content.planes),
+        tolerance=content.tolerance,
+        section=tuple(content.section),
+        info=tuple(content.info),
+        comments=place_comments(comments, loose, blocks, end, features, content),
+        made=None if made is None else made.parts[0].features if made.parts else (),
+    )
+    log.diagnostics += () if made is None else made.diagnostics
+    check(part, content.contours, head.numbers, log)
+    data_lines = [*head.numbers]
+    for block in blocks:
+        data_lines += block.numbers
+    return _result(part, data_lines, log)
+
+
+def _made(texts: list[str], head: int, name: str) -> Reading:
+    """What stands in comments as made already: a file of its own below the same header.
+
+    Its rows keep their lines; what is said of the header, which ends at line `head`, is not
+    repeated.
+    """
+    rows = [text.removeprefix(MADE) if text.startswith(MADE) else "" for text in texts[head:]]
+    # A row of such a comment is no comment of its own.
+    rows = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in rows]
+    data = "\n".join([*texts[:head], *rows, "EN"]).encode()
+    reading, _ = read_with_account(data, name, "utf-8")
+    said = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
+    return replace(reading, diagnostics=said)
+
+
+def _result(part: Part, data_lines: list[int], log: Log) -> tuple[Reading, Account]:
+    diagnostics = log.diagnostics
+    if len(diagnostics) > 1:
+        diagnostics.sort(key=lambda d: d.source.line or 0)
+    reported = [d.source.line or 0 for d in diagnostics] + log.left_out
+    return Reading("dstv", (part,), tuple(diagnostics)), Account(data_lines, log.taken, reported)
+
+
+def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
+    """No part, and a note of how many lines were not looked at."""
+    said = {d.source.line for d in log.diagnostics}
+    data_lines = [
+        i for i, line in enumerate(lines, 1) if line.strip() and line.lstrip()[:2] != "**"
+    ]
+    unread = [i for i in data_lines if i not in said]
+    if unread:
+        log.add(rules.UNREAD, unread[-1], count=len(unread))
+    log.diagnostics.sort(key=lambda d: d.source.line or 0)
+    return Reading("dstv", (), tuple(log.diagnostics)), Account(data_lines, [], data_lines)
+
+
+def _find_start(texts: list[str], log: Log) -> tuple[int | None, list[Placed]]:
+    """Index behind the line ST, and the comments before it; None if there is none."""
+    comments: list[Placed] = []
+    data: list[tuple[int, str]] = []
+    for index, text in enumerate(texts):
+        if text == "ST" or (text == "st" and not data):
+            if data:
+                log.add(rules.BEFORE_ST, data[0][0], found=data[0][1], count=len(data))
+                log.left_out.extend(number for number, _ in data)
+            if text == "st":
+                log.add(rules.CODE_CASE, index + 1, found=text, block="ST")
+            return index + 1, comments
+        if text[:2] == "**":
+            comments.append((index + 1, "start", text[2:]))
+        elif text:
+            data.append((index + 1, text))
+    number, found = data[0] if data else (1, "nothing")
+    log.add(rules.NOT_DSTV if CODES.isdisjoint(texts) else rules.NO_ST, number, found=found)
+    return None, comments
+
+
+def _note_indent(lines: list[str], texts: list[str], numbers: list[int], log: Log) -> None:
+    """Say so at the first data line that begins without two blanks."""
+    for number in numbers:
+        line = lines[number - 1]
+        if line[:2] != "  " and texts[number - 1] and line[0] != "\t":
+            log.add(rules.INDENT, number)
+            return
+
+
+def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> None:
+    """Add what a block says to `content`."""
+    code, plane = _code_and_plane(block, content, log)
+    place = Place(log, profile.code == "B", plane)
+    if code in _FEATURES:
+        content.features.extend(features_of(block, place, *_FEATURES[code]))
+    elif code in _CONTOURS:
+        found = read_contour_rows(block, _CONTOURS[code], place)
+        content.features.extend(found)
+        content.contours.extend(found)
+    elif code == "SC":
+        content.features.extend(read_end_planes(block, log))
+    elif code == "E":
+        _read_plane(block, content, log)
+    elif code == "PR":
+        content.section.extend(features_of(block, place, read_section_point, rules.SECTION_FIELDS))
+        if profile.code != "SO":
+            log.add(rules.SECTION_CODE, block.line, code=profile.code)
+    elif code == "IN":
+        content.info.extend(read_info(block, log))
+    elif code == "TO":
+        if content.tolerance is not None:
+            log.add(rules.BLOCK_REPEATED, block.line, block="TO")
+        content.tolerance = read_tolerance(block, log) or content.tolerance
+    else:
+        _refuse_block(block, log)
+
+
+def _code_and_plane(block: Block, content: Content, log: Log) -> tuple[str, str]:
+    """The code on faces whose rows a block has, "E" of a plane itself; and the plane that the
+    block lies on, "" for the faces."""
+    code = block.code
+    if not code[1:].isdigit():
+        return code, ""
+    letter, digit = code[0], code[1]
+    known = _ON_PLANES.get(letter, code)
+    if letter == "E":
+        return known, ""
+    if code == "B0" and "0" not in content.plane_names and _has_faces(block):
+        log.add(rules.CODE_ZERO, block.line)
+        return known, ""
+    if digit not in content.plane_names:
+        log.add(rules.PLANE, block.line, block=code, plane="E" + digit)
+    return known, content.plane_names.get(digit, "E" + digit)
+
+
+def _has_faces(block: Block) -> bool:
+    return bool(block.rows) and block.rows[0][0] in FACE_LETTERS
+
+
+def _read_plane(block: Block, content: Content, log: Log) -> None:
+    """Add the plane of a block En; a number that is used again names another plane."""
+    base = block.code
+    last = content.plane_names.get(base[1])
+    name = base if last is None else f"{base}#{int(last[3:] or 1) + 1}"
+    plane = read_plane(block, name, log)
+    if plane is not None:
+        content.planes.append(plane)
+    content.plane_names[base[1]] = name
+
+
+def _refuse_block(block: Block, log: Log) -> None:
+    """An error for a block that cannot be read, on its code and on each of its rows."""
+    if block.code == "ST":
+        log.add(rules.SECOND_ST, block.line)
+    elif block.code:
+        log.add(rules.BLOCK_UNKNOWN, block.line, found=block.code, count=len(block.rows))
+    for line, row in zip(block.numbers, block.rows, strict=True):
+        log.add(rules.ROW_LOST, line, found=row, block=block.code or "the header")
+
+
+def _finish_contours(content: Content, profile: Profile, log: Log) -> Iterator[Feature]:
+    """The features in order, contour rows made into contours where they make one."""
+    mirrored: dict[str, bool] = {}  # by face, whether its first outer contour is
+    for rows in content.contours:
+        if rows.code == "A" and rows.face in MIRRORED_FACES:
+            mirrored.setdefault(rows.face, bool(rows.points) and is_mirrored(rows))
+    for item in content.features:
+        if type(item) is not Rows:
+            yield item
+            continue
+        flip = False
+        if item.face in MIRRORED_FACES and item.points:
+            known = mirrored.get(item.face)
+            flip = known if known is not None else item.code in "KP" or is_mirrored(item)
+        feature = _contour_or_mark(item, flip, profile, log)
+        if feature is not None:
+            yield feature
+
+
+def _contour_or_mark(rows: Rows, flip: bool, profile: Profile, log: Log) -> Contour | Hole | None:
+    """The contour of `rows`; a single point of KO is a punch mark."""
+    if rows.code == "K" and len(rows.points) == 1:
+        (x, y), line = rows.points[0], rows.lines[0]
+        log.add(rules.SINGLE_PUNCH, line)
+        log.taken.append(line)
+        return Hole(rows.face, x, y, 0.0, Source(log.file, line), None, "mark", None, rows.edge)
+    thickness = profile.thickness(rows.face) if rows.face in "vouh" else 0.0
+    return build_contour(rows, flip, thickness, log)

@@ -5,11 +5,12 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import zip_longest
 
+from msgspec import Struct, field
+
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.anchors import anchor_key, plane_positions
-from beamcam.model.part import Comment, Contour, Feature
+from beamcam.model.part import Comment, Contour, Feature, Plane, SectionPoint
 from beamcam.readers.dstv import rules
-from beamcam.readers.dstv.block_content import Content
 from beamcam.readers.dstv.contours import Rows
 from beamcam.readers.dstv.tokens import CODES, Block, Log
 from beamcam.readers.rules import ENCODING
@@ -18,6 +19,18 @@ Loose = tuple[int, str]  #: line and text of a comment
 
 #: Blocks whose rows are texts, where two stars may stand for themselves.
 _TEXT_CODES = frozenset({"SI", "IN", *(f"S{digit}" for digit in range(10))})
+
+
+class Content(Struct):
+    """What the blocks of a file give the part."""
+
+    features: list[Feature | Rows] = field(default_factory=list)
+    planes: list[Plane] = field(default_factory=list)
+    section: list[SectionPoint] = field(default_factory=list)
+    info: list[tuple[str, str]] = field(default_factory=list)
+    tolerance: tuple[float, float] | None = None
+    contours: list[Rows] = field(default_factory=list)
+    plane_names: dict[str, str] = field(default_factory=dict)  #: by digit, the last plane's name
 
 
 def split_blocks(

@@ -1,6 +1,102 @@
 """The DXF reader: every curve of model space, exact, in mm."""
 
-from beamcam.readers.dxf.reader import looks_like, read
-from beamcam.readers.dxf.rules import RULES
+from collections.abc import Sequence
+
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic, ReadError, Source
+from beamcam.model.part import Measures, Part
+from beamcam.readers.content import Reading
+from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
+from beamcam.readers.drawing.newton import fit_newton
+from beamcam.readers.dxf import rules
+from beamcam.readers.dxf.curves import scaled
+from beamcam.readers.dxf.layers import Layers, Look
+from beamcam.readers.dxf.load import contradictions, find_unit, load, looks_like
+from beamcam.readers.dxf.walk import Collected, Walk
 
 __all__ = ["RULES", "looks_like", "read"]
+
+RULES = rules.RULES
+
+
+#: Heights that differ by less are noise of the writer: files carry 1e-9 to 1e-7.
+FLAT = 1e-3
+
+
+def read(
+    data: bytes,
+    name: str,
+    units: str | None = None,
+    layers: Sequence[str] = (),
+    fit: Sequence[str] = (),
+    letters: Sequence[str] = (),
+) -> Reading:
+    """The part that a DXF file draws in model space, and the remarks; never raises.
+
+    `units` ("mm", "in", ...) overrides what the file says about its unit. `layers` names the
+    layers to read, hidden ones too; by default those that are visible and plot. `fit` names layers
+    whose polylines and splines by fit points become polynomials through their vertices, `letters`
+    those whose texts are to be lettered.
+    """
+    source = Source(name)
+    unit, said = find_unit(data, units, source)
+    if unit is None:
+        return Reading("dxf", (), said)
+    try:
+        loaded = load(data, source)
+    except ReadError as error:
+        return Reading("dxf", (), error.diagnostics)
+    chosen = Layers(loaded.document, _folded(layers) or None)
+    said += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
+    runs = iter(loaded.runs)
+    walk = Walk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
+    try:
+        walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
+    except ReadError as error:
+        return Reading("dxf", (), said + error.diagnostics)
+    found = walk.found
+    part, fitted = _part(name, found, fit)
+    seen = sorted([*found.not_cut.items(), ("hidden curves", found.hidden_on.total())])
+    said += (
+        *contradictions(loaded.document, unit, name),
+        *found.said,
+        *fitted,
+        *_remarks(found, source),
+        *verdict(part, seen, None if unit.given else unit.name, source),
+    )
+    return Reading("dxf", (part,), said)
+
+
+def _folded(names: Sequence[str]) -> frozenset[str]:
+    return frozenset(name.lower() for name in names)
+
+
+def _part(name: str, found: Collected, fit: Sequence[str]) -> tuple[Part, tuple[Diagnostic, ...]]:
+    """The part of a drawing, polylines on the layers of `fit` as polynomials; what is said."""
+    not_cut = tuple(sorted(found.not_cut.items()))
+    lettered = tuple(sorted(found.lettered.items()))
+    dashed = tuple(found.dashed.values())
+    measures = Measures((), tuple(found.hidden), not_cut, lettered=lettered, dashed=dashed)
+    part, fitted = fit_newton(drawing_part(name, tuple(found.contours), measures), fit)
+    return replace(part, features=(*part.features, *found.texts)), fitted
+
+
+def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
+    """Remarks on entities that are not contours, by kind and count."""
+    by_kind = (
+        (rules.NOT_CUT, found.not_cut),
+        (rules.EDGE_ON, found.edge_on),
+        (rules.EMPTY_CURVES, found.empty),
+        (rules.HIDDEN, found.hidden_on),
+    )
+    said = [
+        rule.at(source, count=counts.total(), found=counted(sorted(counts.items())))
+        for rule, counts in by_kind
+        if counts
+    ]
+    if found.heights:
+        low, high = min(found.heights), max(found.heights)
+        if high - low > FLAT:
+            said.append(rules.NOT_FLAT.at(source, low=low, high=high))
+    return said

@@ -12,13 +12,21 @@ from beamcam.budget import DEPTH, limits
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.curves import Curve
 from beamcam.geometry.lettering import glyph_of, spelled
-from beamcam.model.drawing import Dashed
-from beamcam.model.part import Contour, TextMark
+from beamcam.model.part import Contour, Dashed, TextMark
 from beamcam.readers.drawing import as_contour
 from beamcam.readers.dxf import curves, rules
 from beamcam.readers.dxf.bulk import MARKER, Run
-from beamcam.readers.dxf.curves import BY_VALUES, Chain, EdgeOnError, Heights, check_bounds
-from beamcam.readers.dxf.frame import FROM_ABOVE, Axes, Frame, Vector
+from beamcam.readers.dxf.curves import (
+    BY_VALUES,
+    FROM_ABOVE,
+    Axes,
+    Chain,
+    EdgeOnError,
+    Frame,
+    Heights,
+    Vector,
+    check_bounds,
+)
 from beamcam.readers.dxf.layers import Attributes, Layers, Look, attributes_of
 
 # --- entities -------------------------------------------------------------------------------------

@@ -1,6 +1,94 @@
 """The SVG reader: every stroked shape, exact, in mm from the lower left corner of the page."""
 
-from beamcam.readers.svg.reader import looks_like, read
-from beamcam.readers.svg.rules import RULES
+from collections.abc import Sequence
+
+from beamcam.errors import Diagnostic, ReadError, Rule, Source
+from beamcam.model.part import Measures, Part
+from beamcam.readers.content import Reading
+from beamcam.readers.drawing import counted, drawing_part, unknown_layers, verdict
+from beamcam.readers.drawing.newton import fit_newton
+from beamcam.readers.svg import rules
+from beamcam.readers.svg.page import Page, find_page
+from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
+from beamcam.readers.svg.walk import Collected, Context, Walk
 
 __all__ = ["RULES", "looks_like", "read"]
+
+RULES = rules.RULES
+
+
+def read(
+    data: bytes,
+    name: str,
+    units: str | None = None,
+    width: str | float | None = None,
+    layers: Sequence[str] = (),
+    fit: Sequence[str] = (),
+) -> Reading:
+    """The part that an SVG file draws, and remarks on it; never raises.
+
+    `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
+    ("600mm"; a number is mm): for files that do not say their size, or say it wrong. `layers`
+    names the layers to read; by default those that show. `fit` names layers whose polylines become
+    polynomials through their vertices.
+    """
+    try:
+        document = parse(data, name)
+        page = find_page(document, name, units, width)
+        sheet = StyleSheet()
+        for text in document.styles:
+            sheet.add(text)
+        walk = Walk(name, document, page, sheet, frozenset(n.lower() for n in layers) or None)
+        style = style_of(document.root, dict(INITIAL), sheet)
+        hidden = style.get("display") == "none"
+        walk.elements(document.root.children, Context(page.matrix, style, hidden=hidden))
+    except ReadError as error:
+        return Reading("svg", (), error.diagnostics)
+    part, fitted = fit_newton(_part(name, walk.found, page), fit)
+    source = Source(name)
+    seen = [*walk.found.not_cut.items(), ("hidden shapes", walk.found.counts["invisible"])]
+    unit = "of the page" if units is None and width is None else None
+    said = (
+        *page.remarks,
+        *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
+        *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
+        *unknown_layers(sorted(walk.found.layers - {""}), layers, source),
+        *walk.found.said,
+        *fitted,
+        *_remarks(walk.found, source),
+        *verdict(part, seen, unit, source),
+    )
+    return Reading("svg", (part,), said)
+
+
+def _part(name: str, found: Collected, page: Page) -> Part:
+    grid = page.unit * 10.0**-found.decimals if found.contours else None
+    not_cut = tuple(sorted(found.not_cut.items()))
+    measures = Measures(tuple(found.filled), tuple(found.hidden), not_cut, grid)
+    return drawing_part(name, tuple(found.contours), measures)
+
+
+#: Remarks on the counted shapes, in this order.
+_COUNTED: tuple[tuple[str, Rule], ...] = (
+    ("filled", rules.FILL_ONLY),
+    ("clipped", rules.CLIPPED),
+    ("flattened", rules.FLATTENED),
+    ("invisible", rules.INVISIBLE),
+    ("dashed", rules.DASHED),
+    ("hairline", rules.HAIRLINE),
+    ("degenerate", rules.DEGENERATE),
+)
+
+
+def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
+    """Remarks on elements that are not contours, by kind and count."""
+    said = []
+    if found.not_cut["text"]:
+        said.append(rules.TEXT.at(source, count=found.not_cut["text"]))
+    others = [(tag, count) for tag, count in sorted(found.not_cut.items()) if tag != "text"]
+    if others:
+        said.append(rules.NOT_CUT.at(source, found=counted(others)))
+    for key, rule in _COUNTED:
+        if found.counts[key]:
+            said.append(rule.at(source, count=found.counts[key]))
+    return said

@@ -22,7 +22,7 @@ from beamcam.model.colour import is_transparent, parse_colour
 from beamcam.model.part import Contour
 from beamcam.readers.drawing import as_contour, is_in_bounds, split_length
 from beamcam.readers.svg import rules
-from beamcam.readers.svg.page import Page
+from beamcam.readers.svg.page import Page, fit_of, parse_transform, product, scale, shift
 from beamcam.readers.svg.path import (
     SHAPES,
     NumberError,
@@ -33,7 +33,6 @@ from beamcam.readers.svg.path import (
     subpaths_of,
     view_box,
 )
-from beamcam.readers.svg.transform import fit_of, parse_transform, product, scale, shift
 from beamcam.readers.svg.tree import (
     MOST_DEEP,
     Document,

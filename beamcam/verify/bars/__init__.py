@@ -17,8 +17,7 @@ from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Switch
 from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
-from beamcam.machine.absent import drill_of
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.ability import FeatureRef, skippable

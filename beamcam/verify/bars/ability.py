@@ -7,12 +7,11 @@ under a name that the user gave.
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
 
-from beamcam.machine.absent import drill_of, saw_of
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of, saw_of
 from beamcam.machine.stations import Spindle
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.bars.cuts import ends_of
-from beamcam.verify.bars.depths import REACHES
+from beamcam.verify.bars.holes import REACHES
 from beamcam.verify.bars.stations import (
     Station,
     choices_of,

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.absent import saw_of
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark
 from beamcam.verify import rules
+from beamcam.verify.asked import left_out, left_to_hand
 from beamcam.verify.bars.ability import FeatureRef, may_be_missing, repeats
 from beamcam.verify.bars.cuts import CutFaults, End, ends_of
 from beamcam.verify.bars.holes import HoleCheck, RequiredHole
@@ -45,7 +45,6 @@ from beamcam.verify.bars.targets import (
 )
 from beamcam.verify.bars.tools import ToolCatalogue
 from beamcam.verify.bars.turned import standing
-from beamcam.verify.left_out import left_out, left_to_hand
 
 if TYPE_CHECKING:
     from beamcam.verify.bars.texts import ToldTexts

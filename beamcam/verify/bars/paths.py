@@ -16,8 +16,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
-from beamcam.verify.bars.depths import DepthRange, path_reach
-from beamcam.verify.bars.holes import NEAR, wrong_depth
+from beamcam.verify.bars.holes import NEAR, DepthRange, path_reach, wrong_depth
 from beamcam.verify.bars.machined_features import MachinedPath
 from beamcam.verify.bars.stations import in_stem, wall_thickness
 from beamcam.verify.bars.targets import MarkingPath, Pocket

@@ -20,7 +20,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Point
-from beamcam.machine.absent import saw_of
+from beamcam.machine.machine import saw_of
 from beamcam.machine.tools import FLAT_DEG
 from beamcam.model.description import description, policy_on
 from beamcam.model.part import (
@@ -36,10 +36,10 @@ from beamcam.model.part import (
     TextMark,
 )
 from beamcam.model.section import OTHER_SIDE, corners
+from beamcam.verify.asked import is_by_hand
 from beamcam.verify.bars.cuts import ANGLE_TOLERANCE_DEG, End, off_outline
 from beamcam.verify.bars.stations import wall_thickness
 from beamcam.verify.bars.tools import ToolCatalogue
-from beamcam.verify.left_out import is_by_hand
 
 PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
 PLANE_TOLERANCE = 0.1  #: mm between an end plane and the end that it states, at any corner

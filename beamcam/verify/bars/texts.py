@@ -8,18 +8,18 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
-from beamcam.machine.absent import text_x
+from beamcam.machine.machine import text_x
 from beamcam.model.description import policy_on
 from beamcam.model.part import Face, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
+from beamcam.verify.asked import by_hand, is_by_hand
 from beamcam.verify.bars.ability import is_within
 from beamcam.verify.bars.cuts import End
 from beamcam.verify.bars.machined_features import MachinedPath, StampedText
 from beamcam.verify.bars.stations import choices_of, lip_length, stroke_values
 from beamcam.verify.bars.targets import MarkingPath, slot_corners
 from beamcam.verify.bars.tools import ToolCatalogue
-from beamcam.verify.drawn_texts import DrawnPieces, DrawnText
-from beamcam.verify.left_out import by_hand, is_by_hand
+from beamcam.verify.drawn_texts import DrawnPieces, DrawnText, Segment, Wanted, told, wanted
 from beamcam.verify.lettering import (
     TEXT,
     TEXT_EXTRA,
@@ -31,7 +31,6 @@ from beamcam.verify.lettering import (
     steel_within,
 )
 from beamcam.verify.text_assignment import assigned, standings
-from beamcam.verify.wanted_texts import Segment, Wanted, told, wanted
 
 ANGLE_DEG = 0.01  #: that a told angle may differ
 SPARE = 1.5  #: mm by which a place is surely within the reach of an axis

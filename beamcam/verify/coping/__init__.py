@@ -11,9 +11,9 @@ from collections.abc import Collection, Sequence
 from beamcam.controllers import cell_events
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for, material_said
+from beamcam.machine.torch import is_row_for, material_said
 from beamcam.model.part import Part
-from beamcam.verify.left_out import by_hand, left_out, left_to_hand
+from beamcam.verify.asked import by_hand, left_out, left_to_hand
 
 
 def verify_coping(

@@ -5,7 +5,7 @@ import re
 from beamcam.controllers import cell_events
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for, material_said
+from beamcam.machine.torch import is_row_for, material_said
 from beamcam.model.part import Part, Profile
 from beamcam.model.weight import measures_of
 from beamcam.verify.coping.section import Section

@@ -20,6 +20,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.verify.asked import by_hand
 from beamcam.verify.coping import rules
 from beamcam.verify.coping.box_tube import box_wanted
 from beamcam.verify.coping.collisions import strike_faults
@@ -27,7 +28,6 @@ from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
-from beamcam.verify.left_out import by_hand
 
 Shape = Any  #: of shapely
 

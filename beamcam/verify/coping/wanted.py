@@ -12,10 +12,10 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.verify.asked import is_by_hand
 from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, round_ring, slot_ring
 from beamcam.verify.coping.section import Section, areas_of, pieces_of
 from beamcam.verify.coping.stock import DRAWN, Stock
-from beamcam.verify.left_out import is_by_hand
 
 Shape = Any  #: of shapely
 

@@ -20,9 +20,8 @@ from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Box, join_boxes
 from beamcam.machine.torch import Torch
 from beamcam.model.colour import key_of
-from beamcam.model.drawing import extent
 from beamcam.model.hatch import hatched
-from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark
+from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Slot, TextMark, extent
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.need import rows_on
 from beamcam.verify.sheets.touching import HAIR, by_slants, touching

@@ -16,7 +16,7 @@ import numpy as np
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.verify.left_out import UNCUT
+from beamcam.verify.asked import UNCUT
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.bridges import in_bridges
 from beamcam.verify.sheets.grid import Pairs

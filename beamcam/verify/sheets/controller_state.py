@@ -18,12 +18,9 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Bezier, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import material_said
 from beamcam.machine.path_limits import PathLimits, path_limits
-from beamcam.machine.torch import Torch
-from beamcam.model.drawing import Measures, extent
-from beamcam.model.moved import moved_feature
-from beamcam.model.part import Contour, Feature, Part
+from beamcam.machine.torch import Torch, material_said
+from beamcam.model.part import Contour, Feature, Measures, Part, extent, moved_feature
 from beamcam.verify.head import head_of, part_faults, stock_faults
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.asked_layout import between

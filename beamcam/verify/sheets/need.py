@@ -13,13 +13,21 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, signed_area, unit_vector
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.materials import is_row_for, material_said
-from beamcam.machine.torch import Torch, TorchProcess, TorchRow
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow, is_row_for, material_said
 from beamcam.model.colour import key_of, process_of
 from beamcam.model.description import policy_on
-from beamcam.model.drawing import extent
-from beamcam.model.part import PLATE_FACES, Contour, Feature, Hole, Part, Process, Slot, TextMark
-from beamcam.verify.left_out import by_hand, is_by_hand, left_out
+from beamcam.model.part import (
+    PLATE_FACES,
+    Contour,
+    Feature,
+    Hole,
+    Part,
+    Process,
+    Slot,
+    TextMark,
+    extent,
+)
+from beamcam.verify.asked import by_hand, is_by_hand, left_out
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch
-from beamcam.model.drawing import extent
+from beamcam.model.part import extent
 from beamcam.verify.sheets.region import Region, region_of
 from beamcam.verify.sheets.toolpaths import Toolpaths
 

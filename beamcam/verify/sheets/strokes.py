@@ -10,6 +10,7 @@ from itertools import dropwhile, takewhile
 import numpy as np
 from msgspec import Struct
 
+from beamcam.controllers.dialect import IDLE_SWITCHES, STOPS, tool_words
 from beamcam.controllers.events import (
     Other,
     Output,
@@ -22,7 +23,6 @@ from beamcam.controllers.events import (
 )
 from beamcam.controllers.moves import Moves, TableRun
 from beamcam.controllers.rules import SHEET_END
-from beamcam.controllers.table_words import IDLE_SWITCHES, STOPS, tool_words
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc

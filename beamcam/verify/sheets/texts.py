@@ -13,18 +13,11 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.description import policy_on
 from beamcam.model.part import Part, TextMark
-from beamcam.verify.drawn_texts import EXACT, NEAR, DrawnPieces
-from beamcam.verify.left_out import by_hand, is_by_hand
-from beamcam.verify.lettering import (
-    Steel,
-    box_of,
-    is_clear,
-    is_surely_clear,
-    steel_within,
-)
+from beamcam.verify.asked import by_hand, is_by_hand
+from beamcam.verify.drawn_texts import EXACT, NEAR, DrawnPieces, Wanted, wanted
+from beamcam.verify.lettering import Steel, box_of, is_clear, is_surely_clear, steel_within
 from beamcam.verify.sheets.need import Need, shift_of
 from beamcam.verify.text_assignment import standings
-from beamcam.verify.wanted_texts import Wanted, wanted
 
 if TYPE_CHECKING:
     from beamcam.verify.sheets.strokes import Strokes

@@ -35,7 +35,7 @@ def verify_triggers(
     if job is None:
         if not parts:
             return tuple(said)
-        from beamcam.verify.st.contour_names import unread, with_contours
+        from beamcam.verify.st.execution import unread, with_contours
 
         return tuple(with_contours(said, unread(text, said), parts[0], machine, skips))
     execution = Execution(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
@@ -46,7 +46,7 @@ def verify_triggers(
     if not parts:
         return tuple(said)
     if errors_in(said):
-        from beamcam.verify.st.contour_names import with_contours
+        from beamcam.verify.st.execution import with_contours
 
         return tuple(with_contours(said, job.operations, parts[0], machine, skips))
     from beamcam.verify.polylines import compare_polylines

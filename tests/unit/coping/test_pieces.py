@@ -19,8 +19,7 @@ from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, Severity, errors_in
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
-from beamcam.machine_chain import chain_of
-from beamcam.machine_choice import InTurn
+from beamcam.machine_choice import InTurn, chain_of
 from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file
@@ -28,7 +27,7 @@ from beamcam.planning.begun import RULES as BEGUN_RULES
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import EndLine, ends_on
 from beamcam.readers import read
-from beamcam.readers.dstv.reader import MADE
+from beamcam.readers.dstv import MADE
 from beamcam.rest_part import RULES, Stage, chain_for, rest_of_part, stages_of
 from beamcam.solid.bar_solid import bar_pieces, work_of
 from beamcam.verify.begun import RULES as REST_RULES

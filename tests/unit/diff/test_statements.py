@@ -8,7 +8,7 @@ from click.testing import CliRunner, Result
 
 from beamcam.cli import main
 from beamcam.diff.pairing import Difference
-from beamcam.diff.programs import ProgramText, diff_texts
+from beamcam.diff.statements import ProgramText, diff_texts
 from beamcam.errors import Diagnostic
 from beamcam.machine import load, shipped
 from tests.conftest import GOLDEN, ROOT, SAMPLES

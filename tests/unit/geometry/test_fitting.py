@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.arc_fitting import fit_chains
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, NewtonCurve
-from beamcam.geometry.sampling import points_at
+from beamcam.geometry.polylines import points_at
 from tests.conftest import examples, sampled
 from tests.property.curve_strategies import beziers, ellipses, newton_curves, splines
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, EllipseArc, Line, signed_area
 from beamcam.geometry.offset import Offset, Vanished, offset_chains, refit_ring
+from beamcam.geometry.polylines import points_at
 from beamcam.geometry.raw_offset import intersections
-from beamcam.geometry.sampling import points_at
 from tests.conftest import examples
 from tests.rings import polygon_of
 

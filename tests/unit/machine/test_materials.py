@@ -6,7 +6,7 @@ import pytest
 
 from beamcam.errors import PlanError
 from beamcam.machine import load, shipped
-from beamcam.machine.materials import is_row_for, material_of, material_said
+from beamcam.machine.torch import is_row_for, material_of, material_said
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.verify.sheets.need import rows_on

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, Line, join_boxes
-from beamcam.model.drawing import Measures, extent
 from beamcam.model.lengths import duplicate_length, total_length
+from beamcam.model.part import Measures, extent
 from tests.conftest import examples
 from tests.property.curve_strategies import curves
 

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.model.part import Profile
-from beamcam.pictures.depths import SteelDepths
+from beamcam.pictures.features import SteelDepths
 from beamcam.verify.bars.machined_features import Bore, MachinedPath
 
 WEB = 8.5

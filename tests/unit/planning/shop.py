@@ -9,7 +9,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Feature, Hole, Part, Profile
 from beamcam.model.plan import Plan
-from beamcam.planning.orientation import plan_oriented
+from beamcam.planning.beam import plan_oriented
 
 SOURCE = Source("p.nc1", 7)
 BEAM = Profile("I", "IPE300", 300.0, 150.0, 10.7, 7.1, 15.0)

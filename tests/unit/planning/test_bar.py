@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
-from beamcam.machine.absent import saw_of
+from beamcam.machine.machine import saw_of
 from beamcam.model.part import Bevel, Contour, EndCuts, Part, Profile
 from beamcam.model.plan import Plan, SawOp
 from beamcam.model.section import corners

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.machine import load
-from beamcam.machine.absent import saw_of
+from beamcam.machine.machine import saw_of
 from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.section import corners
 from beamcam.pipeline import RefusedProgram, post

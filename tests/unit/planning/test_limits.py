@@ -12,8 +12,7 @@ from beamcam.machine.machine import ControlledAxis, Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Part, Profile, Slot
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
-from beamcam.planning.beam import plan_bar
-from beamcam.planning.orientation import plan_oriented
+from beamcam.planning.beam import plan_bar, plan_oriented
 from beamcam.verify.bars import skippable, verify
 from tests.conftest import examples
 from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, pusher

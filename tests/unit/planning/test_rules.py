@@ -11,12 +11,11 @@ from beamcam import planning
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
-from beamcam.machine.marking import Marks
+from beamcam.machine.stations import Marks
 from beamcam.model.part import Bend, Bevel, Contour, EndCuts, Part, Profile, Slot, TextMark
 from beamcam.planning import lettering, lettering_room
-from beamcam.planning.beam import plan_bar
+from beamcam.planning.beam import plan_bar, plan_oriented
 from beamcam.planning.operations import hole_pairs, slot
-from beamcam.planning.orientation import plan_oriented
 from beamcam.planning.rules import SKIP_NAMES
 from tests.conftest import SAMPLES
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
@@ -27,8 +26,8 @@ RULES = [
     rule
     for module in pkgutil.walk_packages(planning.__path__, "beamcam.planning.")
     if not module.name.startswith(("beamcam.planning.contours", "beamcam.planning.coping"))
-    and module.name not in ("beamcam.planning.left_out", "beamcam.planning.left_out")
     for rule in getattr(importlib.import_module(module.name), "RULES", ())
+    if not (module.name == "beamcam.planning.left_out" and not rule.code.startswith("plan-text"))
 ]
 
 Points = tuple[tuple[float, float], ...]

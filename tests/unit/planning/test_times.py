@@ -10,9 +10,8 @@ from beamcam.machine import load
 from beamcam.machine.machine import Machine, Times
 from beamcam.model.part import Profile
 from beamcam.model.plan import Plan
-from beamcam.planning.beam import plan_bar
+from beamcam.planning.beam import plan_bar, plan_oriented, try_turns
 from beamcam.planning.explain import SAID, explain
-from beamcam.planning.orientation import plan_oriented, try_turns
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS
 from tests.unit.planning.shop import CHANNEL, TUBE, hole, part, plan

@@ -4,8 +4,7 @@ from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
-from beamcam.model.drawing import Measures
-from beamcam.model.part import Contour, Feature, Part, Process, Profile
+from beamcam.model.part import Contour, Feature, Measures, Part, Process, Profile
 
 FILE = "sheet.dxf"
 S = Source("p.nc1", 7)

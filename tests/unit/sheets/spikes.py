@@ -9,7 +9,7 @@ from shapely.geometry.base import BaseGeometry
 
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.geometry.sampling import points_at
+from beamcam.geometry.polylines import points_at
 from beamcam.model.part import Part
 from tests.swept_band import QUADRANT, Drawn, Measured
 from tests.unit.sheets.notches import MARGIN, strokes

@@ -19,8 +19,8 @@ from beamcam.planning.contours import rules
 from beamcam.planning.left_out import BY_HAND
 from beamcam.planning.rules import BEVEL_NOISE
 from beamcam.report.hand_list import hand_rows
+from beamcam.verify.asked import BY_HAND as FOR_HAND
 from beamcam.verify.head import head_of
-from beamcam.verify.left_out import BY_HAND as FOR_HAND
 from beamcam.verify.sheets import verify_sheet
 from beamcam.verify.sheets.need import need_of
 from tests.conftest import examples

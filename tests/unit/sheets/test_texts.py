@@ -21,8 +21,8 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Feature, Hole, Part, TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
-from beamcam.planning.by_hand import REASONS
-from beamcam.planning.by_hand import TEXT_MOVED as PLAN_MOVED
+from beamcam.planning.left_out import REASONS
+from beamcam.planning.left_out import TEXT_MOVED as PLAN_MOVED
 from beamcam.planning.lettering import Lettered, place_text
 from beamcam.planning.lettering_room import Room
 from tests.conftest import examples

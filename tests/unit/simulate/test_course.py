@@ -11,8 +11,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import MachineError
 from beamcam.geometry.ramps import ramp
-from beamcam.simulate.bars import bar_trace
-from beamcam.simulate.course import CourseSection
+from beamcam.simulate.course import CourseSection, bar_trace
 from beamcam.simulate.text import csv_text
 from beamcam.simulate.trace import trace_rows
 from tests.unit.simulate.programs import course_of

@@ -18,7 +18,7 @@ from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
 from beamcam.interrupts import Asked
 from beamcam.machine.tables import Modbus
-from beamcam.simulate.bars import bar_trace
+from beamcam.simulate.course import bar_trace
 from beamcam.simulate.modbus import check_range, register_count, registers, shown
 from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
 from tests.conftest import ROOT

@@ -16,7 +16,7 @@ from beamcam.machine import load
 from beamcam.machine.formula import Body, Formula
 from beamcam.machine.load import shipped
 from beamcam.pipeline import post, read_file
-from beamcam.simulate.bars import cell_axes
+from beamcam.simulate.course import cell_axes
 from beamcam.simulate.limits import strikes
 from beamcam.simulate.trace import State, TraceBuilder
 from tests.conftest import examples

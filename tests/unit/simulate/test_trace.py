@@ -13,7 +13,7 @@ from beamcam.controllers.step_table.rows import Stream, binary_rows
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.pipeline import Posted, post, read_file
-from beamcam.simulate.bars import bar_trace
+from beamcam.simulate.course import bar_trace
 from beamcam.simulate.program import simulate_program
 from beamcam.simulate.trace import Trace, share_of, trace_rows
 from tests.unit.simulate.programs import course_of

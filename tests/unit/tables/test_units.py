@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from beamcam.cli import main
-from beamcam.machine.materials import MILD_STEEL, material_of
+from beamcam.machine.torch import MILD_STEEL, material_of
 
 SAMPLES = Path(__file__).parents[3] / "samples"
 CAM = SAMPLES / "json" / "cam.json"

@@ -14,8 +14,8 @@ from beamcam.model.part import EndCuts, Part, TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.reconcile import other_places, stand_ins
+from beamcam.verify.asked import TEXT_MOVED
 from beamcam.verify.drawn_texts import covering
-from beamcam.verify.left_out import TEXT_MOVED
 from beamcam.verify.text_assignment import cheapest
 from tests.conftest import examples
 from tests.unit.planning.shop import part

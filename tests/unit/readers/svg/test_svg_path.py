@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
 from beamcam.geometry.plane import mapped
+from beamcam.readers.svg.page import parse_transform
 from beamcam.readers.svg.path import PathError, _numbers_apart, decimals, parse_path
-from beamcam.readers.svg.transform import parse_transform
 from tests.svg_text import box_of, codes, curves_of, length_of, read
 
 
