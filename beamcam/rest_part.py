@@ -23,7 +23,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT
-from beamcam.verify.begun import rest_faults
+from beamcam.verify.asked import rest_faults
 from beamcam.writers import Target
 
 Sourced = TypeVar("Sourced", Part, Feature, Plane)  #: what says where it comes from

@@ -26,7 +26,7 @@ from beamcam.machine.torch import LookSettings, Torch
 from beamcam.model.part import Contour, Hole, Measures, Part, Process, Profile, Slot, TextMark
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
 from beamcam.model.request import Job, Request
-from beamcam.planning.contours.direction import stretch
+from beamcam.planning.contours.outline import stretch
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Written, post_of
 from benchmarks.liars import REASONS, Lies

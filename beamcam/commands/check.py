@@ -10,9 +10,9 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
+from beamcam.commands.batch import is_stock_list
 from beamcam.commands.common import REFUSED, Voice, cannot_write, say_json, say_lines
 from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
-from beamcam.commands.over_stock import is_stock_list
 from beamcam.commands.parts import program_text, request_of
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
 from beamcam.commands.rules import NO_SAMPLE, NOTHING, UNKNOWN

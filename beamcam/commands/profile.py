@@ -178,7 +178,7 @@ def command(
         if suffix not in ("", *KINDS["profile"]):
             raise ValueError(expected(output, "profile"))
         if suffix in PICTURES:
-            from beamcam.pictures.profile import profile_scene
+            from beamcam.pictures.graphs import profile_scene
 
             data = picture([profile_scene(profile, shown)], suffix)
         elif suffix == ".html":

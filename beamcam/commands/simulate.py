@@ -20,7 +20,7 @@ from beamcam.model.plan import Order
 
 if TYPE_CHECKING:
     from beamcam.machine.machine import Machine
-    from beamcam.pictures.encoder import Study
+    from beamcam.pictures.graphs import Study
     from beamcam.simulate.encoder import Encoder
     from beamcam.simulate.trace import Trace
 
@@ -172,7 +172,7 @@ def command(
         if output is not None:
             content: str | bytes
             if drawn and reader is not None:
-                from beamcam.pictures.encoder import Study
+                from beamcam.pictures.graphs import Study
 
                 study = Study(
                     PurePath(name).name, sha256(data).hexdigest(), machine.name, trace, reader
@@ -236,7 +236,7 @@ def _suffix(output: str) -> str:
 
 def _drawn(output: str, study: "Study") -> str | bytes:
     """The staircase of an encoder as a picture, or as a page. Raises PictureError."""
-    from beamcam.pictures.encoder import encoder_scene
+    from beamcam.pictures.graphs import encoder_scene
 
     if _suffix(output) == ".html":
         from beamcam.setup_sheet.study_page import study_page

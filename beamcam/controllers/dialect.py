@@ -25,7 +25,7 @@ from beamcam.controllers.events import FeedShare, Material, Other, Output, Switc
 from beamcam.controllers.rules import BY_STOCK, ProgramRules
 from beamcam.machine.codes import CARRYING, plain_code, plain_key, shown_code
 from beamcam.machine.machine import CodeMeaning, Machine
-from beamcam.machine.tools import tool_numbers
+from beamcam.machine.stations import tool_numbers
 from beamcam.machine.torch import Torch, TorchProcess
 
 Role = Literal[

@@ -6,9 +6,8 @@ from math import sqrt
 from beamcam.machine.formula import body_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import Fault, trigger_faults
-from beamcam.machine.stations import Saw, Spindle
+from beamcam.machine.stations import FLAT_DEG, Saw, Spindle, ToolSet, inch_size
 from beamcam.machine.tables import DIALECTS, STEP_FORMS, modbus_faults
-from beamcam.machine.tools import FLAT_DEG, ToolSet, inch_size
 from beamcam.machine.torch import Torch
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.

@@ -1,13 +1,101 @@
 """The stations of a line: its saw, its drill with the spindles, and what letters."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from fnmatch import fnmatchcase
+from math import inf, pi, radians, tan
 from typing import Literal
 
-from msgspec import field
+from msgspec import Struct, field
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
 from beamcam.machine.formula import Formula
-from beamcam.machine.tools import ToolKind
+
+ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
+UnitKind = Literal["stamp", "printer"]  #: what letters by itself and is not a tool of a spindle
+
+
+ToolMaterial = Literal["hss", "carbide"]
+
+
+class Tool(Struct, frozen=True, cache_hash=True):
+    """A tool that a spindle can take, or a unit that letters."""
+
+    kind: ToolKind | UnitKind
+    diameter: float
+    point_deg: float = 118.0  #: angle of a drill's point or a countersink's cone; 180 is flat
+    pitch: float = 0.0  #: of a tap
+    hand: Literal["right", "left"] = "right"  #: of a tap
+    tool_material: ToolMaterial = "hss"
+    max_peck: float = 0.0  #: depth that a drill is fed at a time; 0 to the bottom at once
+
+    @property
+    def name(self) -> str:
+        """The shop's name for it."""
+        if self.kind == "tap":
+            left = " left" if self.hand == "left" else ""
+            return f"tap M{self.diameter:g} x {self.pitch:g}{left}"
+        if self.kind == "countersink":
+            return f"countersink {self.diameter:g} at {self.point_deg:g} deg"
+        return f"{self.kind} {self.diameter:g}"
+
+    @property
+    def tip(self) -> float:
+        """Length of the point: radius / tan(half the point angle); 0 of a flat one."""
+        if self.point_deg >= FLAT_DEG:
+            return 0.0
+        return self.diameter / 2 / tan(radians(self.point_deg) / 2)
+
+
+FLAT_DEG = 180.0
+
+
+MM_PER_INCH = 25.4
+
+
+class ToolSet(Keys, frozen=True):
+    """Tools of one kind in the diameters that the shop has."""
+
+    kind: ToolKind  #: of all of them
+    diameters: tuple[float, ...] = ()  #: each is a tool
+    inches: tuple[str, ...] = ()  #: more of them, as "13/16" or "1 1/16"
+    point_deg: Positive = 118.0  #: angle of the point or the cone; 180 is flat
+    faces: tuple[Literal["v", "o", "u", "h"], ...] = ("v", "o", "u", "h")  #: of spindles
+    pitches: tuple[float, ...] = ()  #: of taps, one for each diameter
+    pre_drills: tuple[float, ...] = ()  #: of taps, the drill before each of them
+    hand: Literal["right", "left"] = "right"  #: of taps
+    largest_hole: NotNegative = 0.0  #: of mills: largest that may be milled as a circle
+    tool_material: ToolMaterial = "hss"  #: high-speed steel or cemented carbide
+    max_peck: NotNegative = 0.0  #: depth that a drill is fed at a time, {peck}; 0: all at once
+    numbers: tuple[int, ...] = ()  #: what {tool} of the words calls them, one for each size
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """All diameters in mm, the inch sizes behind the metric ones."""
+        return self.diameters + tuple(inch_size(text) for text in self.inches)
+
+
+#: Kind and size of a tool -> what the machine calls it.
+ToolNumbers = dict[tuple[str, float], int]
+
+
+def tool_numbers(sets: Iterable[ToolSet]) -> ToolNumbers:
+    """The numbers of the tools that have some."""
+    return {
+        (tools.kind, size): number
+        for tools in sets
+        for size, number in zip(tools.sizes, tools.numbers, strict=False)
+    }
+
+
+def inch_size(text: str) -> float:
+    """Millimetres of an inch size such as "13/16" or "1 1/16". Raises ValueError."""
+    from fractions import Fraction
+
+    try:
+        return round(float(sum(Fraction(word) for word in text.split())) * MM_PER_INCH, 6)
+    except (ValueError, ArithmeticError) as error:
+        raise ValueError(f"{text!r} is no size in inches") from error
+
 
 # --- saw ------------------------------------------------------------------------------------------
 
@@ -172,3 +260,58 @@ class Marks(Keys, frozen=True):
     def is_told(self) -> bool:
         """Whether a stamp or a printer letters, which is told its texts."""
         return self.unit in TOLD_UNITS
+
+
+ANY_GRADE = "*"  #: of the rows for what no other row names
+
+
+def speed_and_feed(tool: Tool, drill: Drill, grade: str) -> tuple[float, float]:
+    """Spindle speed in rpm and feed in mm/min of a tool, within the machine's limits.
+
+    n = 1000 v / (pi d), v the cutting speed in m/min; feed = n * feed per turn, of a tap
+    n * pitch. A punch or scribe does not turn: its row's speed is its feed in m/min.
+    """
+    row = cutting_row(tool, drill, grade)
+    if tool.kind in ("punch", "scribe"):
+        return 0.0, min(1000 * row.speed_m_min, drill.max_feed_mm_min)
+    speed = turns_of(row, tool)
+    speed = min(max(speed, drill.min_speed_rpm), drill.max_speed_rpm)
+    if tool.kind == "tap":
+        # A tap has to follow its pitch, so a limit of the feed lowers the speed.
+        speed = min(speed, drill.max_feed_mm_min / tool.pitch)
+        return speed, speed * tool.pitch
+    return speed, min(speed * row.feed_per_turn, drill.max_feed_mm_min)
+
+
+def turns_of(row: Cutting, tool: Tool) -> float:
+    """The speed in rpm that a row asks for, whatever the spindle's limits; of a point infinite."""
+    return 1000 * row.speed_m_min / (pi * tool.diameter) if tool.diameter else inf
+
+
+def cutting_row(tool: Tool, drill: Drill, grade: str) -> Cutting:
+    """The first row that fits kind, material and diameter of a tool and the steel's grade.
+
+    The last row of the kind counts for anything beyond.
+    """
+    rows = [row for row in drill.cutting if row.kind == tool.kind]
+    return next((r for r in rows if _fits(r, tool, grade)), rows[-1])
+
+
+def _fits(row: Cutting, tool: Tool, grade: str) -> bool:
+    return (
+        tool.diameter <= row.up_to
+        and row.tool_material in ("*", tool.tool_material)
+        and names_grade(row, grade)
+    )
+
+
+def names_grade(row: Cutting, grade: str) -> bool:
+    """Whether one of a row's patterns is that of a steel's grade; case counts for nothing."""
+    patterns = row.grade.upper().split("|")
+    return any(fnmatchcase(grade.upper(), pattern.strip()) for pattern in patterns)
+
+
+def is_unnamed(drill: Drill, grade: str) -> bool:
+    """Whether drills have rows by grade, and none of them names this one."""
+    rows = [row for row in drill.cutting if row.kind == "drill" and row.grade != ANY_GRADE]
+    return bool(rows) and not any(names_grade(row, grade) for row in rows)

@@ -5,11 +5,6 @@ of their own. On each, x runs along the part from 0 and y from the face's lower 
 Numbers stand as in a DSTV file: v and u are right-handed seen from outside, o and h are seen
 mirrored (7th edition, page 8), so that counter-clockwise seen from outside is clockwise in the
 numbers of o and h. Curves are plain geometry in those numbers.
-
-Contents of a drawing other than its contours, and the extent of curves.
-
-Filled shapes and curves on hidden layers are not features, since nothing is cut along them; they
-are kept so that their lengths can be given when somebody asks.
 """
 
 from collections.abc import Iterable, Iterator
@@ -241,7 +236,10 @@ class Dashed(Struct, frozen=True):
 
 
 class Measures(Struct, frozen=True):
-    """Contents of a drawing that are not features of the part."""
+    """Contents of a drawing that are not features of the part, since nothing is cut along them.
+
+    They are kept so that their lengths can be given when somebody asks.
+    """
 
     filled: tuple[Curve, ...] = ()  #: outlines of shapes with a fill and no stroke
     hidden: tuple[Curve, ...] = ()  #: curves on layers that are off, frozen or not plotting

@@ -7,7 +7,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Curve, Point
-from beamcam.machine.tools import Tool
+from beamcam.machine.stations import Tool
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Face, Part, Profile
 

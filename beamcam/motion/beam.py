@@ -6,11 +6,10 @@ from typing import cast
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
-from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.machine import Machine, drill_of, saw_of
-from beamcam.machine.stations import Drill
-from beamcam.machine.tools import Tool
+from beamcam.machine.stations import Drill, Tool, speed_and_feed
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
+from beamcam.model.cell_motion import Strokes
 from beamcam.model.description import part_data
 from beamcam.model.part import Profile
 from beamcam.model.plan import AS_GIVEN, DrillOp, PathOp, Plan, SawOp, SpindleOp, TextOp, ToolLoad
@@ -29,7 +28,6 @@ from beamcam.model.program import (
     StartBar,
     TellText,
 )
-from beamcam.model.stroke import Strokes
 from beamcam.plain_text import outside_text
 
 # --- stations -------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from math import cbrt, cos, hypot, inf, radians, sin, sqrt
 from operator import itemgetter
 
 from beamcam.geometry.plane import Point, cross
-from beamcam.machine.path_limits import PathLimits
+from beamcam.machine.machine import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, Pace, ParabolaFeed
 
 # --- bending --------------------------------------------------------------------------------------

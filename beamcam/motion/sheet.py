@@ -22,8 +22,7 @@ from typing import NamedTuple
 
 from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
 from beamcam.geometry.plane import Point, dot
-from beamcam.machine.machine import Machine
-from beamcam.machine.path_limits import PathLimits, path_limits
+from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.machine.torch import TorchProcess, TorchRow
 from beamcam.machine.words import PART_NAMES, WORK_WORDS, names_in
 from beamcam.model.description import part_data

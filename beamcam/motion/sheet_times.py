@@ -17,8 +17,7 @@ from msgspec import Struct
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc, Line
 from beamcam.geometry.plane import Point, cross
 from beamcam.geometry.ramps import move_seconds, stretch_seconds
-from beamcam.machine.machine import Machine
-from beamcam.machine.path_limits import PathLimits, path_limits
+from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.machine.tables import Triggers
 from beamcam.model.plan import SheetPlan, WorkTime
 from beamcam.model.program import (

@@ -13,7 +13,7 @@ from math import atan2, degrees, hypot, radians, tan
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
-from beamcam.machine.tools import FLAT_DEG
+from beamcam.machine.stations import FLAT_DEG
 from beamcam.model.part import (
     MIRRORED_FACES,
     Bend,

@@ -21,10 +21,10 @@ from msgspec import Struct
 from beamcam.caches import BoundedCache, PerObject, PerObjectAndKey
 from beamcam.errors import Diagnostic, Source, error
 from beamcam.machine.machine import ControlledAxis, Machine, drill_of
+from beamcam.model.cell_motion import Strokes
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
-from beamcam.model.stroke import Strokes
 from beamcam.planning.operations.tools import Tooling
 from beamcam.planning.operations.working_step import Said, WorkingStep
 

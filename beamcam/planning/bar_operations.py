@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from beamcam.machine.machine import text_x
-from beamcam.machine.tools import Tool
+from beamcam.machine.stations import Tool
 from beamcam.model.plan import DrillOp, FeatureRef, PathOp, Piece, SawOp, TextOp, WorkOp
 from beamcam.planning.nesting import LaidParts
 from beamcam.planning.operations.part_planner import BarLine

@@ -17,9 +17,9 @@ from msgspec import Struct
 from beamcam.errors import Diagnostic, Source, error
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Axis, Spindle
+from beamcam.model.cell_motion import formula_values
 from beamcam.model.part import Profile
 from beamcam.model.section import FACE_NAMES
-from beamcam.model.stroke import formula_values
 from beamcam.model.weight import measures_of
 
 HAND = error("machine-hand",

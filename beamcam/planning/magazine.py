@@ -15,10 +15,8 @@ from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.cutting import cutting_row, is_unnamed, turns_of
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import Drill, Spindle
-from beamcam.machine.tools import Tool
+from beamcam.machine.stations import Drill, Spindle, Tool, cutting_row, is_unnamed, turns_of
 from beamcam.model.part import Hole
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, ToolLoad, WorkOp
 from beamcam.planning import rules

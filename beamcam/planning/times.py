@@ -18,13 +18,11 @@ from typing import Literal, cast
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.machine.cutting import speed_and_feed
 from beamcam.machine.machine import ControlledAxis, Machine, drill_of, saw_of
-from beamcam.machine.stations import Drill
+from beamcam.machine.stations import Drill, speed_and_feed
 from beamcam.model import drill_cycle
-from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion
+from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion, Strokes
 from beamcam.model.plan import Operation, PathOp, Piece, Plan, SawOp, SpindleOp, TextOp, WorkTime
-from beamcam.model.stroke import Strokes
 from beamcam.planning.magazine import tool_loads
 
 Moves = Literal["X", "Y", "Z", "angle", "saw"]

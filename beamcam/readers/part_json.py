@@ -13,8 +13,15 @@ from msgspec.structs import asdict
 from beamcam.errors import ReadError, Source, error
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
-from beamcam.model.curve_json import CURVE_RULES, JSON_EXPRESSION, curves_of
-from beamcam.model.json_object import JSON_OBJECT_RULES, Place, record_of, show
+from beamcam.model.curve_json import (
+    CURVE_RULES,
+    JSON_EXPRESSION,
+    JSON_OBJECT_RULES,
+    Place,
+    curves_of,
+    record_of,
+    show,
+)
 from beamcam.model.part import (
     FACES,
     MIRRORED_FACES,

@@ -13,8 +13,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine, drill_of, text_x
-from beamcam.machine.stations import Saw
-from beamcam.machine.tools import FLAT_DEG
+from beamcam.machine.stations import FLAT_DEG, Saw
 from beamcam.model.part import EndCuts, Face, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.section import corners
 from beamcam.model.weight import sections

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 
 from beamcam.diff.pairing import Difference
 from beamcam.geometry.velocity_profile import VelocityProfile
-from beamcam.pictures.encoder import Study, encoder_scene
+from beamcam.pictures.graphs import Study, encoder_scene, profile_scene, sample_times
 from beamcam.pictures.overlay import Compared
-from beamcam.pictures.profile import profile_scene, sample_times
 from beamcam.pictures.scene import Unit
 from beamcam.report.velocity_profile import VelocityUnit
 from beamcam.setup_sheet.html import page

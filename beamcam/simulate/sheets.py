@@ -17,8 +17,7 @@ from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import Arc, Bezier, Curve, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.geometry.polylines import polylines
-from beamcam.machine.machine import Machine
-from beamcam.machine.path_limits import path_limits
+from beamcam.machine.machine import Machine, path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.lift_times import LiftTimes
 from beamcam.motion.lookahead import SpeedSection

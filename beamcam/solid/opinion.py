@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.machine import Machine
-from beamcam.machine.tools import ToolKind
+from beamcam.machine.stations import ToolKind
 from beamcam.model.part import Part
 from beamcam.model.request import Request
 from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of

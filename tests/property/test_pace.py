@@ -11,7 +11,7 @@ from beamcam.controllers.events import Move
 from beamcam.controllers.moves import moves_of
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
-from beamcam.machine.path_limits import PathLimits
+from beamcam.machine.machine import PathLimits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Pace, ParabolaFeed
 from beamcam.motion.feed_limits import (
     SECONDS_PER_MINUTE,

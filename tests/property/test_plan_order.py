@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.machine import load
 from beamcam.machine.machine import Times
-from beamcam.machine.tools import Tool
+from beamcam.machine.stations import Tool
 from beamcam.model.plan import DrillOp, Operation, SawOp
 from beamcam.planning.magazine import tool_loads
 from beamcam.planning.order import sort_along_x, travel

@@ -5,8 +5,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from beamcam.controllers.simotion import axes, syntax
-from beamcam.controllers.simotion.lexer import Token
-from beamcam.controllers.simotion.syntax import Expression
+from beamcam.controllers.simotion.syntax import Expression, Token
 
 _WORDS = """
     ACTION AND ARRAY AT BEGIN BY CASE CONFIGURATION CONSTANT DATE DO DT ELSE ELSIF END_ACTION

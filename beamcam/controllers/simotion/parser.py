@@ -10,8 +10,7 @@ from typing import Literal, cast
 
 from beamcam.controllers.simotion import rules, syntax
 from beamcam.controllers.simotion.expressions import KEYWORDS, Expressions, Stop
-from beamcam.controllers.simotion.lexer import Token, tokens
-from beamcam.controllers.simotion.syntax import Expression, Section, Statement
+from beamcam.controllers.simotion.syntax import Expression, Section, Statement, Token, tokens
 from beamcam.errors import Diagnostic, Source
 
 _SECTIONS: dict[str, Section] = {

@@ -6,10 +6,9 @@ from typing import Literal, cast
 
 from beamcam.controllers.simotion import axes, rules, syntax
 from beamcam.controllers.simotion.expressions import RESERVED, Stop
-from beamcam.controllers.simotion.lexer import Token, tokens
 from beamcam.controllers.simotion.names import UNKNOWN, Names, near, spelled, text_of
 from beamcam.controllers.simotion.parser import Parser
-from beamcam.controllers.simotion.syntax import Section, Statement
+from beamcam.controllers.simotion.syntax import Section, Statement, Token, tokens
 from beamcam.errors import Diagnostic, Source
 
 _NUMERIC = (*axes.NUMBERS, "integer", "real")

@@ -18,8 +18,7 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.torch import Torch, TorchRow
-from beamcam.planning.contours.direction import Curves, stretch
-from beamcam.planning.contours.outline import Shape, wants_tabs, ways
+from beamcam.planning.contours.outline import Curves, Shape, stretch, wants_tabs, ways
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 

@@ -21,10 +21,9 @@ from beamcam.geometry.curves import Curve, join_boxes
 from beamcam.geometry.near import overlapping
 from beamcam.machine.torch import Torch
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.direction import from_longest
 from beamcam.planning.contours.entry import from_middle, leads, uncompensated, waste_side
 from beamcam.planning.contours.narrow import left_in, sharp_corners, told_near, told_of, too_near
-from beamcam.planning.contours.outline import Shape
+from beamcam.planning.contours.outline import Shape, from_longest
 from beamcam.planning.contours.outline import ways as outlines
 from beamcam.planning.contours.outline import ways as polylines_of
 from beamcam.planning.contours.repeats import Repeats, contours_once

@@ -18,7 +18,6 @@ from beamcam.model.plan import SKELETON, ContourOp, Pass
 from beamcam.planning.contours import rules
 from beamcam.planning.contours.assign_process import OUTLINE
 from beamcam.planning.contours.chain import chained
-from beamcam.planning.contours.direction import begun, is_turned, reversed_chain
 from beamcam.planning.contours.entry import (
     entries,
     is_shortened,
@@ -31,7 +30,14 @@ from beamcam.planning.contours.layout import moved
 from beamcam.planning.contours.look_settings import is_one_way, rank
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
-from beamcam.planning.contours.outline import Shape, stretches_of, wants_tabs
+from beamcam.planning.contours.outline import (
+    Shape,
+    begun,
+    is_turned,
+    reversed_chain,
+    stretches_of,
+    wants_tabs,
+)
 
 Way = tuple[Shape, float]  #: with the kerf that is kept off
 

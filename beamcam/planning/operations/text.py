@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
 from beamcam.errors import Diagnostic
-from beamcam.machine.tools import FLAT_DEG, Tool
+from beamcam.machine.stations import FLAT_DEG, Tool
 from beamcam.model.part import Face, Hole, Slot, TextMark
 from beamcam.model.plan import Typed
 from beamcam.model.section import NO_PLATE, OTHER_SIDE

@@ -19,8 +19,7 @@ from msgspec.structs import replace
 from beamcam.caches import BoundedCache, PerObject
 from beamcam.errors import Rule, error
 from beamcam.machine.machine import Machine, drill_of
-from beamcam.machine.stations import Drill, Fit
-from beamcam.machine.tools import FLAT_DEG, Tool, ToolKind, ToolSet
+from beamcam.machine.stations import FLAT_DEG, Drill, Fit, Tool, ToolKind, ToolSet
 from beamcam.model.part import Face, HoleKind
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 

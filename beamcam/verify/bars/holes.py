@@ -20,7 +20,7 @@ from math import floor, inf, radians, tan
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.tools import FLAT_DEG
+from beamcam.machine.stations import FLAT_DEG
 from beamcam.model.part import Part, Profile
 from beamcam.verify import rules
 from beamcam.verify.bars.machined_features import Bore

@@ -21,7 +21,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Point
 from beamcam.machine.machine import saw_of
-from beamcam.machine.tools import FLAT_DEG
+from beamcam.machine.stations import FLAT_DEG
 from beamcam.model.description import description, policy_on
 from beamcam.model.part import (
     Bend,

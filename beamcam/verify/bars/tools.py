@@ -8,8 +8,7 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import Cutting, Drill
-from beamcam.machine.tools import FLAT_DEG, ToolSet
+from beamcam.machine.stations import FLAT_DEG, Cutting, Drill, ToolSet
 from beamcam.model.part import Face, Hole, Part
 from beamcam.model.section import NO_PLATE
 

@@ -17,8 +17,7 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Bezier, EllipseArc, Line
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine
-from beamcam.machine.path_limits import PathLimits, path_limits
+from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.machine.torch import Torch, material_said
 from beamcam.model.part import Contour, Feature, Measures, Part, extent, moved_feature
 from beamcam.verify.head import head_of, part_faults, stock_faults

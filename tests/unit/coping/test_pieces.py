@@ -30,8 +30,8 @@ from beamcam.readers import read
 from beamcam.readers.dstv import MADE
 from beamcam.rest_part import RULES, Stage, chain_for, rest_of_part, stages_of
 from beamcam.solid.bar_solid import bar_pieces, work_of
-from beamcam.verify.begun import RULES as REST_RULES
-from beamcam.verify.begun import rest_faults
+from beamcam.verify.asked import RULES as REST_RULES
+from beamcam.verify.asked import rest_faults
 from beamcam.verify.coping import verify_coping
 from beamcam.verify.coping.section import Section
 from beamcam.verify.coping.stock import stock_of

@@ -7,9 +7,16 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.machine import load
-from beamcam.machine.cutting import cutting_row, is_unnamed, names_grade, speed_and_feed
-from beamcam.machine.stations import Cutting, Drill
-from beamcam.machine.tools import Tool, ToolMaterial
+from beamcam.machine.stations import (
+    Cutting,
+    Drill,
+    Tool,
+    ToolMaterial,
+    cutting_row,
+    is_unnamed,
+    names_grade,
+    speed_and_feed,
+)
 from beamcam.pipeline import post
 from tests.unit.planning.shop import hole, part
 

@@ -10,8 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine.cutting import speed_and_feed
-from beamcam.machine.tools import Tool, ToolSet, inch_size
+from beamcam.machine.stations import Tool, ToolSet, inch_size, speed_and_feed
 from tests.conftest import examples
 
 #: Lines laid over a shipped machine, and what the message has to say.

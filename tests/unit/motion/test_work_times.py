@@ -4,13 +4,13 @@ from itertools import pairwise
 from math import cbrt, ceil, dist, hypot, pi
 
 import pytest
-from beamcam.machine.path_limits import path_limits
 from msgspec.structs import replace
 
 from beamcam.emitters import simotion
 from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.ramps import move_seconds
 from beamcam.machine import Machine, load
+from beamcam.machine.machine import path_limits
 from beamcam.model.part import Part
 from beamcam.model.plan import WorkTime
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed

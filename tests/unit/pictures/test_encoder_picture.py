@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.cli import main
-from beamcam.pictures.encoder import COUNTS, Study, encoder_scene
+from beamcam.pictures.graphs import COUNTS, Study, encoder_scene
 from beamcam.pictures.svg import to_svg
 from beamcam.simulate.encoder import Encoder
 from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder

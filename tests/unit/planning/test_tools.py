@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.machine import load
-from beamcam.machine.tools import Tool, ToolSet
+from beamcam.machine.stations import Tool, ToolSet
 from beamcam.model.plan import DrillOp, PathOp, Plan, SpindleOp
 from beamcam.planning.bar_operations import settle
 from beamcam.planning.operations.tools import Tools, library_of

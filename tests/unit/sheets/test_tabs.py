@@ -15,7 +15,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Contour, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import post, whole_job
-from beamcam.planning.contours.direction import stretch
+from beamcam.planning.contours.outline import stretch
 from beamcam.posts import post_of
 from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples, sampled

@@ -22,8 +22,7 @@ from beamcam.machine.runtime import runtime_of
 from beamcam.model.program import Switch, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
-from beamcam.verify.st import verify_triggers
-from beamcam.verify.st.execution import Execution
+from beamcam.verify.st import Execution, verify_triggers
 from tests.conftest import sampled
 from tests.unit.sheets.parts import circle, contour, drawing
 

@@ -1,4 +1,6 @@
-"""Execution of a trigger program, operation by operation: the strokes of its tools, and faults.
+"""Trigger programs of either dialect verified: what their operations do, compared with the part.
+
+text -> operations (controllers/simotion) -> strokes and faults -> compared with the contours
 
 The runtime starts each operation at rest, when the one before it has arrived, so that the tool
 follows the lines and arcs of its operations; see `trial` for the proof.
@@ -14,14 +16,16 @@ import numpy as np
 from msgspec import Struct, field
 from msgspec.structs import replace
 
-from beamcam.controllers.simotion import rules
+from beamcam.controllers.simotion import read_program, rules
 from beamcam.controllers.simotion.axes import circle_points
 from beamcam.controllers.simotion.job import JobRead, Operation
-from beamcam.errors import Diagnostic, Rule, Source, add_few
+from beamcam.controllers.simotion.trial import trial
+from beamcam.errors import Diagnostic, Rule, Source, add_few, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.runtime import PROCESSES
 from beamcam.machine.torch import TorchProcess, TorchRow
 from beamcam.model.part import Part
+from beamcam.verify.polylines import DrawnPath
 
 #: Where the head goes, as the operations of a chain say it.
 _GOES_TO = re.compile(r"x := LREAL#(-?[\d.]+), y := LREAL#(-?[\d.]+)")
@@ -322,3 +326,53 @@ def _is_of(speed: float, asked: float, by_cycles: float) -> bool:
     A run that is not slowed has a greater one by its cycles than is asked.
     """
     return speed > 0.0 and min(asked, by_cycles) - SLACK <= speed <= asked + SLACK
+
+
+def verify_triggers(
+    text: str,
+    parts: Sequence[Part],
+    machine: Machine,
+    skips: Collection[str] = (),
+    name: str = "program",
+) -> tuple[Diagnostic, ...]:
+    """All faults of a trigger program, by itself and against its part.
+
+    Nothing comes back for a program that makes exactly the part.
+    """
+    from beamcam.verify.sheets.need import rows_of, thickness_of
+
+    torch = machine.needed(machine.torch, "trigger program")
+    triggers = machine.needed(machine.triggers, "trigger program")
+    job, said = read_program(text, machine, name)
+    if job is None:
+        if not parts:
+            return tuple(said)
+
+        return tuple(with_contours(said, unread(text, said), parts[0], machine, skips))
+    execution = Execution(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
+    if parts and triggers.z is not None:
+        execution.lie_on(thickness_of(parts[0], torch))
+    execution.follow()
+    said = [*trial(machine), *execution.said]
+    if not parts:
+        return tuple(said)
+    if errors_in(said):
+        return tuple(with_contours(said, job.operations, parts[0], machine, skips))
+    from beamcam.verify.polylines import compare_polylines
+    from beamcam.verify.sheets.controller_state import as_one
+
+    part, machine, faults = as_one(parts, machine, skips)
+    ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(part, torch)))
+    more = compare_polylines(ways, part, machine, skips, triggers.in_position, name)
+    return (*said, *faults, *more)
+
+
+def _ways(strokes: Sequence[HeadStroke], counts_passes: bool) -> list[DrawnPath]:
+    """What the head draws; a stroke that repeats the one before it is another pass of that."""
+    ways: list[DrawnPath] = []
+    for k, stroke in enumerate(strokes):
+        if counts_passes and k and stroke.repeats(strokes[k - 1]):
+            ways[-1] = replace(ways[-1], passes=ways[-1].passes + 1)
+        else:
+            ways.append(DrawnPath(stroke.process, stroke.points, stroke.feeds_mm_min))
+    return ways
