@@ -43,7 +43,7 @@ from beamcam.model.program import (
 from beamcam.model.request import Job
 from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
 from beamcam.planning.contours.layout import worked_box
-from beamcam.planning.magazine import tool_loads
+from beamcam.planning.order import tool_loads
 from beamcam.verify.bars.remainder import verify_remainder
 from beamcam.verify.sheets.frame import frame_faults, said_of
 

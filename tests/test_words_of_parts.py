@@ -18,7 +18,7 @@ from beamcam.machine.words import PART_NAMES, WORK_WORDS
 from beamcam.model.description import PART_DATA
 from beamcam.model.request import Request
 from beamcam.pipeline import read_back
-from beamcam.planning.magazine import tool_loads
+from beamcam.planning.order import tool_loads
 from beamcam.readers import read
 from tests.conftest import SAMPLES
 from tests.unit.planning.shop import hole, part

@@ -19,10 +19,15 @@ from beamcam.commands.common import (
     say_json,
     write,
 )
-from beamcam.commands.parts import member_choice, member_options
+from beamcam.commands.parts import (
+    drawing_choice,
+    drawing_options,
+    member_choice,
+    member_options,
+    thickness,
+)
 from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN
 from beamcam.commands.settings import files_read, settled, with_thickness
-from beamcam.commands.sheets import drawing_choice, drawing_options, thickness
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part

@@ -7,9 +7,14 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Grouped, Voice, followed, say_json, say_lines
-from beamcam.commands.parts import member_choice, member_options
+from beamcam.commands.parts import (
+    drawing_choice,
+    drawing_options,
+    member_choice,
+    member_options,
+    thickness,
+)
 from beamcam.commands.settings import settled, with_thickness
-from beamcam.commands.sheets import drawing_choice, drawing_options, thickness
 from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file

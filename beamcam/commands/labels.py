@@ -12,10 +12,10 @@ from beamcam.api.shop_lists import label_lines, programs_of
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, write
+from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missing
 from beamcam.commands.options import quantity
-from beamcam.commands.parts import counted_parts, machines_in_shop, member_options, refuse_missing
+from beamcam.commands.parts import drawing_options, member_options, torch_options
 from beamcam.commands.settings import files_read, settled
-from beamcam.commands.sheets import drawing_options, torch_options
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in
 from beamcam.model.plan import Order

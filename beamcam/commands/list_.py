@@ -1,24 +1,45 @@
 """`beamcam list`: the part list and the cutting list of a folder's parts."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from itertools import compress
 from typing import Any
 
 import click
 from msgspec.structs import replace
 
 from beamcam.api.shop_lists import bars_of, not_made, planned_counts
+from beamcam.batch.find import FoundInputs, find_inputs
+from beamcam.batch.names import other_content
+from beamcam.budget import refused_pieces
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, wants_colour, write
+from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, read_all, wants_colour, write
 from beamcam.commands.options import quantity
-from beamcam.commands.parts import counted_parts, machines_in_shop, member_options, refuse_missing
-from beamcam.commands.settings import files_read, machine_of_stock, settled
-from beamcam.commands.sheets import drawing_options, torch_options
-from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, errors_in
+from beamcam.commands.parts import (
+    drawing_choice,
+    drawing_options,
+    member_choice,
+    member_options,
+    torch_options,
+)
+from beamcam.commands.rules import MISSING_EXTRA
+from beamcam.commands.settings import (
+    files_read,
+    machine_of_stock,
+    machines_of_stock,
+    settled,
+    with_thickness,
+)
+from beamcam.config.values import Config, Stock
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.model.description import marked
+from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.model.request import Request, remnant_of
+from beamcam.pipeline import counted, sound, stock_of
 from beamcam.plain_text import terminal_text
+from beamcam.planning.jobs import number_of
 from beamcam.planning.rules import named_skips
 from beamcam.report.part_list import (
     CutBar,
@@ -140,3 +161,47 @@ def _text(tables: Sequence[Table], is_coloured: bool) -> str:
         f"{click.style(line, fg='red') if is_marked and is_coloured else line}\n"
         for line, is_marked in lines
     )
+
+
+def counted_parts(
+    names: Sequence[str], config: Config, asked: Mapping[str, Any], voice: Voice
+) -> tuple[tuple[PartCount, ...], tuple[Diagnostic, ...]]:
+    """The parts in order with their quantities, and everything that was said of their files.
+
+    The quantities are those of the files where the job does not say. A part that an error is said
+    of is left out, as are files that hold none and parts of which there are too many. Raises
+    ReadError for two parts that differ under one mark of an order: nothing is listed then.
+    """
+    found: FoundInputs = find_inputs(names)
+    said: list[Diagnostic] = [*found.diagnostics]
+    parts: list[Part] = []
+    how = drawing_choice(asked, config.map) | member_choice(asked, kernel=False)
+    for reading in read_all((i.path for i in found.inputs), config.strict, how, voice):
+        reading = with_thickness(reading, config)
+        said += reading.diagnostics
+        parts += marked(counted(sound(reading)), asked["mark_from"])
+    if mixed := tuple(other_content(parts)):
+        raise ReadError((*said, *mixed))
+    counts = [PartCount(part, number_of(part, config.quantity)) for part in parts]
+    refused = list(refused_pieces((one.part.source, one.quantity) for one in counts))
+    said += [one for one in refused if one is not None]
+    return tuple(compress(counts, (one is None for one in refused))), tuple(said)
+
+
+def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Machine]]:
+    """The machines that may make a part, as a batch whose programs are called `name` tries them."""
+    of_stock: dict[Stock, Sequence[Machine]] = {}
+
+    def machines_for(part: Part) -> Sequence[Machine]:
+        stock = stock_of((part,))
+        if stock not in of_stock:
+            of_stock[stock] = machines_of_stock(config, stock, name, is_one_of_two=True)
+        return of_stock[stock]
+
+    return machines_for
+
+
+def refuse_missing(error: ImportError, extra: str) -> BeamcamError:
+    """The message where a library of an extra is not installed."""
+    said = MISSING_EXTRA.at(Source("beamcam"), found=error.name or str(error), extra=extra)
+    return ReadError((said,))

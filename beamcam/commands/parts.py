@@ -1,33 +1,171 @@
 """Shared by the commands that take parts: their options, and reading the parts."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import compress
-from typing import Any
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any, get_args
 
 import click
 
-from beamcam.batch.find import FoundInputs, find_inputs
-from beamcam.batch.names import other_content
-from beamcam.budget import refused_pieces
 from beamcam.commands import options
 from beamcam.commands.common import Voice, read_all
-from beamcam.commands.options import group, quantity
-from beamcam.commands.rules import MISSING_EXTRA
-from beamcam.commands.settings import machines_of_stock, with_thickness
-from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
-from beamcam.config.values import Config, Stock
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
+from beamcam.commands.options import Number, group, quantity
+from beamcam.config.values import Config, Origin
+from beamcam.errors import Diagnostic, ReadError
 from beamcam.machine.machine import Machine
+from beamcam.machine.overlay import MEANINGS, Meaning
 from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
 from beamcam.model.request import Quantity, Request
-from beamcam.pipeline import counted, parts_of, sound, stock_of
-from beamcam.planning.jobs import number_of
+from beamcam.pipeline import counted, parts_of
 from beamcam.planning.rules import named_skips
 from beamcam.readers.content import content
-from beamcam.report.part_list import PartCount
 from beamcam.system import cores
+
+_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding")
+
+
+def _map(
+    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> dict[str, Meaning] | None:
+    """ "red=cut" as {"red": "cut"}; None if there is none."""
+    table: dict[str, Meaning] = {}
+    for value in values:
+        key, _, wanted = value.rpartition("=")
+        meaning = next((m for m in MEANINGS if m == wanted.strip()), None)
+        if not key.strip() or meaning is None:
+            from beamcam.planning.contours import rules
+
+            raise click.BadParameter(rules.MAP.message.format(found=value))
+        table[key.strip()] = meaning
+    return table or None
+
+
+def _fit(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    """The layers of "newton=LAYER"; "" of "newton", which the reader answers with their names."""
+    layers = []
+    for value in values:
+        method, _, layer = value.partition("=")
+        if method.strip() != "newton":
+            raise click.BadParameter(f"found {value!r}; expected newton=LAYER")
+        layers.append(layer.strip())
+    return tuple(layers)
+
+
+def _copies(
+    ctx: click.Context, param: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    """The two counts of "3x2"."""
+    if value is None:
+        return None
+    columns, _, rows = value.partition("x")
+    if not (columns.isdecimal() and rows.isdecimal() and int(columns) and int(rows)):
+        raise click.BadParameter(f"found {value!r}; expected two counts such as 3x2")
+    return int(columns), int(rows)
+
+
+def _encoding(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """The name of an encoding of text that Python knows."""
+    if value is None:
+        return None
+    try:
+        "a".encode(value)  # raises LookupError too of what is no encoding of text
+    except (LookupError, UnicodeError) as error:
+        raise click.BadParameter(f"found {value!r}; expected one such as cp1251, cp850") from error
+    return value
+
+
+def _size(
+    ctx: click.Context, param: click.Parameter, value: str | None
+) -> tuple[float, float] | None:
+    """The length and width of a sheet."""
+    if value is None:
+        return None
+    match = _SIZE.fullmatch(value.strip().lower())
+    if match is None or not all(float(side) > 0 for side in match.groups()):
+        raise click.BadParameter(f"found {value!r}; expected length x width in mm, as 3000x1500")
+    return float(match[1]), float(match[2])
+
+
+_SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
+
+
+#: Reading options: `units`, `width`, `layers` and `fit` of a drawing, `encoding` of a DSTV file.
+drawing_options = group(
+    click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
+    click.option("--width", help="Width of an SVG's page, as 600mm."),
+    click.option("--layers", multiple=True, help="Read this layer only; may be repeated."),
+    click.option("--fit", multiple=True, callback=_fit, metavar="newton=LAYER",
+                 help="Polylines of this layer become polynomials through their vertices."),
+    click.option("--encoding", callback=_encoding, metavar="NAME",
+                 help="Encoding of a DSTV file, such as cp1251; detected by default."),
+)  # fmt: skip
+
+#: The thickness of a drawing's sheet, which no drawing says.
+thickness = click.option("--thickness", type=Number(), help="Thickness of a drawing's sheet, mm.")
+
+#: Settings of a sheet and its cuts, which override the machine file.
+torch_options = group(
+    click.option("--map", "colours", multiple=True, callback=_map, metavar="KEY=PROCESS",
+                 help="Process of a colour, a layer or all others (*): cut, mark, engrave, ignore"),
+    thickness,
+    click.option("--material", help="Material of the sheet, as named in the machine file."),
+    click.option("--amps", type=Number(), help="Rows of the cut chart for this current, A."),
+    click.option("--nozzle", help="Rows of the cut chart for this nozzle or gas."),
+    click.option("--kerf", type=Number(least=0), help="Width of the cut, mm."),
+    click.option("--kerf-by", type=click.Choice(["none", "offset", "machine"]),
+                 help="Kerf compensation: none, by offset, or by the machine."),
+    click.option("--lead", type=click.Choice(["none", "line", "arc"]),
+                 help="Lead-in from the pierce point to the contour."),
+    click.option("--lead-in", type=Number(least=0), help="Length of a lead-in, mm."),
+    click.option("--lead-out", type=Number(least=0), help="Length of a lead-out, mm."),
+    click.option("--tabs", type=click.IntRange(min=0), help="Bridges in each outer contour."),
+    click.option("--tab-width", type=Number(), help="Width of a bridge, mm."),
+    click.option("--inner-tabs/--no-inner-tabs", default=None,
+                 help="As many bridges in inner contours."),
+    click.option("--overcut", type=Number(least=0),
+                 help="How far a closed cut goes on beyond its start, mm."),
+    click.option("--gap", type=Number(), 
+                 help="Join ends of a drawing that are as near as this, mm."),
+    click.option("--allow-open/--no-allow-open", default=None,
+                 help="Cut open lines, though kerf is compensated."),
+    click.option("--place", type=click.Choice(["corner", "drawn"]),
+                 help="Move a sheet to the corner of the table, or leave it as drawn."),
+    click.option("--origin", type=click.Choice(get_args(Origin)),
+                 help="Where X 0, Y 0 is: at the table's corner, or at a point of the work."),
+    click.option("--mirror", type=click.Choice(["none", "x", "y"]),
+                 help="x: left for right; y: top for bottom."),
+    click.option("--rotate", type=click.FloatRange(-360, 360), metavar="DEGREES",
+                 help="Turn the part about its middle."),
+    click.option("--copies", callback=_copies, metavar="NxM",
+                 help="Lay out N copies side by side, in M rows."),
+    click.option("--spacing", type=Number(least=0), help="Between two copies, mm."),
+    click.option("--common-cuts/--no-common-cuts", default=None,
+                 help="Lay parts a kerf apart and cut shared straight edges once."),
+    click.option("--chain-cuts", type=Number(least=0), metavar="MM",
+                 help="Longest way from one part to the next with the torch on; 0 pierces each."),
+    click.option("--skeleton-cuts/--no-skeleton-cuts", default=None,
+                 help="Cut what is left of the sheet between the rows of parts."),
+    click.option("--sheet", "sheet_size", callback=_size, metavar="LxW",
+                 help="Size of the sheet that the parts lie on, as 3000x1500; the whole table if "
+                 "absent."),
+    click.option("--unrolled", is_flag=True, default=None,
+                 help="Cut pipes that are written as plates (PIPE...) flat."),
+)  # fmt: skip
+
+
+def drawing_choice(
+    values: Mapping[str, Any], colours: Mapping[str, object] | None = None
+) -> dict[str, object]:
+    """The options of a reader of drawings: those of `drawing_options` that were given.
+
+    `colours` is the job's map: texts on layers that are marked or engraved are lettered.
+    """
+    chosen = {name: values[name] for name in _DRAWING_NAMES if values[name] not in (None, ())}
+    processes = {key: getattr(how, "process", how) for key, how in (colours or {}).items()}
+    letters = tuple(key for key, how in processes.items() if how in ("mark", "engrave"))
+    return chosen | {"letters": letters} if letters else chosen
+
 
 # --- members --------------------------------------------------------------------------------------
 
@@ -131,47 +269,3 @@ def input_bytes(path: str) -> bytes:
 def program_text(path: str) -> str:
     """The text of a program; bytes that are no text become `\\ufffd`. Raises ReadError."""
     return input_bytes(path).decode("utf-8", "replace")
-
-
-def counted_parts(
-    names: Sequence[str], config: Config, asked: Mapping[str, Any], voice: Voice
-) -> tuple[tuple[PartCount, ...], tuple[Diagnostic, ...]]:
-    """The parts in order with their quantities, and everything that was said of their files.
-
-    The quantities are those of the files where the job does not say. A part that an error is said
-    of is left out, as are files that hold none and parts of which there are too many. Raises
-    ReadError for two parts that differ under one mark of an order: nothing is listed then.
-    """
-    found: FoundInputs = find_inputs(names)
-    said: list[Diagnostic] = [*found.diagnostics]
-    parts: list[Part] = []
-    how = drawing_choice(asked, config.map) | member_choice(asked, kernel=False)
-    for reading in read_all((i.path for i in found.inputs), config.strict, how, voice):
-        reading = with_thickness(reading, config)
-        said += reading.diagnostics
-        parts += marked(counted(sound(reading)), asked["mark_from"])
-    if mixed := tuple(other_content(parts)):
-        raise ReadError((*said, *mixed))
-    counts = [PartCount(part, number_of(part, config.quantity)) for part in parts]
-    refused = list(refused_pieces((one.part.source, one.quantity) for one in counts))
-    said += [one for one in refused if one is not None]
-    return tuple(compress(counts, (one is None for one in refused))), tuple(said)
-
-
-def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Machine]]:
-    """The machines that may make a part, as a batch whose programs are called `name` tries them."""
-    of_stock: dict[Stock, Sequence[Machine]] = {}
-
-    def machines_for(part: Part) -> Sequence[Machine]:
-        stock = stock_of((part,))
-        if stock not in of_stock:
-            of_stock[stock] = machines_of_stock(config, stock, name, is_one_of_two=True)
-        return of_stock[stock]
-
-    return machines_for
-
-
-def refuse_missing(error: ImportError, extra: str) -> BeamcamError:
-    """The message where a library of an extra is not installed."""
-    said = MISSING_EXTRA.at(Source("beamcam"), found=error.name or str(error), extra=extra)
-    return ReadError((said,))

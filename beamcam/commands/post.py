@@ -35,7 +35,6 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError
 from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
-from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Contour, Feature, Hole, Slot, TextMark
 from beamcam.model.plan import AnyPlan, CopePlan, Order, SawOp, SheetPlan, clock
 from beamcam.model.request import Request
@@ -49,7 +48,6 @@ from beamcam.pipeline import (
     stock_of,
     untold,
 )
-from beamcam.planning.coping.rules import ROUNDED
 from beamcam.planning.left_out import by_hand_sources, left_out_sources
 
 FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (EN 10058)
@@ -154,6 +152,8 @@ def command(
             told = table_style(wanted.machine, output, style)
             return begin(replace(wanted, name=job, style=told), stage=stage)
 
+        from beamcam.machine_choice import on_best_machine
+
         begun, choice = on_best_machine(request, machines, planned)
         said += choice
         names = program_names(output, len(begun))
@@ -193,7 +193,7 @@ def _way_out(
     request: Request, tried: Sequence[Machine], config: Config, asked: Mapping[str, Any]
 ) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
-    from beamcam.commands.sheets import drawing_choice
+    from beamcam.commands.parts import drawing_choice
     from beamcam.machine import shipped
     from beamcam.pipeline import read_file
     from beamcam.ways_out import ways_out
@@ -342,8 +342,11 @@ def _read_back(posted: Posted, is_rest: bool) -> str:
     lacking = [f"{_counted(left_out, 'feature')} left out"] if left_out else []
     if by_hand:
         lacking.append(f"{_counted(by_hand, 'mark')} left to the hand")
-    if rounded := sum(int(one["count"]) for one in plan.remarks if one.code == ROUNDED.code):
-        lacking.append(f"{_counted(rounded, 'corner')} rounded")
+    if isinstance(plan, CopePlan):
+        from beamcam.planning.coping.rules import ROUNDED
+
+        rounded = sum(int(one["count"]) for one in plan.remarks if one.code == ROUNDED.code)
+        lacking += [f"{_counted(rounded, 'corner')} rounded"] if rounded else []
     return f"read back: {parts} but for {' and '.join(lacking)}" if lacking else exactly
 
 

@@ -10,10 +10,9 @@ from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, read_all, write
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.diff import refuse_part
-from beamcam.commands.parts import input_bytes
+from beamcam.commands.parts import input_bytes, torch_options
 from beamcam.commands.rules import SECTION
 from beamcam.commands.settings import files_read, machine_for_program, settled
-from beamcam.commands.sheets import torch_options
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
 from beamcam.model.part import Profile

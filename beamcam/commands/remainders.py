@@ -14,7 +14,6 @@ from beamcam.machine.machine import Machine
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished, whole_job
 from beamcam.readers.content import shown_name
-from beamcam.writers import TARGETS
 
 ONE_BAR = "--from-operation is for the program of one bar."
 ONE_SHEET = "--from-contour is for the program of one sheet, in G-code."
@@ -77,8 +76,7 @@ def _text(program: bytes | str) -> str:
 
 
 OF_ONE = "--rest is for the programs of one part of a bar, as it was read: without --turn."
-#: Formats that hold all of a part.
-WHOLE = tuple(t for t in TARGETS if t.name != "faces-dxf")
+NOT_WHOLE = "faces-dxf"  #: the format that holds no more than the faces of a part
 
 rest_option = click.option(
     "--rest", "rest_name", type=options.FILE, metavar="FILE",
@@ -89,10 +87,10 @@ rest_option = click.option(
 def check_rest(path: str, made: Sequence[Posted]) -> None:
     """Raises click.UsageError where no rest can be written, or not in such a file."""
     from beamcam.commands.convert import target_of
+    from beamcam.writers import TARGETS
 
-    target = target_of(path, None)
-    if target not in WHOLE:
-        expected = ", ".join(suffix for t in WHOLE for suffix in t.suffixes)
+    if target_of(path, None).name == NOT_WHOLE:
+        expected = ", ".join(s for t in TARGETS if t.name != NOT_WHOLE for s in t.suffixes)
         raise click.UsageError(f"--rest {path!r}: expected a name in {expected}")
     request = made[0].job.request
     if len(request.parts) != 1 or request.turn or request.machine.stock == "sheet":

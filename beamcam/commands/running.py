@@ -22,11 +22,17 @@ from beamcam.batch.work import Shop
 from beamcam.commands import options
 from beamcam.commands.common import Voice, say_lines
 from beamcam.commands.options import quantity
-from beamcam.commands.parts import letter, member_choice, selection_options
+from beamcam.commands.parts import (
+    drawing_choice,
+    drawing_options,
+    letter,
+    member_choice,
+    selection_options,
+    torch_options,
+)
 from beamcam.commands.pictures import KINDS, expected
 from beamcam.commands.rules import SETTINGS
 from beamcam.commands.settings import check_split, machines_of_split, machines_of_stock
-from beamcam.commands.sheets import drawing_choice, drawing_options, torch_options
 from beamcam.config.rules import UNUSED
 from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source

@@ -3,12 +3,12 @@
 from collections.abc import Iterator
 from math import sqrt
 
-from beamcam.machine.formula import body_faults
 from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import Fault, trigger_faults
 from beamcam.machine.stations import FLAT_DEG, Saw, Spindle, ToolSet, inch_size
 from beamcam.machine.tables import DIALECTS, STEP_FORMS, modbus_faults
 from beamcam.machine.torch import Torch
+from beamcam.machine.words import body_faults
 
 #: Kinds of tools whose speed or feed comes from `drill.cutting`.
 TURNING = ("drill", "tap", "countersink", "mill", "punch", "scribe")

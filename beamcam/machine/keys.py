@@ -12,9 +12,9 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 from msgspec import Meta
 
 from beamcam.conversion.schema import Schema, documented, schema_of
-from beamcam.machine.formula import Formula
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
+from beamcam.machine.words import Formula
 
 
 class Key(NamedTuple):

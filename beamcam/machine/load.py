@@ -24,7 +24,6 @@ from beamcam.machine.faults import (
     torch_faults,
     view_faults,
 )
-from beamcam.machine.formula import NoValueError, as_formula
 from beamcam.machine.machine import Machine, MachineFile
 from beamcam.machine.overlay import KeyTwice, with_more_rows, with_present_keys
 from beamcam.machine.range_faults import coper_faults, range_faults, template_faults
@@ -39,6 +38,7 @@ from beamcam.machine.toml import (
     toml_text,
     without,
 )
+from beamcam.machine.words import NoValueError, as_formula
 from beamcam.system import beginning_of, portable_path
 
 MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0

@@ -14,11 +14,10 @@ from beamcam.conversion import Keys, NotNegative, Positive, PositiveCount
 from beamcam.errors import Diagnostic
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.machine.coper import Coper
-from beamcam.machine.formula import Body
 from beamcam.machine.stations import Drill, Marks, Pair, Saw, Spindle, ToolSet
 from beamcam.machine.tables import Modbus, Stepper, Triggers
 from beamcam.machine.torch import Torch
-from beamcam.machine.words import Words
+from beamcam.machine.words import Body, Words
 
 #: No machine resolves a nanometre; the texts of all decimals are kept, of more they would not fit.
 Decimals = Annotated[int, Meta(ge=0, le=6)]

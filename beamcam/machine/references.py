@@ -4,10 +4,10 @@ import re
 from collections.abc import Iterator, Set
 from typing import get_args
 
-from beamcam.machine.formula import signed
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Pair, Spindle
 from beamcam.machine.torch import TorchProcess
+from beamcam.machine.words import signed
 
 Fault = tuple[str, object, str]  #: dotted key, what was found, what was expected
 

@@ -8,7 +8,7 @@ from typing import Literal
 from msgspec import Struct, field
 
 from beamcam.conversion import Count, Keys, NotNegative, Positive, PositiveCount
-from beamcam.machine.formula import Formula
+from beamcam.machine.words import Formula
 
 ToolKind = Literal["drill", "tap", "countersink", "mill", "punch", "scribe"]
 UnitKind = Literal["stamp", "printer"]  #: what letters by itself and is not a tool of a spindle

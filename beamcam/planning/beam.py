@@ -28,11 +28,10 @@ from beamcam.model.plan import (
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.bar_operations import bar_operations
-from beamcam.planning.magazine import cutting_remarks, reloads
 from beamcam.planning.nesting import lay
 from beamcam.planning.operations.part_planner import line_of
 from beamcam.planning.operations.work import PartWork, works_on
-from beamcam.planning.order import sort_along_x
+from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
 from beamcam.planning.stock import is_too_short, refuse_stock
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned

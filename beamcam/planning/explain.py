@@ -6,9 +6,8 @@ from msgspec import Struct
 
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import Operation, PathOp, Plan, SawOp, TextOp, ToolLoad
-from beamcam.planning.magazine import tool_loads
 from beamcam.planning.operations.work import REASONS, kind_of
-from beamcam.planning.order import changes, setup_of, travel, waits_for
+from beamcam.planning.order import changes, setup_of, tool_loads, travel, waits_for
 from beamcam.planning.times import work_time
 
 #: Why an operation follows the one before it.

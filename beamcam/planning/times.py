@@ -23,7 +23,7 @@ from beamcam.machine.stations import Drill, speed_and_feed
 from beamcam.model import drill_cycle
 from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion, Strokes
 from beamcam.model.plan import Operation, PathOp, Piece, Plan, SawOp, SpindleOp, TextOp, WorkTime
-from beamcam.planning.magazine import tool_loads
+from beamcam.planning.order import tool_loads
 
 Moves = Literal["X", "Y", "Z", "angle", "saw"]
 UNKNOWN_MM_S2 = 1000.0  #: of an axis that the machine's file does not have

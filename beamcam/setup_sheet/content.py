@@ -173,7 +173,7 @@ def _bar_tools(source: SheetSources, operations: Sequence[Operation]) -> tuple[T
     """The tools by station as the plan loads them; by spindle alone where no plan is known."""
     machine = source.program.machine
     if isinstance(source.plan, Plan):
-        from beamcam.planning.magazine import tool_loads
+        from beamcam.planning.order import tool_loads
 
         return tuple(
             ToolRow(load.spindle, _station(load.station, load.before, load.out is not None),

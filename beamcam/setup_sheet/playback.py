@@ -18,9 +18,9 @@ from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
-from beamcam.machine.formula import Formula
 from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Spindle
+from beamcam.machine.words import Formula
 from beamcam.model.part import Profile
 from beamcam.pictures.bar import BarMade
 from beamcam.pictures.features import section_outlines

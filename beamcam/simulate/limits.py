@@ -8,9 +8,9 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.machine.formula import Body, section_values, signed
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
+from beamcam.machine.words import Body, section_values, signed
 from beamcam.model.part import Profile
 from beamcam.simulate import rules
 from beamcam.simulate.trace import Trace

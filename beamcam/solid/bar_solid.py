@@ -16,9 +16,9 @@ from msgspec.structs import replace
 from beamcam.controllers.dialect import Dialect, dialect_of
 from beamcam.controllers.events import BarEvent, Move, Switch
 from beamcam.errors import BeamcamError, Source
-from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
+from beamcam.machine.words import FORMULA_NAMES
 from beamcam.model.part import Part, Profile
 from beamcam.solid.kernel import (
     CHORD,

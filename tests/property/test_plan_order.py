@@ -13,8 +13,7 @@ from beamcam.machine import load
 from beamcam.machine.machine import Times
 from beamcam.machine.stations import Tool
 from beamcam.model.plan import DrillOp, Operation, SawOp
-from beamcam.planning.magazine import tool_loads
-from beamcam.planning.order import sort_along_x, travel
+from beamcam.planning.order import sort_along_x, tool_loads, travel
 from tests.conftest import examples
 
 SOURCE = Source("a.nc1", 1)

@@ -70,7 +70,8 @@ def in_levels(shapes: Sequence[Shape], torch: Torch) -> list[Shape]:
     runs = [k for k, s in enumerate(shapes) if s.process == "cut" and not s.closed]
     ends = [shapely.Point(p) for k in runs for p in _ends(shapes[k])]
     before: list[dict[int, int]] = [{} for _ in shapes]  #: by how many levels others are lower
-    for end, other in tree.query(ends, "dwithin", distance=torch.gap).T.tolist():
+    near = tree.query(ends, "dwithin", distance=torch.gap).T.tolist() if ends else []
+    for end, other in near:
         if other < runs[end // 2] and shapes[other].process == "cut":
             before[runs[end // 2]][other] = 1
     for k, shape in enumerate(shapes):

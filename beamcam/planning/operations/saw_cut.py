@@ -2,6 +2,10 @@
 
 Whether a saw makes the ends of a part is said of the part alone; the cuts themselves follow when
 it lies on a bar, since parts that share an angle share a cut (see `planning.nesting`).
+
+Features that no line makes: bends, planes in space, cambers.
+
+The saw makes the end plane that the angles and the length of the part give: it is one of its cuts.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,11 +17,14 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, error, note
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, SawSection
-from beamcam.model.part import Part, Profile
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Face, Part, Profile
 from beamcam.model.plan import Bar, Piece, SawOp
 from beamcam.model.section import corners
-from beamcam.planning.operations.ends import End, Ends
-from beamcam.planning.operations.part_planner import Kind, PartPlanner, nothing
+from beamcam.planning import rules
+from beamcam.planning.operations.ends import End, Ends, leaves_stock
+from beamcam.planning.operations.part_planner import Kind, Numbered, PartPlanner, nothing
+from beamcam.planning.operations.working_step import Found, Settled
+from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
 SAW_ANGLE = error("plan-saw-angle",
     "found a cut of {found} degrees at the {end}; expected one from {least} to {greatest}, as far "
@@ -43,7 +50,6 @@ SAW_REACH = error("plan-saw-reach",
     "{expected} mm (height x width), as the blade reaches at that angle",
     "A blade that is turned reaches less far across. `saw.max_sections` of the machine file says "
     "how far at which angle.")  # fmt: skip
-RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH)
 REASONS = {
     "cut-trim": "the bar's front is sawn square, since no cut comes before it",
     "cut-mitre-start": "the part starts skew",
@@ -200,3 +206,96 @@ def saw_angles(end: End, saw: Saw) -> tuple[float, float]:
 
 #: No feature of a part is a cut: its ends are, which `work` asks about.
 SAW_CUT = Kind("saw cut", lambda _: False, _needs, _refusals, nothing, REASONS)
+
+
+COPE = error("plan-cope",
+    "found a contour on face {face} that leaves the straight stock at x {x}, y {y}; expected "
+    "straight edges and saw cuts",
+    "A saw cannot make a cope or a notch. `--allow-skips cope` leaves it to another "
+    "machine.")  # fmt: skip
+CUTOUT = error("plan-cutout",
+    "found a cut-out of {found} mm on face {face}; expected none, the machine has no torch",
+    "A drill cannot make a cut-out. `--allow-skips cutout` leaves it to another "
+    "machine.")  # fmt: skip
+BEVEL_TOLERANCE_DEG = 0.2  #: between a bevel and the end cut that leaves it
+
+
+def _cut_out(contour: Contour, _: PartPlanner) -> Diagnostic | None:
+    """A torch, unless the contour is the outer one."""
+    if contour.kind == "outer":
+        return None
+    boxes = [curve.bbox for curve in contour.curves]
+    size = (
+        f"{max(b[2] for b in boxes) - min(b[0] for b in boxes):g} x "
+        f"{max(b[3] for b in boxes) - min(b[1] for b in boxes):g}"
+    )
+    return CUTOUT.at(contour.source, found=size, face=contour.face)
+
+
+def _unsawn(contour: Contour, planner: PartPlanner) -> Iterator[Diagnostic]:
+    """Parts of the contour that the saw cuts do not produce."""
+    corner = leaves_stock(contour, planner.part, planner.ends)
+    if corner is not None:
+        x, y = corner
+        yield COPE.at(contour.source, face=contour.face, x=f"{x:g}", y=f"{y:g}")
+    least = planner.line.saw.min_mitre
+    noise = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) < least]
+    if noise:
+        yield BEVEL_NOISE.at(
+            contour.source, count=len(noise), found=f"{max(noise):g}", expected=f"{least:g}"
+        )
+    for bevel in contour.bevels:
+        if abs(bevel.angle) >= least and not _leaves_bevel(bevel.angle, contour.face, planner.ends):
+            yield BEVEL.at(contour.source, found=f"{bevel.angle:g}", face=contour.face)
+
+
+def _leaves_bevel(bevel_deg: float, face: Face, ends: Ends) -> bool:
+    """Whether an end cut leaves this bevel: a web's mitre on the flanges, a flange's on the web."""
+    on_web = face in ("v", "h")
+    leaves = (end.flange_deg if on_web else end.web_deg for end in ends)
+    return any(
+        angle and abs(abs(bevel_deg) - abs(angle)) <= BEVEL_TOLERANCE_DEG for angle in leaves
+    )
+
+
+def _sawn_contours(contours: Sequence[tuple[int, Contour]], _: PartPlanner) -> Iterator[Found]:
+    """None: the cuts at the ends make them all."""
+    return (Settled(f, "made", "saw") for f, _ in contours)
+
+
+CONTOUR = Kind(
+    "contour",
+    lambda feature: isinstance(feature, Contour) and feature.process == "cut",
+    _cut_out,
+    _unsawn,
+    _sawn_contours,
+)
+
+
+RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH, COPE, CUTOUT)
+
+
+NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
+SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at any corner
+
+
+def _beyond_saw(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diagnostic | None:
+    if isinstance(feature, EndPlane) and _is_end_plane(feature, planner):
+        return None
+    return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
+
+
+def _is_end_plane(plane: EndPlane, planner: PartPlanner) -> bool:
+    """Whether a plane is that of the start or the end of the part."""
+    start, end = planner.ends
+    places = corners(planner.part.profile, planner.part.section)
+    one = end if plane.normal[0] > 0 else start
+    return all(abs(plane.x(y, z) - one.x(y, z)) <= SAME_PLANE for y, z in places)
+
+
+def _sawn_planes(planes: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
+    """None: the cuts at the ends make them."""
+    return (Settled(f, "made", "saw") for f, _ in planes)
+
+
+OTHER = Kind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn_planes)

@@ -17,8 +17,8 @@ from beamcam.planning.left_out import FACE
 from beamcam.planning.lettering import Lettered, place_text, remarks
 from beamcam.planning.lettering_room import Room
 from beamcam.planning.operations.ends import wall_end
-from beamcam.planning.operations.mark import can_scribe
 from beamcam.planning.operations.part_planner import Kind, PartPlanner
+from beamcam.planning.operations.paths import can_scribe
 from beamcam.planning.operations.slot import slot_ends
 from beamcam.planning.operations.tools import Tooling
 from beamcam.planning.operations.working_step import Found, Settled, WorkingStep

@@ -16,13 +16,11 @@ from beamcam.model.part import Feature, Part
 from beamcam.planning import rules
 from beamcam.planning.axis_limits import refuse_steps
 from beamcam.planning.left_out import listed_by, refuse_mark
-from beamcam.planning.operations.contour import CONTOUR
 from beamcam.planning.operations.ends import SQUARE, Ends, ends_of
 from beamcam.planning.operations.hole import HOLE
-from beamcam.planning.operations.mark import LINE
-from beamcam.planning.operations.other import OTHER
 from beamcam.planning.operations.part_planner import BarLine, Kind, PartPlanner
-from beamcam.planning.operations.saw_cut import SAW_CUT
+from beamcam.planning.operations.paths import LINE
+from beamcam.planning.operations.saw_cut import CONTOUR, OTHER, SAW_CUT
 from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.text import TEXT
 from beamcam.planning.operations.working_step import Settled, WorkingStep

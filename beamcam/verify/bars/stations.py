@@ -17,9 +17,9 @@ from math import inf, nan, pi
 from msgspec import Struct
 
 from beamcam.geometry.curves import Curve
-from beamcam.machine.formula import FORMULA_NAMES
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
+from beamcam.machine.words import FORMULA_NAMES
 from beamcam.model.part import Face, Part, Profile
 
 # --- walls ----------------------------------------------------------------------------------------

@@ -152,7 +152,7 @@ def test_a_rest_that_is_not_what_is_left_is_refused() -> None:
     )  # fmt: skip
     for one in wrong:
         assert {said.code for said in rest_faults(HEADER, one, missing)} == {"verify-rest"}
-    assert {rule.code for rule in REST_RULES} == {"verify-rest"}
+    assert "verify-rest" in {rule.code for rule in REST_RULES}
 
 
 # --- the machines ---------------------------------------------------------------------------------

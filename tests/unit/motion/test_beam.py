@@ -3,14 +3,13 @@
 from math import pi
 
 import pytest
-from beamcam.planning.orientation import plan_oriented
 
 from beamcam.emitters import gcode
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Feature, Slot
 from beamcam.model.program import BeginPart, Comment, DrillCycle, PathCycle, SawStroke, StartBar
 from beamcam.motion.beam import beam_program
-from beamcam.planning.beam import plan_bar
+from beamcam.planning.beam import plan_bar, plan_oriented
 from tests.unit.planning.shop import CHANNEL, SOURCE, hole, part
 
 

@@ -11,7 +11,7 @@ from beamcam.machine.machine import saw_of
 from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.section import corners
 from beamcam.pipeline import RefusedProgram, post
-from beamcam.planning.operations import other
+from beamcam.planning.operations import saw_cut
 from beamcam.verify.bars.cuts import ends_of
 from beamcam.verify.bars.turned import standing
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part
@@ -51,7 +51,7 @@ def test_a_plane_elsewhere_is_refused(off: float, at: str) -> None:
 def test_the_read_back_finds_a_plane_that_the_planner_takes_for_the_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(other, "SAME_PLANE", 1.0)
+    monkeypatch.setattr(saw_cut, "SAME_PLANE", 1.0)
     with pytest.raises(RefusedProgram, match="the end plane"):
         post([leaned(BEAM, "end", 0.3)], PUSHER)
 

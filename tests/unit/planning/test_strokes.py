@@ -7,8 +7,8 @@ from msgspec.structs import replace
 
 from beamcam.errors import PlanError
 from beamcam.machine import load
-from beamcam.machine.formula import Formula
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import Formula
 from beamcam.model.part import Hole, HoleKind, Part, Profile
 from beamcam.pipeline import post
 from beamcam.planning.axis_limits import fixed_faces

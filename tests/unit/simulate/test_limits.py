@@ -16,7 +16,7 @@ from beamcam.cli import main
 from beamcam.controllers.simotion.trial import trial
 from beamcam.errors import MachineError
 from beamcam.machine import load
-from beamcam.machine.formula import Body, Formula
+from beamcam.machine.words import Body, Formula
 from beamcam.simulate.course import bar_trace, cell_axes
 from beamcam.simulate.encoder import Encoder, precision, stair_times
 from beamcam.simulate.limits import run_warnings, strikes

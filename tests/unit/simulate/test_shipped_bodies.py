@@ -13,8 +13,8 @@ from msgspec.structs import replace
 
 from beamcam.cli import main
 from beamcam.machine import load
-from beamcam.machine.formula import Body, Formula
 from beamcam.machine.load import shipped
+from beamcam.machine.words import Body, Formula
 from beamcam.pipeline import post, read_file
 from beamcam.simulate.course import cell_axes
 from beamcam.simulate.limits import strikes

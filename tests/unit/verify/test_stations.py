@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.machine import load
-from beamcam.machine.formula import Formula
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import Formula
 from beamcam.model.part import Hole, Part
 from beamcam.pipeline import post
 from beamcam.verify.bars import verify
