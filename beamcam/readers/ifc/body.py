@@ -9,16 +9,14 @@ the building it is, and its large numbers are kept out.
 """
 
 from collections.abc import Iterator
-from typing import Any
 
 from msgspec import Struct
 
-from beamcam.errors import Rule
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.cutters import Cutter
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
+from beamcam.readers.ifc.entities import Bent, Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.shell import Shell, shell_of
-from beamcam.readers.ifc.solids import definition_of, is_faceted, mapping, pushed, solid_cutters
+from beamcam.readers.ifc.solids import is_faceted, mapping, pushed, solid_cutters
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec
 
 #: Identifiers of a representation that holds the solid, the best first.
@@ -56,16 +54,6 @@ class Body(Struct, frozen=True, gc=False):
 
     base: Swept | Shell
     removed: tuple[Removed, ...]
-
-    @property
-    def has_openings(self) -> bool:
-        return any(one.where is not None for one in self.removed)
-
-    @property
-    def form(self) -> tuple[Any, ...]:
-        """Key that equal bodies of one stock share."""
-        removed = [(definition_of(one.item), one.frame) for one in self.removed]
-        return self.base.frame if isinstance(self.base, Swept) else self.base, *removed
 
     def cutters(self, model: Model, to: Frame) -> list[Cutter]:
         """What is taken away, in coordinates in which the element stands in `to`."""
@@ -177,14 +165,13 @@ TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSec
            "IfcSectionedSolidHorizontal")  # fmt: skip
 
 
-def curved_or_tapered(element: Entity) -> tuple[Rule, str] | None:
-    """The rule against a curved or tapered solid of an element, and its class; None without."""
+def refuse_bent(element: Entity) -> None:
+    """Raise Bent for an element one of whose solids is curved or tapered."""
     kinds = {item.is_a() for item in items_below(element) if not _is_straight(item)}
     for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
         for kind in names:
             if kind in kinds:
-                return rule, kind
-    return None
+                raise Bent(rule, kind)
 
 
 def items_below(element: Entity) -> Iterator[Entity]:

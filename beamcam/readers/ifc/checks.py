@@ -14,7 +14,6 @@ from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
 from beamcam.readers.ifc.profiles import definition
-from beamcam.readers.ifc.records import Missing
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, area_by_measures, plain_stock
 from beamcam.readers.ifc.shell import extent
@@ -155,9 +154,8 @@ def check_stock(
         stock = stock_of(model, element, shaped, profile)
     except Unreadable:
         return ()  # there is no other section to compare with
-    # The kernel draws the flanges of a Z by half a web longer than their measure says.
     said = section_said(shaped, stock, source)
-    if shaped.section.code == "SO" and not profile.is_a("IfcZShapeProfileDef"):
+    if shaped.section.code == "SO":
         return tuple(
             rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in said
         )
@@ -207,13 +205,10 @@ def settled(compared: Compared, shaped: Shaped, data: Data) -> tuple[Diagnostic,
 # may be read alike, and only one of them be right.
 
 
-Form = tuple[Hashable, ...]
-
-
-def form_of(model: Model, element: Entity) -> Form:
+def form_of(model: Model, element: Entity) -> Hashable:
     """Key of an element's class, its solid and its openings, in its own coordinates.
 
-    Equal to the last digit or not equal. Raises Unreadable for geometry that contains itself.
+    Equal to the last digit or not equal. Raises Unreadable or RecursionError.
     """
     openings = tuple(
         (relative_placement(model, element, one), *_solids(model, one))
@@ -222,57 +217,21 @@ def form_of(model: Model, element: Entity) -> Form:
     return element.type.name, *_solids(model, element), openings
 
 
-def _solids(model: Model, element: Entity) -> tuple[int, ...]:
-    return tuple(_number(model, item) for item in body_representation(element).values[3])
-
-
-def _number(model: Model, item: Entity) -> int:
-    """The number of all that an item says, down to its coordinates; equal ones share it."""
+def _solids(model: Model, element: Entity) -> list[int]:
+    """The numbers of all that items say, down to their coordinates; equal ones share a number."""
     numbers: dict[Entity, int] = model.once("numbers of items", None, dict)
     told: dict[Hashable, int] = model.once("told of items", None, dict)
-    open_ = set[Entity]()
-    stack = [item]
-    while stack:
-        one = stack[-1]
-        if one in numbers:
-            stack.pop()
-            continue
-        below = [each for each in _referred(_values(one)) if each not in numbers]
-        if not below:
-            stack.pop()
-            open_.discard(one)
-            said = one.type.name, _replaced(_values(one), numbers)
+    items: tuple[Entity, ...] = body_representation(element).values[3]
+
+    def replaced(value: Any) -> Hashable:
+        if isinstance(value, tuple):
+            return tuple(map(replaced, value))
+        known = numbers.get(value) if isinstance(value, Entity) else None
+        return value if known is None else ("item", known)
+
+    for item in items:
+        for one in item.below(numbers):
+            named = "IfcProfileDef" in one.type.kinds  # of a profile its name does not matter
+            said = one.type.name, replaced(one.values[2:] if named else one.values)
             numbers[one] = told.setdefault(said, len(told))
-            continue
-        if one in open_:
-            raise Unreadable("geometry that contains itself")
-        open_.add(one)
-        stack += below
-    return numbers[item]
-
-
-def _values(item: Entity) -> tuple[Any, ...]:
-    """What an item says of its form: of a profile not its name."""
-    return item.values[2:] if "IfcProfileDef" in item.type.kinds else item.values
-
-
-def _referred(values: tuple[Any, ...]) -> Iterator[Entity]:
-    """The entities among attribute values, lists in lists included."""
-    for value in values:
-        if isinstance(value, tuple):
-            yield from _referred(value)
-        elif isinstance(value, Entity) and not isinstance(value, Missing):
-            yield value
-
-
-def _replaced(values: tuple[Any, ...], numbers: dict[Entity, int]) -> tuple[Hashable, ...]:
-    """Attribute values with the numbers of entities in their places."""
-    out: list[Hashable] = []
-    for value in values:
-        if isinstance(value, tuple):
-            out.append(_replaced(value, numbers))
-        elif isinstance(value, Entity) and not isinstance(value, Missing):
-            out.append(("item", numbers[value]))
-        else:
-            out.append(value)
-    return tuple(out)
+    return [numbers[item] for item in items]

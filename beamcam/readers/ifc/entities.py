@@ -12,6 +12,8 @@ from typing import Any, TypeVar
 from msgspec import UNSET, Struct, UnsetType, field
 
 from beamcam.caches import cached
+from beamcam.errors import Rule
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.records import Entity, File, Missing
 from beamcam.readers.ifc.space import (
     IDENTITY,
@@ -79,31 +81,36 @@ NOT_WELL_FORMED = (
 
 
 class Unreadable(Exception):
-    """Something in a member's geometry that the reader does not take; the text says what."""
+    """Something in a member's geometry that the reader does not take; the text says what.
+
+    `final` says that the solid of the kernel would be no other, so that it is not asked for.
+    """
+
+    rule = rules.GEOMETRY
+
+    def __init__(self, found: str, *, final: bool = False) -> None:
+        super().__init__(found)
+        self.final = final
 
 
 class OddSection(Unreadable):
     """What the reader does not take is the section."""
 
+    rule = rules.SECTION
+
 
 class OddCut(OddSection):
     """A cut that a part of a round or special section cannot hold."""
 
-
-class NoSection(OddSection):
-    """A profile that is not a section, which its solid would not be either."""
+    rule = rules.ODD_CUT
 
 
-class OtherShell(Unreadable):
-    """A closed shell of planar faces that is no member: the kernel has no more than these faces."""
+class Bent(Unreadable):
+    """A curved, a tapered or a kinked member."""
 
-    def __init__(self, reason: Unreadable) -> None:
-        super().__init__(str(reason))
-        self.reason = reason
-
-
-class Kinked(Unreadable):
-    """A member of two straight pieces."""
+    def __init__(self, rule: Rule, found: str) -> None:
+        super().__init__(found, final=True)
+        self.rule = rule
 
 
 class Model(Struct):

@@ -19,7 +19,7 @@ from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import MIN_LEAN, End
-from beamcam.readers.ifc.entities import Entity, Kinked, Model, OddSection, Unreadable
+from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.features import opening
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
@@ -111,7 +111,7 @@ def read_shell(
         return best
     kink = kinked(shell)
     if kink is not None:
-        raise Kinked(f"a member kinked by {kink:.1f} degrees")
+        raise Bent(rules.KINKED, f"a member kinked by {kink:.1f} degrees")
     raise fault or OddSection(f"a shell of {shell.count} faces without a constant section")
 
 

@@ -9,7 +9,7 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.geometry.polylines import polylines
 from beamcam.interrupts import interrupts_waiting
-from beamcam.readers.ifc.brep import BrepError, Cylinder, Unnamed, surfaces_of
+from beamcam.readers.ifc.brep import BrepError, Cylinder, surfaces_of
 from beamcam.readers.ifc.curves2d import spline_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.shell import Shell, shell
@@ -164,13 +164,11 @@ def _surfaces(solid: Any) -> Exact:
     """The surfaces of a solid. Raises Unreadable."""
     written = _made(WRITTEN, solid)
     try:
-        surfaces = surfaces_of(written.geometry.brep_data)
+        cylinders, others = surfaces_of(written.geometry.brep_data)
     except BrepError as fault:
         raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
-    cylinders = [s for s in surfaces if isinstance(s, Cylinder)]
     kept = tuple(c for c in cylinders if not any(_blunted(c, other) for other in cylinders))
-    others = sorted({s.kind for s in surfaces if isinstance(s, Unnamed)})
-    return Exact(kept, tuple(others), _log())
+    return Exact(kept, others, _log())
 
 
 @cached("ifc.kernel")
@@ -197,9 +195,10 @@ def _made(form: tuple[str, str], solid: Any) -> Any:
 def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None) -> Any:
     """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
     openings = features_of(element, "IfcRelVoidsElement")
-    used = [reached(each) for each in (element, *openings)]
-    if any(each is None for each in used):
-        raise Unreadable("geometry that contains itself")
+    try:
+        used = [one for each in (element, *openings) for one in each.below()]
+    except RecursionError:
+        raise Unreadable("geometry that contains itself") from None
     geom, wrapper = _kernel().geom, _kernel().ifcopenshell_wrapper
     settings = geom.settings()
     settings.set("iterator-output", wrapper.NATIVE)
@@ -212,8 +211,7 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
     instances = [_instance(file, each) for each in (element, *openings)]
     if _is_in_itself(instances[0]):
         raise Unreadable("an assembly that contains itself")
-    for each in used:
-        _make_buildable(model, file, each or ())
+    _make_buildable(model, file, used)
     _log()  # what earlier solids left
     try:
         return geom.create_shape(settings, instances[0], geometry_library="opencascade")
@@ -249,33 +247,6 @@ def _log() -> tuple[str, ...]:
     return tuple(line for line in str(_kernel().get_log()).splitlines() if line.strip())
 
 
-def reached(element: Entity) -> set[Entity] | None:
-    """An element and all that it refers to; None where that leads back to itself."""
-    open_, done = set[Entity](), set[Entity]()
-    stack: list[tuple[Any, bool]] = [(element, False)]
-    while stack:
-        entity, leave = stack.pop()
-        if leave:
-            open_.discard(entity)
-            done.add(entity)
-        elif entity in open_:
-            return None
-        elif entity not in done:
-            open_.add(entity)
-            stack.append((entity, True))
-            stack += [(each, False) for each in _referred(entity.values)]
-    return done
-
-
-def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
-    """The entities with a number of their own among attribute values, lists in lists included."""
-    for value in values:
-        if isinstance(value, tuple):
-            yield from _referred(value)
-        elif isinstance(value, Entity):
-            yield value
-
-
 def load(model: Model) -> Any:
     """The file as ifcopenshell has it open. Raises Unreadable if it does not open it."""
     _kernel()
@@ -298,8 +269,9 @@ def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None
     """Make what the kernel cannot build a little different, in the file that it has open.
 
     Rounded rectangles whose radius is half of a side become a hair less round, as slots as round
-    as they are it leaves out of the solid without an error to its caller. Splines of outlines, of
-    which it makes nothing, become polylines.
+    as they are it leaves out of the solid without an error to its caller. The flanges of a Z, which
+    it draws from the middle of the web, begin at its back (DIN 1027). Splines of outlines, of which
+    it makes nothing, become polylines.
     """
     for entity in entities:
         if entity.is_a("IfcRoundedRectangleProfileDef"):
@@ -307,6 +279,9 @@ def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None
             most = min(profile.XDim, profile.YDim) / 2 * ROUNDER
             if profile.RoundingRadius > most:
                 profile.RoundingRadius = most
+        elif entity.is_a("IfcZShapeProfileDef"):
+            wide = entity.FlangeWidth - entity.WebThickness / 2
+            file.by_id(entity.id()).FlangeWidth = wide
         elif entity.is_a("IfcBSplineCurve") and len(entity.values[1][0]) == 2:
             spline = file.by_id(entity.id())
             owners = file.get_inverse(spline)

@@ -14,7 +14,7 @@ from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain, with_sides
-from beamcam.readers.ifc.entities import Entity, Model, NoSection, OddSection, Unreadable
+from beamcam.readers.ifc.entities import Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.section import Section, area_by_measures, placed, special
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
@@ -47,7 +47,7 @@ def _section(model: Model, entity: Entity) -> Section:
         raise OddSection(f"a section with a measure of {widest:g} mm")
     fault = section_fault(section.profile(""))
     if fault is not None:
-        raise NoSection(f"a section with {fault}")
+        raise OddSection(f"a section with {fault}", final=True)
     return section
 
 
@@ -61,7 +61,7 @@ def _stated_section(model: Model, entity: Entity) -> Section:
     outline = outline_of(model, entity)
     found = model.once("form", outline, classify, outline.outer, outline.inner)
     if found is None:
-        raise NoSection(f"a section that is no rolled form ({entity.is_a()})")
+        raise OddSection(f"a section that is no rolled form ({entity.is_a()})", final=True)
     return found
 
 

@@ -7,7 +7,7 @@ what the kernel is given in place of what it cannot build never shows here.
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Set
+from collections.abc import Callable, Container, Iterable, Iterator, Set
 from functools import cached_property
 from typing import Any
 
@@ -95,6 +95,29 @@ class Entity(Struct, eq=False, gc=False):
     def __repr__(self) -> str:
         return f"{self.name}={self.type.name}"
 
+    def below(self, known: Container["Entity"] = ()) -> list["Entity"]:
+        """It and all that it refers to but for what is known, each behind what it refers to.
+
+        Raises RecursionError for what leads back to itself.
+        """
+        open_, done = set[Entity](), dict[Entity, None]()
+        stack = [self]
+        while stack:
+            one = stack[-1]
+            if one in done or one in known:
+                stack.pop()
+            elif one in open_:
+                stack.pop()
+                open_.discard(one)
+                done[one] = None
+            else:
+                open_.add(one)
+                below = list(referred(one.values))
+                if not open_.isdisjoint(below):
+                    raise RecursionError(f"{one.name} contains itself")
+                stack += below
+        return list(done)
+
 
 class Missing(Entity):
     """What a reference to no record of the file stands for: all it has is its name.
@@ -104,6 +127,15 @@ class Missing(Entity):
 
     def __getattr__(self, name: str) -> Any:
         raise LookupError(f"a reference to {self.name}, which is not in the file")
+
+
+def referred(values: Values) -> Iterator[Entity]:
+    """The entities of the file among attribute values, lists in lists included."""
+    for value in values:
+        if isinstance(value, tuple):
+            yield from referred(value)
+        elif isinstance(value, Entity) and not isinstance(value, Missing):
+            yield value
 
 
 class File:

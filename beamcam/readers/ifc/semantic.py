@@ -7,9 +7,7 @@
 """
 
 from collections.abc import Sequence
-from typing import Any
 
-from msgspec import Struct, field
 from msgspec.structs import replace
 
 from beamcam.errors import Source
@@ -22,7 +20,6 @@ from beamcam.readers.ifc.ends import MIN_LEAN, End, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
-from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import Frame, add, cross, dot, scale, size, sub, unit
@@ -123,42 +120,7 @@ Boxed = tuple[Cutter, Box3]
 
 
 def read_swept(model: Model, element: Entity, body: Body, source: Source) -> Shaped:
-    """The member of a swept body. Raises Unreadable, which says what the route cannot take.
-
-    Equal members are read once: a building has each of its pieces several times.
-    """
-    base = body.base
-    assert isinstance(base, Swept)
-    if body.has_openings:  # features that belong to these members only
-        return _read(model, element, body, source)
-    stock = element.type.name, definition(base.profile), base.along
-    of_one_stock = model.once("members", stock, Repeats)
-    if of_one_stock.first is None:
-        shaped = _read(model, element, body, source)
-        of_one_stock.first = body, shaped
-        return shaped
-    if not of_one_stock.known:
-        before, shaped = of_one_stock.first
-        of_one_stock.known[before.form] = shaped
-    form = body.form
-    known = of_one_stock.known.get(form)
-    if known is None:
-        known = of_one_stock.known[form] = _read(model, element, body, source)
-        return known
-    return known.at(source)
-
-
-class Repeats(Struct):
-    """Members of one stock that were read, and their results.
-
-    The description of a form is long, so that none is looked at before a second one comes.
-    """
-
-    first: tuple[Body, Shaped] | None = None
-    known: dict[Any, Shaped] = field(default_factory=dict)  #: by their forms
-
-
-def _read(model: Model, element: Entity, body: Body, source: Source) -> Shaped:
+    """The member of a swept body. Raises Unreadable, which says what the route cannot take."""
     assert isinstance(body.base, Swept)
     stock = stock_of(model, element, body.base)
     cutters = body.cutters(model, stock.frame.inverse())

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from math import hypot
-from typing import Any
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Arc
@@ -120,18 +119,6 @@ def _turned(
 def _upright(way: Coordinates) -> bool:
     """Whether a direction is square to the plane of x and y, either way."""
     return way == UPRIGHT or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
-
-
-def definition_of(item: Entity) -> Any:
-    """What two solids of one form have in common; of most kinds a solid is its own form only."""
-    kind = item.type.name
-    if kind == "IfcExtrudedAreaSolid":
-        profile, *rest = item.values
-        return definition(profile), *rest
-    if kind == "IfcHalfSpaceSolid":
-        surface, agreement, *_ = item.values
-        return surface.type.name, surface.values, agreement
-    return item
 
 
 def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | None]:
