@@ -6,8 +6,8 @@ what the kernel is given in place of what it cannot build never shows here.
 """
 
 import re
-from collections import defaultdict
-from collections.abc import Callable, Container, Iterable, Iterator, Set
+from collections import Counter, defaultdict
+from collections.abc import Callable, Container, Iterator, Set
 from functools import cached_property
 from typing import Any
 
@@ -298,9 +298,10 @@ class File:
             if self._read(one, 0) in names:
                 yield self._value(one)
 
-    def counts(self, names: Iterable[str]) -> dict[str, int]:
-        """Number of records of classes, without those of their subtypes."""
-        return {name: len(self._of(name, subtypes=False)) for name in names}
+    def counts(self, name: str) -> Counter[str]:
+        """Number of records of each class below another."""
+        written = self._written is not None
+        return Counter(self._type(r.kind).name if written else r.is_a() for r in self._of(name))
 
     def by_type(self, name: str) -> list[Any]:
         """The entities of a class and of its subtypes, in the order of the file."""
@@ -308,16 +309,14 @@ class File:
             return [self.entity(record.number) for record in self._of(name)]
         return list(map(self._value, self._of(name)))
 
-    def _of(self, name: str, *, subtypes: bool = True) -> list[Any]:
-        """The instances, or else the records, of a class."""
+    def _of(self, name: str) -> list[Any]:
+        """The instances, or else the records, of a class and of its subtypes."""
         if self._written is not None:
-            kinds = {r.kind: self._type(r.kind) for r in self._written.values()}
-            meant = {k for k, t in kinds.items() if name in (t.kinds if subtypes else (t.name,))}
-            return [record for record in self._written.values() if record.kind in meant]
+            kinds = {r.kind: self._type(r.kind).kinds for r in self._written.values()}
+            return [record for record in self._written.values() if name in kinds[record.kind]]
         if entity_type(self.schema, name) is None:
             return []
-        found = self.opened.by_type(name, include_subtypes=subtypes)
-        return sorted(found, key=lambda instance: self._order(instance.id()))
+        return sorted(self.opened.by_type(name), key=lambda instance: self._order(instance.id()))
 
     @cached_property
     def _order(self) -> Callable[[int], int]:
