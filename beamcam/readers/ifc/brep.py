@@ -10,7 +10,9 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
+import numpy as np
 from msgspec import Struct
+from numpy.typing import NDArray
 
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, cross, size, unit
 
@@ -38,6 +40,12 @@ class Cylinder(Struct, frozen=True):
     def axis(self) -> Vec:
         """The unit vector along it."""
         return unit(self.frame.z)
+
+    def off(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How many mm points (n, 3) lie off it."""
+        across = np.cross(points - np.array(self.frame.o), np.array(self.axis))
+        off: NDArray[np.float64] = np.abs(np.linalg.norm(across, axis=1) - self.radius)
+        return off
 
     def moved(self, by: Frame) -> "Cylinder":
         """The cylinder elsewhere; its radius grows as the frame does."""

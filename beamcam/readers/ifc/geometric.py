@@ -70,13 +70,11 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
-    built, exact = build_both(model, element)
-    errors = [line for line in (*built.log, *exact.log) if "[error]" in line.lower()]
+    built = build_both(model, element)
+    errors = [line for line in built.log if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    shell = replace(built.shell, cylinders=exact.cylinders)
-    found = read_shell(shell, (), source, built.volume)
-    return replace(found, fitted=exact.others)
+    return replace(read_shell(built.shell, (), source, built.volume), fitted=built.others)
 
 
 def read_shell(

@@ -1,10 +1,11 @@
 """Geometry kernel results for an element: a fine shell in mm, its surfaces, and the log."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.geometry.polylines import polylines
@@ -22,16 +23,6 @@ from beamcam.readers.ifc.space import cross, size, sub
 # An attribute that the schema asks for stands for an entity of a class that the schema names there.
 
 
-class Attribute(Struct, frozen=True):
-    """An attribute that refers to entities."""
-
-    place: int  #: among the values
-    name: str
-    optional: bool
-    classes: tuple[str, ...]  #: that it may refer to, by the names of the schema
-    pure: bool  #: nothing but entities may stand there
-
-
 def broken_reference(file: Any, root: Any) -> str | None:
     """The first broken reference among all that an instance leads to; None if there is none.
 
@@ -40,59 +31,59 @@ def broken_reference(file: Any, root: Any) -> str | None:
     from ifcopenshell import ifcopenshell_wrapper as wrapper
 
     schema = wrapper.schema_by_name(file.schema_identifier)
-    known: dict[str, tuple[Attribute, ...]] = {}
+    known: dict[str, list[tuple[int, Any, Kinds]]] = {}
     for one in file.traverse(root):
         name = one.is_a()
         if name not in known:
-            known[name] = tuple(_attributes(schema.declaration_by_name(name)))
-        for attribute in known[name]:
-            if (fault := _fault(one[attribute.place], attribute)) is not None:
-                return f"#{one.id()} {name} with {attribute.name} {fault}"
+            entity = schema.declaration_by_name(name).as_entity()
+            every = (
+                ()
+                if entity is None
+                else zip(entity.all_attributes(), entity.derived(), strict=True)
+            )
+            rows = [
+                (place, attribute, _kinds(attribute.type_of_attribute()))
+                for place, (attribute, derived) in enumerate(every)
+                if not derived
+            ]
+            known[name] = [row for row in rows if row[2][0]]
+        for place, attribute, kinds in known[name]:
+            value = one[place]
+            fault = _fault(value, kinds)
+            if value is None:
+                fault = None if attribute.optional() else "missing"
+            if fault is not None:
+                return f"#{one.id()} {name} with {attribute.name()} {fault}"
     return None
 
 
-def _attributes(declaration: Any) -> Iterator[Attribute]:
-    """The attributes of a class that refer to entities."""
-    entity = declaration.as_entity()
-    if entity is None:  # a number or text with its type
-        return
-    derived = entity.derived()
-    for place, attribute in enumerate(entity.all_attributes()):
-        classes, pure = _classes(attribute.type_of_attribute())
-        if classes and not derived[place]:
-            yield Attribute(place, attribute.name(), attribute.optional(), classes, pure)
+#: The classes of entities that an attribute may refer to, and whether it takes nothing else.
+Kinds = tuple[tuple[str, ...], bool]
 
 
-def _classes(kind: Any) -> tuple[tuple[str, ...], bool]:
-    """The classes of entities that a type takes, and whether it takes nothing else."""
-    if (many := kind.as_aggregation_type()) is not None:
-        return _classes(many.type_of_element())
-    if (named := kind.as_named_type()) is not None:
-        return _declared(named.declared_type())
-    return (), False
-
-
-def _declared(declaration: Any) -> tuple[tuple[str, ...], bool]:
-    if declaration.as_entity() is not None:
-        return (declaration.name(),), True
-    if (select := declaration.as_select_type()) is not None:
-        found = [_declared(one) for one in select.select_list()]
+def _kinds(kind: Any) -> Kinds:
+    if (many := getattr(kind, "as_aggregation_type", lambda: None)()) is not None:
+        return _kinds(many.type_of_element())
+    if (named := getattr(kind, "as_named_type", lambda: None)()) is not None:
+        kind = named.declared_type()
+    if getattr(kind, "as_entity", lambda: None)() is not None:
+        return (kind.name(),), True
+    if (select := getattr(kind, "as_select_type", lambda: None)()) is not None:
+        found = [_kinds(one) for one in select.select_list()]
         return sum((classes for classes, _ in found), ()), all(pure for _, pure in found)
-    if (typed := declaration.as_type_declaration()) is not None:
-        return _classes(typed.declared_type())
+    if (typed := getattr(kind, "as_type_declaration", lambda: None)()) is not None:
+        return _kinds(typed.declared_type())
     return (), False
 
 
-def _fault(value: Any, attribute: Attribute) -> str | None:
+def _fault(value: Any, kinds: Kinds) -> str | None:
     """The fault of an attribute's value, if any."""
-    if value is None:
-        return None if attribute.optional else "missing"
+    classes, pure = kinds
     if isinstance(value, tuple):
-        faults = (_fault(one, attribute) for one in value)
-        return next((fault for fault in faults if fault is not None), None)
-    if hasattr(value, "is_a") and (not value.id() or any(map(value.is_a, attribute.classes))):
+        return next((fault for one in value if (fault := _fault(one, kinds))), None)
+    if hasattr(value, "is_a") and (not value.id() or any(map(value.is_a, classes))):
         return None
-    return "of another class" if attribute.pure or hasattr(value, "is_a") else None
+    return "of another class" if pure or hasattr(value, "is_a") else None
 
 
 CHORD = 0.0002  #: m between a curve and its facets
@@ -101,6 +92,8 @@ FINE_CHORD = 0.0001  #: m, of solids that parts are held against
 FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
 WRITTEN = ("serialized_element", "SerializedElement")
 SPLINE_CHORD = 0.01  #: mm between a spline and the polyline that the kernel has for it
+ON_IT = 1e-6  #: mm between a cylinder and the corners that are on it
+MIN_CORNERS = 4
 ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
 
 
@@ -110,14 +103,7 @@ class Built(Struct, frozen=True):
     shell: Shell
     log: tuple[str, ...]
     volume: float = 0.0  #: mm3 of the solid itself, not of its facets
-
-
-class Exact(Struct, frozen=True):
-    """The cylinders of a solid, the names of its other curved faces, and the kernel's log."""
-
-    cylinders: tuple[Cylinder, ...]
-    others: tuple[str, ...]
-    log: tuple[str, ...]
+    others: tuple[str, ...] = ()  #: names of curved faces that are no cylinders, if they were asked
 
 
 def build(model: Model, element: Entity) -> Built:
@@ -138,18 +124,24 @@ def build_stock(model: Model, element: Entity) -> Built:
     return _built(_solid(model, element, asked))
 
 
-def _built(solid: Any) -> Built:
-    return Built(_facets(solid), _log(), float(solid.volume) * 1e9)
-
-
-def build_both(model: Model, element: Entity) -> tuple[Built, Exact]:
-    """The kernel's solid of an element in facets, and its surfaces. Raises Unreadable."""
+def build_both(model: Model, element: Entity) -> Built:
+    """The kernel's solid of an element with the cylinders that it has. Raises Unreadable."""
     solid = _solid(model, element)
-    return _built(solid), _surfaces(solid)
+    built = _built(solid)
+    written = _made(WRITTEN, solid)
+    try:
+        every, others = surfaces_of(written.geometry.brep_data)
+    except BrepError as fault:
+        raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
+    points = np.unique(built.shell.points, axis=0)
+    found = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
+    kept = tuple(c for c in found if not any(_blunted(c, other) for other in found))
+    shell = replace(built.shell, cylinders=kept)
+    return replace(built, shell=shell, log=(*built.log, *_log()), others=others)
 
 
-def _facets(solid: Any) -> Shell:
-    """The shell of a solid's mesh, whose corners lie on its surfaces. Raises Unreadable."""
+def _built(solid: Any) -> Built:
+    """A solid by its mesh, whose corners lie on its surfaces. Raises Unreadable."""
     mesh = _made(FACETED, solid)  # its geometry lives as long as it does
     points = np.frombuffer(mesh.geometry.verts_buffer).reshape(-1, 3) * 1e3
     corners = np.frombuffer(mesh.geometry.faces_buffer, np.int32)
@@ -157,18 +149,7 @@ def _facets(solid: Any) -> Shell:
     found = shell(points[corners], [3] * count, range(count))
     if found.count < 4:
         raise Unreadable("an empty solid by the kernel")
-    return found
-
-
-def _surfaces(solid: Any) -> Exact:
-    """The surfaces of a solid. Raises Unreadable."""
-    written = _made(WRITTEN, solid)
-    try:
-        cylinders, others = surfaces_of(written.geometry.brep_data)
-    except BrepError as fault:
-        raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
-    kept = tuple(c for c in cylinders if not any(_blunted(c, other) for other in cylinders))
-    return Exact(kept, others, _log())
+    return Built(found, _log(), float(solid.volume) * 1e9)
 
 
 @cached("ifc.kernel")
@@ -284,27 +265,15 @@ def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None
             file.by_id(entity.id()).FlangeWidth = wide
         elif entity.is_a("IfcBSplineCurve") and len(entity.values[1][0]) == 2:
             spline = file.by_id(entity.id())
-            owners = file.get_inverse(spline)
-            if owners:
-                _put_in_place(model, spline, _polyline(model, file, entity), owners)
-
-
-def _polyline(model: Model, file: Any, entity: Entity) -> Any:
-    """A polyline along a spline, in the kernel's file."""
-    points = polylines((spline_of(model, entity),), SPLINE_CHORD).points / model.mm
-    corners = [file.create_entity("IfcCartesianPoint", tuple(p)) for p in points.tolist()]
-    return file.create_entity("IfcPolyline", corners)
-
-
-def _put_in_place(model: Model, old: Any, new: Any, owners: Iterable[Any]) -> None:
-    """Let the owners of an entity of the kernel's file have another one.
-
-    The reader has its own values of each of them before, which stay as they are written.
-    """
-    for owner in owners:
-        assert model.file.entity(owner.id()).values
-        for k, value in enumerate(owner):
-            if value == old:
-                owner[k] = new
-            elif isinstance(value, tuple) and old in value:
-                owner[k] = [new if one == old else one for one in value]
+            points = polylines((spline_of(model, entity),), SPLINE_CHORD).points / model.mm
+            line = file.create_entity("IfcPolyline", [
+                file.create_entity("IfcCartesianPoint", tuple(p)) for p in points.tolist()
+            ])  # fmt: skip
+            for owner in file.get_inverse(spline):
+                # The reader has its own values of it before, which stay as they are written.
+                assert model.file.entity(owner.id()).values
+                for k, value in enumerate(owner):
+                    if value == spline:
+                        owner[k] = line
+                    elif isinstance(value, tuple) and spline in value:
+                        owner[k] = [line if one == spline else one for one in value]
