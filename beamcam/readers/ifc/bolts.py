@@ -14,12 +14,10 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.readers.ifc import Options, rules
-from beamcam.readers.ifc.body import body_representation
+from beamcam.readers.ifc.body import body_representation, mapping
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable, ratios
-from beamcam.readers.ifc.features import sorted_holes
-from beamcam.readers.ifc.finish import Shaped
+from beamcam.readers.ifc.finish import Shaped, sorted_holes
 from beamcam.readers.ifc.section import Wall, walls_of
-from beamcam.readers.ifc.solids import mapping
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.solid.kernel import prism
 from beamcam.solid.kernel import walls as solid_walls

@@ -20,15 +20,19 @@ from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import Cutter
 from beamcam.readers.ifc.ends import MIN_LEAN, End
 from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
-from beamcam.readers.ifc.features import opening
-from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
+from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
+    Circle,
     Circles,
     Shape,
+    arcs_of,
+    circles_in,
     cleaned,
     pieces_of,
+    ring_arcs,
+    with_circles,
 )
 from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
 from beamcam.readers.ifc.same_solid import Fineness, differences
@@ -45,7 +49,6 @@ from beamcam.readers.ifc.shell import (
     section,
     vec,
 )
-from beamcam.readers.ifc.slices import Circle, arcs_of, circles_in, ring_arcs, with_circles
 from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
 from beamcam.readers.ifc.stock import box_of, plate_stock

@@ -11,7 +11,7 @@ from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.cutters import Box3, Cutter, Prism
 from beamcam.readers.ifc.ends import End, Trim
 from beamcam.readers.ifc.entities import OddCut, Unreadable
-from beamcam.readers.ifc.features import slot
+from beamcam.readers.ifc.finish import slot
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.section import Section, Wall
 from beamcam.readers.ifc.space import dot, scale, size, unit

@@ -10,10 +10,19 @@ from beamcam.geometry.curves import Point
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import sharpened
-from beamcam.readers.ifc.region import Circles, chain_of_ring, pieces_of, points_of, polygon_of
+from beamcam.readers.ifc.region import (
+    Circles,
+    Segments,
+    arcs_of,
+    chain_of_ring,
+    circles_in,
+    pieces_of,
+    points_of,
+    polygon_of,
+    region_within,
+)
 from beamcam.readers.ifc.section import BareStock, Section, placed, plain_stock
 from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
-from beamcam.readers.ifc.slices import Segments, arcs_of, circles_in, region_within
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)

@@ -15,9 +15,16 @@ from numpy.typing import NDArray
 from beamcam.budget import check_member
 from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
-from beamcam.readers.ifc.region import Circles, Shape
+from beamcam.readers.ifc.region import (
+    Circle,
+    Circles,
+    Segments,
+    Shape,
+    circles_in,
+    region_within,
+    with_circles,
+)
 from beamcam.readers.ifc.section import Wall
-from beamcam.readers.ifc.slices import Circle, Segments, circles_in, region_within, with_circles
 from beamcam.readers.ifc.space import Frame, Vec, scale
 
 ALONG = (1.0, 0.0, 0.0)  #: a member
