@@ -51,7 +51,6 @@ CACHES = {
     "ifc.axes": Bound(4096, "the members of a model share their axes"),
     "ifc.spread": Bound(4096, "the holes of a model share size and axes"),
     "ifc.walls": Bound(4096, "each face of a member asks for the walls of its section"),
-    "ifc.thicknesses": Bound(4096, "each hole asks for the thickness of its wall"),
     "ifc.corners": Bound(4096, "each end of a member asks for the corners of its section"),
     "drawings.looks": Bound(1024, "the lines of a drawing have few layers and colours"),
     "svg.decimals": Bound(64, "a pattern for each number of decimals, of which few are met"),

@@ -8,7 +8,7 @@ Everything is in the element's own coordinates, in mm; the element's placement o
 the building it is, and its large numbers are kept out.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import hypot
 
 from msgspec import Struct
@@ -29,7 +29,6 @@ from beamcam.readers.ifc.entities import (
     ratios,
     right_handed,
 )
-from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
 from beamcam.readers.ifc.shell import Shell, shell_of
 from beamcam.readers.ifc.space import IDENTITY, ORIGIN, Frame, Vec, scale, unit
@@ -37,14 +36,8 @@ from beamcam.readers.ifc.space import IDENTITY, ORIGIN, Frame, Vec, scale, unit
 #: Identifiers of a representation that holds the solid, the best first.
 _BODIES = {"Body": 0, None: 1, "": 2, "Facetation": 3, "Body-FallBack": 4}
 _SKIPPED_REPRESENTATIONS = (
-    "Axis",
-    "BoundingBox",
-    "Box",
-    "FootPrint",
-    "Profile",
-    "CoG",
-    "Clearance",
-)
+    "Axis", "BoundingBox", "Box", "FootPrint", "Profile", "CoG", "Clearance",
+)  # fmt: skip
 _FLAT_TYPES = ("Curve2D", "Curve3D", "Curve", "BoundingBox", "GeometricCurveSet", "Point")
 
 
@@ -87,7 +80,12 @@ def body_of(model: Model, element: Entity) -> Body:
     if len(items) != 1:
         raise Unreadable(f"a body of {len(items)} solids")
     base, removed = _item(model, items[0], IDENTITY)
-    return Body(base, (*removed, *openings_of(model, element)))
+    for opening in features_of(element, "IfcRelVoidsElement"):
+        frame, guid = relative_placement(model, element, opening), opening.guid
+        if opening.values[6] is None:
+            raise Unreadable(f"an opening {guid} without geometry")
+        removed += [Removed(i, frame, guid) for i in body_representation(opening).values[3]]
+    return Body(base, tuple(removed))
 
 
 def body_representation(element: Entity) -> Entity:
@@ -109,17 +107,6 @@ def body_representation(element: Entity) -> Entity:
     return best
 
 
-def openings_of(model: Model, element: Entity) -> Iterator[Removed]:
-    """Solids removed by the openings and voiding features of an element and of its assemblies."""
-    for opening in features_of(element, "IfcRelVoidsElement"):
-        frame = relative_placement(model, element, opening)
-        if opening.values[6] is None:
-            raise Unreadable(f"an opening {opening.guid} without geometry")
-        guid = opening.guid
-        for item in body_representation(opening).values[3]:
-            yield Removed(item, frame, guid)
-
-
 def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
     """Placement of `other` in the coordinates of `element`."""
     mine, its = element.values[5], other.values[5]
@@ -135,7 +122,9 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
     """What a representation item that stands in `frame` is made of, and what is taken from it."""
     kinds = item.type.kinds
     if item.type.name == "IfcExtrudedAreaSolid":
-        return _swept(model, item, frame), []
+        profile, place, way, depth, *_ = item.values
+        position = frame.times(model.axes(place))
+        return Swept(profile, position, pushed(model, position, way, depth)), []
     if "IfcBooleanResult" in kinds:
         taken = []
         seen = set[Entity]()
@@ -162,12 +151,6 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
     raise Unreadable(f"a solid by {item.type.name}")
 
 
-def _swept(model: Model, item: Entity, frame: Frame) -> Swept:
-    profile, place, way, depth, *_ = item.values
-    position = frame.times(model.axes(place))
-    return Swept(profile, position, pushed(model, position, way, depth))
-
-
 # --- items ----------------------------------------------------------------------------------------
 
 # The representation items of an element, and those of them that no straight member has.
@@ -181,34 +164,31 @@ TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSec
 
 
 def refuse_bent(element: Entity) -> None:
-    """Raise Bent for an element one of whose solids is curved or tapered."""
-    kinds = {item.is_a() for item in items_below(element) if not _is_straight(item)}
-    for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
-        for kind in names:
-            if kind in kinds:
-                raise Bent(rule, kind)
-
-
-def items_below(element: Entity) -> Iterator[Entity]:
-    """All representation items of an element, through maps and booleans."""
-    todo = []
-    if element.Representation is not None:
-        for representation in element.Representation.Representations:
-            if representation.RepresentationIdentifier not in ("Axis", "Box", "FootPrint"):
-                todo += list(representation.Items)
+    """Raise Bent for an element that has a curved or tapered solid, below maps and booleans."""
+    shape = element.Representation
+    todo = [
+        item for one in (shape.Representations if shape is not None else ())
+        if one.RepresentationIdentifier not in ("Axis", "Box", "FootPrint") for item in one.Items
+    ]  # fmt: skip
     seen = set[Entity]()
+    kinds = set[str]()
     while todo:
         item = todo.pop()
         if item in seen:  # shared, or geometry that contains itself
             continue
         seen.add(item)
-        yield item
+        if not _is_straight(item):
+            kinds.add(item.is_a())
         if item.is_a("IfcMappedItem"):
-            todo += list(item.MappingSource.MappedRepresentation.Items)
+            todo += item.MappingSource.MappedRepresentation.Items
         elif item.is_a("IfcBooleanResult"):
             todo.append(item.FirstOperand)
         elif item.is_a("IfcCsgSolid"):
             todo.append(item.TreeRootExpression)
+    for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
+        for kind in names:
+            if kind in kinds:
+                raise Bent(rule, kind)
 
 
 def _is_straight(item: Entity) -> bool:
@@ -221,14 +201,12 @@ def _is_straight(item: Entity) -> bool:
     )
 
 
-_FACETED = frozenset(
-    (
-        "IfcFacetedBrep",
-        "IfcTessellatedFaceSet",
-        "IfcFaceBasedSurfaceModel",
-        "IfcShellBasedSurfaceModel",
-    )
-)
+# --- cutters --------------------------------------------------------------------------------------
+
+_FACETED = frozenset((
+    "IfcFacetedBrep", "IfcTessellatedFaceSet", "IfcFaceBasedSurfaceModel",
+    "IfcShellBasedSurfaceModel",
+))  # fmt: skip
 FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
 UPRIGHT = (0.0, 0.0, 1.0)
 ASKEW = 2e-3  #: tangent of the angle by which a hole may be pushed off square
@@ -275,7 +253,15 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
     if kind == "IfcCsgSolid":
         return solid_cutters(model, item.TreeRootExpression, frame, where)
     if "IfcBooleanResult" in kinds:
-        return _compound(model, item, frame, where)
+        first, second = (
+            tuple(solid_cutters(model, one, frame, where))
+            for one in (item.FirstOperand, item.SecondOperand)
+        )
+        if item.Operator == "UNION":
+            return first + second
+        if item.Operator == "DIFFERENCE":
+            return [Less(one, second, where) for one in first]
+        return [Bounded(one, other, where) for one in first for other in second]
     if kind in ("IfcRightCircularCylinder", "IfcBlock"):
         return (_primitive(model, item, frame, where),)
     if is_faceted(model, item):
@@ -285,10 +271,12 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
 
 def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
     profile, place, way, depth, *_ = item.values
-    outline, hole = model.once("cut-out", definition(profile), _cut_out, model, profile)
+    outline = outline_of(model, profile)
+    hole = model.once("cut-out", definition(profile), hole_of, outline)
     o, axes, even = _standing(model, frame, place)
     along = pushed(model, axes, way, depth)
-    if hole is not None and not (even and (way is None or _upright(way))):
+    upright = way is None or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
+    if not (even and upright):
         hole = None  # a circle that is pushed askew or stretched is not a circle across its length
     return Prism(Frame(o, axes.x, axes.y, along), outline, where, hole)
 
@@ -316,27 +304,6 @@ def _turned(
     return axes, axes.even
 
 
-def _upright(way: Coordinates) -> bool:
-    """Whether a direction is square to the plane of x and y, either way."""
-    return way == UPRIGHT or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
-
-
-def _cut_out(model: Model, profile: Entity) -> tuple[Outline, Round | Slotted | None]:
-    """The outline of what is cut out, and the hole or slot that it is."""
-    outline = outline_of(model, profile)
-    return outline, hole_of(outline)
-
-
-def _compound(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
-    first = tuple(solid_cutters(model, item.FirstOperand, frame, where))
-    second = tuple(solid_cutters(model, item.SecondOperand, frame, where))
-    if item.Operator == "UNION":
-        return first + second
-    if item.Operator == "DIFFERENCE":
-        return [Less(one, second, where) for one in first]
-    return [Bounded(one, other, where) for one in first for other in second]
-
-
 def _half_space(model: Model, item: Entity, frame: Frame, where: str | None) -> HalfSpace:
     surface, agreement, *_ = item.values
     if not surface.is_a("IfcPlane"):
@@ -357,10 +324,5 @@ def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> P
         return Prism(block, Outline(rounded_box(x, y, 0.0)), where)
     radius = item.Radius * mm
     outline = Outline((Arc((0.0, 0.0), radius, 0.0, 360.0),))
-    along = scale(position.z, item.Height * mm)
-    return Prism(
-        Frame(position.o, position.x, position.y, along),
-        outline,
-        where,
-        Round((0.0, 0.0), 2 * radius) if position.even else None,
-    )
+    frame = Frame(position.o, position.x, position.y, scale(position.z, item.Height * mm))
+    return Prism(frame, outline, where, hole_of(outline) if position.even else None)
