@@ -44,7 +44,6 @@ CACHES = {
     "ifc.identifier": Bound(4, "each class that is met asks for the name of its schema"),
     "ifc.class": Bound(2048, "the entities of a model share their classes"),
     "ifc.kernel": Bound(1, "ifcopenshell is loaded where a solid has to be built, 300 ms"),
-    "ifc.property_set": Bound(4096, "each member of a model has the same property sets"),
     "ifc.section_name": Bound(4096, "the members of a model share the texts that name sections"),
     "ifc.said_measures": Bound(4096, "the members of a model share the names of their sections"),
     "ifc.placement": Bound(4096, "the members of a model share their axes"),

@@ -46,10 +46,10 @@ from beamcam.readers.ifc.marks import (
     label_of,
     mark_of,
     material_of,
+    name_of,
     named,
     not_steel,
     profile_set_names,
-    remark_at,
 )
 from beamcam.readers.ifc.opening import elements_of, open_file
 from beamcam.readers.ifc.semantic import read_swept
@@ -136,7 +136,7 @@ class Members(Struct):
         self.taken = taken = Taken()
         element = self.elements[place]
         data = data_of(self.model, element)
-        self._selected(element, mark_of(element, data)[0], assembly_of(element, data))
+        self._selected(element, mark_of(element, data), assembly_of(element, data))
         where = Source(self.name, where=element.guid)
         self._refuse(rules.KERNEL_DIED.at(where, found="two processes"))
         return taken
@@ -171,7 +171,7 @@ class Members(Struct):
     def _member(self, element: Entity, source: Source) -> tuple[Part, Shaped] | None:
         """The part of one element, if it is selected and steel. Raises Unreadable."""
         data = data_of(self.model, element)
-        mark, _ = mark_of(element, data)
+        mark = mark_of(element, data)
         assembly = assembly_of(element, data)
         if not self._selected(element, mark, assembly):
             self.taken.ledger.unselected += 1
@@ -304,7 +304,11 @@ class Members(Struct):
         bare = section.profile("")
         labels = label_of(element, profile, data), *profile_set_names(self.model, element)
         label, wrong = named(bare, labels)
-        self.taken.said += (remark_at(one, bare, source) for one in wrong)
+        size = f"{bare.height:.1f} x {bare.width:.1f} mm"
+        self.taken.said += (
+            rules.PROFILE_NAME.at(source, found=one, size=size, expected=name_of(bare))
+            for one in wrong
+        )
         grades = grades_apart(material, data)
         if grades is not None:
             self.taken.said.append(rules.GRADE.at(source, found=grades[0], expected=grades[1]))
