@@ -1,13 +1,13 @@
 """Does the rest of the file agree with what was read of a member?"""
 
-from collections.abc import Hashable, Iterator
-from math import hypot, log
+from collections.abc import Hashable
+from math import log
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.model.part import Contour, EndCuts, Part
+from beamcam.model.part import EndCuts, Part
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.body import body_representation, relative_placement
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
@@ -36,20 +36,15 @@ FINE = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.FINE_CHORD * 1e
 
 
 def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:
-    """Contradictions of length or weight in the property sets to the geometry."""
+    """Contradictions of length, weight or volume in the property sets to the geometry."""
     said = []
     length = data.number(*LENGTHS)
     if length is not None:
         where, value = length
         extents = [part.length, shaped.gross, part.profile.height, part.profile.width]
-        if part.profile.code == "B":
-            extents.append(hypot(part.length, part.profile.height))
         if all(abs(value - e) > LENGTH_SLACK for e in extents) and part.profile.code != "B":
-            said.append(
-                rules.LENGTH.at(
-                    source, found=f"{value:.2f}", where=where, expected=f"{part.length:.2f}"
-                )
-            )
+            texts = {"found": f"{value:.2f}", "expected": f"{part.length:.2f}"}
+            said.append(rules.LENGTH.at(source, where=where, **texts))
     weight = data.number(*WEIGHTS)
     if weight is not None and weight[1] > SMALL_WEIGHT:
         where, value = weight
@@ -60,34 +55,25 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[
         if off > 0:
             texts = {"found": f"{value:.2f}", "expected": f"{expected[0]:.2f}"}
             said.append(rule.at(source, where=where, **texts))
-    said += _check_volume(shaped, data, source)
+    stated = data.number(*VOLUMES)
+    if stated is not None:
+        where, value = stated
+        # Exporters write m3, mm3 or a cube of the file's own unit, whatever unit they declare: of
+        # these the nearest counts. A figure of few digits is as good as its last one.
+        digits = repr(value).partition(".")[2]
+        rounding = 0.5 * 0.1 ** len(digits) if "e" not in digits else 0.0
+        scale = min(CUBES, key=lambda by: abs(log(value * by / shaped.volume)))
+        off = abs(value * scale - shaped.volume)
+        if off > VOLUME_NEAR * shaped.volume + rounding * scale:
+            texts = {
+                "found": f"{value * scale / 1e3:.2f}", "expected": f"{shaped.volume / 1e3:.2f}",
+            }  # fmt: skip
+            said.append(rules.NET_VOLUME.at(source, where=where, **texts))
     listed = data.has(CUTOUTS)
-    if listed is not None and not _is_cut(part):
+    cut = any(True for _ in part.contours) or part.cuts != EndCuts()
+    if listed is not None and not cut:
         said.append(rules.CUTOUT.at(source, where=listed))
     return tuple(said)
-
-
-def _is_cut(part: Part) -> bool:
-    return any(isinstance(f, Contour) for f in part.features) or part.cuts != EndCuts()
-
-
-def _check_volume(shaped: Shaped, data: Data, source: Source) -> Iterator[Diagnostic]:
-    """Contradiction of the net volume in the property sets to the geometry.
-
-    Exporters write m3, mm3 or a cube of the file's own unit, whatever unit they declare: of these
-    the nearest counts. A figure of few digits is as good as its last one.
-    """
-    stated = data.number(*VOLUMES)
-    if stated is None:
-        return
-    where, value = stated
-    digits = repr(value).partition(".")[2].partition("e")[0]
-    rounding = 0.5 * 10.0 ** -len(digits) if "e" not in repr(value) else 0.0
-    scale = min(CUBES, key=lambda by: abs(log(value * by / shaped.volume)))
-    off = abs(value * scale - shaped.volume)
-    if off > VOLUME_NEAR * shaped.volume + rounding * scale:
-        found, expected = (f"{v / 1e3:.2f}" for v in (value * scale, shaped.volume))
-        yield rules.NET_VOLUME.at(source, found=found, where=where, expected=expected)
 
 
 class Compared(Struct, frozen=True):

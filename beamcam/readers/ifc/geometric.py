@@ -7,7 +7,6 @@
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
@@ -130,7 +129,13 @@ def _readings(
     along = longest_direction(shell)
     for axis in (along, *other_axes(shell, along)):
         stock = rolled_stock(shell, axis)
-        if stock is None or _is_on_edge(stock):
+        if stock is None:
+            continue
+        section, length = stock.section, stock.x1 - stock.x0
+        # A flat bar shorter than it is thick has its thickness along another side; a special
+        # section wider than the bar is long is that of a bent one.
+        least = {"B": section.width, "SO": max(section.height, section.width)}
+        if length < least.get(section.code, 0.0):
             continue
         try:
             made = _member(shell, cutters, stock, source)
@@ -138,17 +143,6 @@ def _readings(
             yield reason
         else:
             yield replace(in_place(made, stock.frame), stock=stock.stock)
-
-
-def _is_on_edge(stock: Rolled) -> bool:
-    """Whether a flat bar is shorter than it is thick: then another side is its thickness.
-
-    And whether a special section is wider than the bar is long, as that of a bent bar is.
-    """
-    section, length = stock.section, stock.x1 - stock.x0
-    if section.code == "SO":
-        return length < max(section.height, section.width)
-    return section.code == "B" and length < section.width
 
 
 def _unexplained(
@@ -194,7 +188,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     inverse = stock.frame.inverse()
     local = shell.moved(inverse)
     taken = [c.moved(inverse) for c in cutters]
-    walls = walls_of(stock.section)
+    walls, flat = walls_of(stock.section), stock.section.is_plain_flat
     if not walls:
         if taken:
             raise OddSection("cuts in a faceted round or special section")
@@ -203,7 +197,11 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     regions: Regions = {}
     holes: list[Hole | Slot] = []
     for wall in walls:
-        cs = [wall.low + share * wall.thickness for share in _levels(stock.section, wall)]
+        shares: tuple[float, ...] = (LEVEL_IN, 1 - LEVEL_IN)
+        if flat:  # its edges may lean, also from both sides to its middle
+            edge = outer_level(wall)
+            shares = (edge, *BETWEEN, 1 - edge)
+        cs = [wall.low + share * wall.thickness for share in shares]
         raw = [local.raw_slice(wall, c) for c in cs]
         if not taken:
             drilled, raw = _drilled(raw, wall, local.circles(wall), source)
@@ -214,7 +212,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
             for one in taken:
                 shape = shape.difference(one.slice(wall, c, circles))
             shape = cleaned(shape)
-            if not stock.section.is_plain_flat:
+            if not flat:
                 shape = _full_width(shape, wall, c, stock.outline)
             levels.append((c, shape))
         regions[wall] = tuple(levels)
@@ -222,17 +220,6 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     span = None if taken else (stock.x0, stock.x1)
     gross = stock.x1 - stock.x0
     return from_regions(stock.section, regions, holes, circles, source, gross, span=span)
-
-
-def _levels(section: Section, wall: Wall) -> tuple[float, ...]:
-    """The shares of its thickness at which a wall is looked at.
-
-    Edges of a flat bar may lean, also from both sides to its middle.
-    """
-    if section.is_plain_flat:
-        edge = outer_level(wall)
-        return (edge, *BETWEEN, 1 - edge)
-    return (LEVEL_IN, 1 - LEVEL_IN)
 
 
 def _drilled(
@@ -279,27 +266,21 @@ def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) 
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import transform
+    from shapely import get_coordinates, set_coordinates
 
     at = 0 if wall.normal == "y" else 1
-    crossed = []
-    for i, p in enumerate(outline):
-        a, b = (outline[i - 1], p)
-        if (a[at] > c) != (b[at] > c):
-            share = (c - a[at]) / (b[at] - a[at])
-            crossed.append(a[1 - at] + share * (b[1 - at] - a[1 - at]))
+    crossed = [
+        a[1 - at] + (c - a[at]) / (b[at] - a[at]) * (b[1 - at] - a[1 - at])
+        for a, b in zip((outline[-1], *outline), outline, strict=False)
+        if (a[at] > c) != (b[at] > c)
+    ]
     if len(crossed) < 2:
         return shape
-    low, high = min(crossed), max(crossed)
-
-    def widened(points: Any) -> Any:
-        points = points.copy()
-        q = points[:, 1]
-        q[abs(q - low) < EDGE] = 0.0
-        q[abs(q - high) < EDGE] = wall.width
-        return points
-
-    return transform(shape, widened)
+    points = get_coordinates(shape)
+    q = points[:, 1]
+    low, high = abs(q - min(crossed)) < EDGE, abs(q - max(crossed)) < EDGE
+    q[low], q[high] = 0.0, wall.width
+    return set_coordinates(shape, points)
 
 
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:

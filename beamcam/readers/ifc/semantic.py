@@ -180,11 +180,12 @@ def _left_of_walls(
         return c, shape
 
     for wall in walls:
-        uncut = rectangle(stock.x0, 0.0, stock.x1, wall.width)
         if stock.outline:
-            uncut = polygon_of(stock.outline, (), circles)
-        for hollow in stock.hollows:
-            uncut = uncut.difference(polygon_of(hollow, (), circles))
+            uncut = polygon_of(stock.outline, stock.hollows, circles)
+        else:
+            uncut = rectangle(stock.x0, 0.0, stock.x1, wall.width)
+            for hollow in stock.hollows:
+                uncut = uncut.difference(polygon_of(hollow, (), circles))
         edge = outer_level(wall)
         row: Levels = (at(wall, uncut, edge), at(wall, uncut, 1 - edge))
         # Edges may lean, of a flat bar also from both sides to its middle.
