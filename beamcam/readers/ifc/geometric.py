@@ -7,17 +7,17 @@
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import Cutter
-from beamcam.readers.ifc.ends import MIN_LEAN, End
+from beamcam.readers.ifc.ends import End
 from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
@@ -33,16 +33,15 @@ from beamcam.readers.ifc.region import (
     ring_arcs,
     with_circles,
 )
-from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
+from beamcam.readers.ifc.rolled import Rolled, end_faces, other_axes, reference, rolled_stock
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import Section, Wall, plain_stock, walls_of
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
+    ALONG,
     Shell,
     broadest_normal,
-    coordinates,
     extent,
-    heaviest,
     kinked,
     longest_direction,
     section,
@@ -56,11 +55,12 @@ PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline tim
 ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one
 SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
+STEEPEST = 4.0  #: mm along a level of a wall for each mm that facets lie off its round edge
+STRAIGHT = 1e-3  #: mm that a corner of a region may lie off the line between its neighbours
 EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no such member
 SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls give
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
-NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
 MESH = Fineness(slack=0.13, facet_rad=ANGLE, chord=CHORD * 1e3)  #: of the kernel's solid
 FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
@@ -213,7 +213,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
                 shape = shape.difference(one.slice(wall, c, circles))
             shape = cleaned(shape)
             if not flat:
-                shape = _full_width(shape, wall, c, stock.outline)
+                shape = _full_width(shape, wall, c, stock)
             levels.append((c, shape))
         regions[wall] = tuple(levels)
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
@@ -261,26 +261,36 @@ def _drilled(
     return holes, kept
 
 
-def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) -> Shape:
+def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
     """A wall's region with its long edges at its full width, which rounded corners take off.
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import get_coordinates, set_coordinates
+    from shapely import MultiPolygon, Polygon, get_coordinates
 
     at = 0 if wall.normal == "y" else 1
     crossed = [
         a[1 - at] + (c - a[at]) / (b[at] - a[at]) * (b[1 - at] - a[1 - at])
-        for a, b in zip((outline[-1], *outline), outline, strict=False)
+        for a, b in pairwise((stock.outline[-1], *stock.outline))
         if (a[at] > c) != (b[at] > c)
     ]
     if len(crossed) < 2:
         return shape
-    points = get_coordinates(shape)
-    q = points[:, 1]
-    low, high = abs(q - min(crossed)) < EDGE, abs(q - max(crossed)) < EDGE
-    q[low], q[high] = 0.0, wall.width
-    return set_coordinates(shape, points)
+    low, high, near = min(crossed), max(crossed), EDGE + STEEPEST * stock.rise
+    found = []
+    for piece in pieces_of(shape):
+        points = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1]
+        x, q = points.T
+        to = np.select([abs(q - low) < near, abs(q - high) < near], [0.0, wall.width], q)
+        moved = np.column_stack((x, to))
+        for i in np.flatnonzero(to != q).tolist():
+            # It moves along the end or the cut that comes to the long edge there.
+            for j in (i - 1, (i + 1) % len(q)):
+                if to[j] != to[i] and abs(q[j] - q[i]) > EDGE:
+                    moved[i, 0] += (x[i] - x[j]) / (q[i] - q[j]) * (to[i] - q[i])
+                    break
+        found.append(Polygon(moved, piece.interiors))
+    return MultiPolygon(found)
 
 
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
@@ -320,20 +330,12 @@ def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
 
 def _flat_end(local: Shell, side: int) -> End:
     """The plane that most of an end's area lies in."""
-    low, high = extent(local, (1.0, 0.0, 0.0))
-    areas, faces = local.areas, local.rings.face_of_corner
-    middles = np.bincount(faces, local.points[:, 0]) / np.bincount(faces)
-    there = (middles - (low + high) / 2) * side > 0
-    there &= np.abs(local.area_normals[:, 0]) >= MIN_LEAN * areas
-    found = np.flatnonzero(there)
-    ways = local.area_normals[found] * (1 / areas[found])[:, None]
-    way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))
-    if way is None:
+    areas, same = local.areas, end_faces(local, ALONG, side)
+    if not len(same):
         raise OddSection("a round section without plane ends")
-    same = found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
     n = vec(local.area_normals[same[areas[same].argmax()]])
     a, b = -n[1] / n[0], -n[2] / n[0]
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
         a = b = 0.0
-    x, y, z = local.points[np.isin(faces, same)].T
+    x, y, z = local.points[np.isin(local.rings.face_of_corner, same)].T
     return End(side, a, b, float(side * (side * (x - a * y - b * z)).max()))

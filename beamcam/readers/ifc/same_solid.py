@@ -135,7 +135,7 @@ def differences(
             # Surfaces that lie in one another are dear to cut, so that they come last.
             pieces = [
                 (more, _grown(one, exact, by.slack))
-                for more, cores in _cores(solid, part, stock.shape, by)
+                for more, cores in _cores(solid, part, stock, by)
                 for exact in ([solid - drawn if more else drawn - solid] if cores else [])
                 for one in cores
             ]
@@ -155,8 +155,8 @@ def differences(
         kind if sum(one.volume for one in kind) > BOUND else () for kind in (rest, fillets, leaning)
     )
     expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
-    if part.profile.code == "C":
-        expected = theirs  # cuts of lips are not known
+    if part.profile.code == "C" or stock.rough is not None:
+        expected = theirs  # cuts of lips are not known, nor what facets askew take
     return Differences(rest, fillets, leaning, theirs, expected)
 
 
@@ -165,7 +165,7 @@ def _drawn(part: Part, stock: BareStock) -> "Manifold":
 
 
 def _cores(
-    solid: "Manifold", part: Part, stock: Shape, by: Fineness
+    solid: "Manifold", part: Part, stock: BareStock, by: Fineness
 ) -> "Iterator[tuple[bool, list[Manifold]]]":
     """What sticks out of the margins of a part: of more steel, and of less."""
     least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
@@ -190,7 +190,7 @@ def _plainly_drilled(
     walls = {wall.face: wall for wall in walls_of(section)}
     round_ones = [f for f in part.features if isinstance(f, (Hole, Slot)) and f.face in walls]
     bare = replace(part, features=tuple(f for f in part.features if f not in round_ones))
-    (_, more), (_, plugs) = _cores(solid, bare, stock.shape, by)
+    (_, more), (_, plugs) = _cores(solid, bare, stock, by)
     if more or len(plugs) != len(round_ones):
         return None
     volume = float(_drawn(bare, stock).volume()) * stock.area / float(stock.shape.area)
@@ -231,15 +231,18 @@ def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
     return max(parts, key=lambda one: one.volume(), default=piece)
 
 
-def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
+def _margins(part: Part, stock: BareStock, slack: float) -> tuple[Margins, Margins]:
     """Of the least steel and of the most.
 
     The lips of a channel, which no part holds, may be there or not.
     """
-    sections = stock, stock
+    shape = stock.shape
+    sections = shape, shape
     if part.profile.code == "C":
         drawn = outline(part)
-        sections = stock.intersection(drawn), stock.union(drawn)
+        sections = shape.intersection(drawn), shape.union(drawn)
+    if stock.rough is not None:
+        sections = sections[0].difference(stock.rough), sections[1].union(stock.rough)
 
     def by(off: float, section: Shape) -> Margins:
         return Margins(
