@@ -266,7 +266,7 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import MultiPolygon, Polygon, get_coordinates
+    from shapely import Polygon, get_coordinates, union_all
 
     at = 0 if wall.normal == "y" else 1
     crossed = [
@@ -289,8 +289,8 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
                 if to[j] != to[i] and abs(q[j] - q[i]) > EDGE:
                     moved[i, 0] += (x[i] - x[j]) / (q[i] - q[j]) * (to[i] - q[i])
                     break
-        found.append(Polygon(moved, piece.interiors))
-    return MultiPolygon(found)
+        found.append(Polygon(moved, piece.interiors).buffer(0))
+    return union_all(found)
 
 
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:

@@ -1,6 +1,6 @@
 """The rolled stock that a shell was cut from: the section that is constant along an axis."""
 
-from math import ceil, sqrt
+from math import asin, ceil, cos
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,7 @@ WHOLE = 0.05  #: mm that a section may be less than its shell
 SAME_AREA = 1.0005  #: times the area of a section that another has to have to be a fuller one
 SAME_SIZE = 3  #: decimals of mm2 in which sections are alike where facets run along the member
 WHOLE_END = 0.95  #: share of the largest section that an end shows, at least
+ASKEW = 1.2  #: times the angle of an end's chord that a facet may span which runs askew
 ON_ARC = 0.01  #: mm between a rounding and the corners on it
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
@@ -196,14 +197,13 @@ def _end_section(
     told = classify(outer, inner) if outer else None
     if told is None or told.code == "SO":
         return None
-    skin = np.abs(coordinates(shell.area_normals, axis)) < MIN_LEAN * shell.areas
-    lateral = skin[shell.rings.face_of_corner]
     most, bands = 0.0, []
+    chords = np.array([(c.start, c.end) for chain in drawn for c in chain])
     for arc in (c for chain in (outer, *inner) for c in chain if isinstance(c, Arc)):
-        a, b = ((p - np.array(arc.centre)) / arc.radius for p in (before[lateral], flat[lateral]))
-        on = np.maximum(*(np.abs(np.hypot(*p.T) - 1.0) for p in (a, b))) * arc.radius < ON_ARC
-        cosine = float((a[on] * b[on]).sum(axis=1).min(initial=1.0))
-        rise = arc.radius * (1.0 - sqrt(max(0.0, (1.0 + cosine) / 2))) + ON_ARC
+        off = np.abs(np.hypot(*(chords - arc.centre).transpose(2, 0, 1)) - arc.radius).max(axis=1)
+        longest = np.hypot(*(chords[:, 1] - chords[:, 0])[off < ON_ARC].T).max(initial=0.0)
+        half = ASKEW * asin(min(1.0, longest / (2 * arc.radius)))
+        rise = min(arc.radius, arc.radius * (1.0 - cos(half)) + ON_ARC)
         most = max(most, rise)
         count = ceil(abs(arc.sweep_deg))
         points = np.array([arc.point(k / count) for k in range(count + 1)]) - arc.centre

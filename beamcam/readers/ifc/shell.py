@@ -239,10 +239,15 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
 
 
 def longest_direction(shell: Shell) -> Vec:
-    """The direction that most of the shell's edges run along, by their length."""
+    """The direction that most of the shell's edges run along, by their length.
+
+    Edges between two faces of one plane, as in a mesh of triangles, do not count.
+    """
     edges = shell.points - shell.points[shell.rings.before]
     length = lengths(edges)
     real = length >= MIN_EDGE
+    if len(shell.points) == 3 * shell.count:
+        real &= _creased(shell, shell.rings.before)
     length = length[real]
     ways = edges[real] * (1 / length)[:, None]
     return heaviest(ways, length, 1 - 1e-7, MOST_WAYS) or ALONG
