@@ -12,7 +12,6 @@ from beamcam.readers.ifc.outline import (
     Round,
     corners_of,
     shape_of,
-    shape_of_curves,
     with_arcs,
 )
 from beamcam.readers.ifc.section import SQUARE, Section, placed, special
@@ -27,7 +26,7 @@ def classify(outer: Chain, inner: Sequence[Chain] = ()) -> Section | None:
     if len(inner) > 1:
         return None
     curves = with_arcs(outer)
-    shape = shape_of_curves(curves)
+    shape = shape_of(curves)
     if isinstance(shape, Round):
         return _round(shape, inner, area)
     corners = corners_of(curves)

@@ -5,7 +5,6 @@ All lengths that leave this module are millimetres.
 
 from collections import defaultdict
 from collections.abc import Callable
-from contextlib import suppress
 from math import pi
 from typing import Any, TypeVar
 
@@ -14,10 +13,10 @@ from msgspec import UNSET, Struct, UnsetType, field
 from beamcam.caches import cached
 from beamcam.errors import Rule
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.records import Entity, File, Missing
+from beamcam.readers.ifc.records import Entity as Entity
+from beamcam.readers.ifc.records import File, Missing
 from beamcam.readers.ifc.space import (
     IDENTITY,
-    ORIGIN,
     Frame,
     Vec,
     across,
@@ -156,16 +155,10 @@ class Model(Struct):
 
     def placement(self, entity: Entity | None) -> Frame:
         """An IfcObjectPlacement in the world, chained placements included."""
-        if entity is None:
-            return IDENTITY
-        known = self.placements.get(entity)
-        if known is not None:
-            return known
-        if not _is_placed_locally(entity):
-            raise Unreadable("a placement by something else")
         chain: list[Entity] = []
         while entity is not None and entity not in self.placements:
-            if not _is_placed_locally(entity):
+            # A damaged file refers to numbers in its place.
+            if not isinstance(entity, Entity) or not entity.is_a("IfcLocalPlacement"):
                 raise Unreadable("a placement by something else")
             if entity in chain:
                 raise Unreadable("a placement that is relative to itself")
@@ -177,38 +170,21 @@ class Model(Struct):
             self.placements[step] = frame
         return frame
 
-    @property
-    def precision(self) -> float:
-        """mm to which the file states its geometry to be right; 0 where it states nothing."""
-        return self.once("precision", None, self._precision)
-
-    def _precision(self) -> float:
-        stated = 0.0
-        for context in self.file.by_type("IfcGeometricRepresentationContext"):
-            with suppress(*NOT_WELL_FORMED):
-                stated = max(stated, float(context.Precision or 0.0) * self.mm)
-        return stated
-
     def operator(self, entity: Entity) -> Frame:
         """An IfcCartesianTransformationOperator, its scales and mirrors included."""
-        flat = entity.is_a("IfcCartesianTransformationOperator2D")
-        origin = self.point(entity.LocalOrigin)
         by = entity.Scale if entity.Scale is not None else 1.0
-        by_y = by_z = by
-        if entity.is_a("IfcCartesianTransformationOperator3DnonUniform"):
-            by_y = by if entity.Scale2 is None else entity.Scale2
-            by_z = by if entity.Scale3 is None else entity.Scale3
-        elif entity.is_a("IfcCartesianTransformationOperator2DnonUniform"):
-            by_y = by if entity.Scale2 is None else entity.Scale2
-        z: Vec = (0.0, 0.0, 1.0)
-        if not flat and entity.Axis3 is not None:
-            z = unit(ratios(entity.Axis3) or z)
+        # Of two dimensions it has no third axis, and if it is uniform no other scales.
+        by_y, by_z = (
+            by if (stated := getattr(entity, name, None)) is None else stated
+            for name in ("Scale2", "Scale3")
+        )
+        z = unit(ratios(getattr(entity, "Axis3", None)) or (0.0, 0.0, 1.0))
         x = square_to(ratios(entity.Axis1) or (1.0, 0.0, 0.0), z)
         y = cross(z, x)
         drawn = ratios(entity.Axis2)
-        if drawn is not None and sum(a * b for a, b in zip(drawn, y, strict=True)) < 0:
+        if drawn is not None and dot(drawn, y) < 0:
             y = scale(y, -1.0)
-        return Frame(origin, scale(x, by), scale(y, by_y), scale(z, by_z))
+        return Frame(self.point(entity.LocalOrigin), scale(x, by), scale(y, by_y), scale(z, by_z))
 
 
 def ratios(c: Coordinates | None) -> Vec | None:
@@ -240,15 +216,6 @@ def open_model(file: File, data: bytes) -> Model:
     angle = scale_of(file, "PLANEANGLEUNIT")
     kilograms = scale_of(file, "MASSUNIT")
     return Model(file, data, mm, angle if 0 < angle < pi else 1.0, kilograms)
-
-
-__all__ = ["IDENTITY", "ORIGIN", "Entity", "Model", "Unreadable", "open_model", "ratios"]
-
-
-def _is_placed_locally(thing: object) -> bool:
-    """Whether something is an IfcLocalPlacement; a damaged file refers to numbers in its place."""
-    is_a = getattr(thing, "is_a", None)
-    return is_a is not None and is_a("IfcLocalPlacement")
 
 
 # --- relations ------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from shapely.errors import ShapelyError
 from beamcam.budget import MEMBER, OverTimeError, begin_member, limits
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.model.part import Part, Profile
+from beamcam.model.part import Part
 from beamcam.readers.ifc import Options, Selection, rules
 from beamcam.readers.ifc.body import Body, Swept, body_of, refuse_bent
 from beamcam.readers.ifc.checks import (
@@ -301,7 +301,7 @@ class Members(Struct):
     ) -> Part:
         mark, assembly, material = names
         section = shaped.section
-        bare = section.profile("")
+        bare, flat = section.profile(""), section.code == "B"  # whose weight is in kg/m2
         labels = label_of(element, profile, data), *profile_set_names(self.model, element)
         label, wrong = named(bare, labels)
         size = f"{bare.height:.1f} x {bare.width:.1f} mm"
@@ -325,7 +325,7 @@ class Members(Struct):
             grade=grade_of(material, data),
             cuts=shaped.cuts,
             features=shaped.features,
-            weight=_weight(bare, section.area),
+            weight=STEEL * (1e6 * section.width if flat else 1e3 * section.area),
             guid=element.guid,
             section=section.points,
         )
@@ -364,10 +364,3 @@ def class_names(kind: str) -> set[str]:
     name = kind.lower().removeprefix("ifc")
     names = {name, name.removesuffix("standardcase")}
     return names | {"proxy"} if name == "buildingelementproxy" else names
-
-
-def _weight(profile: Profile, area: float) -> float:
-    """kg/m, of a plate kg/m2."""
-    if profile.code == "B":
-        return (profile.web_thickness or 0.0) * STEEL * 1e6
-    return area * STEEL * 1e3

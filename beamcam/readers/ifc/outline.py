@@ -163,11 +163,7 @@ def _arc_of(run: list[Curve]) -> Arc | None:
 
 def shape_of(chain: Chain) -> Round | Slotted | None:
     """A circle or a slot where the chain is one; None for everything else."""
-    return shape_of_curves(with_arcs(chain))
-
-
-def shape_of_curves(curves: Chain) -> Round | Slotted | None:
-    """As `shape_of` of a chain that has its arcs."""
+    curves = with_arcs(chain)
     arcs = [c for c in curves if isinstance(c, Arc)]
     lines = [c for c in curves if isinstance(c, Line)]
     if len(arcs) + len(lines) != len(curves) or not arcs:

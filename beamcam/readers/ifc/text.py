@@ -107,11 +107,8 @@ def escaped(text: str) -> str:
     """A plain text with escapes for the letters that are not ASCII; ifcopenshell drops them."""
     if text.isascii():
         return text
-    return _LETTERS.sub(lambda m: "\\X4\\" + _hex(m[0]) + "\\X0\\", text)
-
-
-def _hex(letters: str) -> str:
-    return letters.encode("utf-32-be").hex().upper()
+    letters = lambda m: f"\\X4\\{m[0].encode('utf-32-be').hex().upper()}\\X0\\"
+    return _LETTERS.sub(letters, text)
 
 
 def look_over(text: str) -> Looked:
@@ -171,11 +168,6 @@ def records(text: str) -> Iterator[Record]:
     """The records of a plain text that was looked over."""
     for found in _RECORD.finditer(text):
         yield Record(int(found[1]), found[2], found[3], found.start())
-
-
-def line_of(text: str, record: Record) -> int:
-    """The line on which a record begins."""
-    return _line(text, record.start)
 
 
 def _line(text: str, at: int) -> int:
