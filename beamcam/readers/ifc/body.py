@@ -154,9 +154,7 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
 
 
 # --- items ----------------------------------------------------------------------------------------
-
 # The representation items of an element, and those of them that no straight member has.
-
 
 CURVED = ("IfcRevolvedAreaSolid", "IfcSurfaceCurveSweptAreaSolid", "IfcSweptDiskSolid",
           "IfcFixedReferenceSweptAreaSolid", "IfcDirectrixCurveSweptAreaSolid",
@@ -331,9 +329,7 @@ def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> P
 
 
 # --- facets ---------------------------------------------------------------------------------------
-
 # Faceted solids of IFC as shells: Breps, face sets and surface models, read without a kernel.
-
 
 Ring = list[Vec]
 

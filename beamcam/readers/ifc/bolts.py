@@ -189,12 +189,7 @@ def _account(
 
 
 def _through_member(
-    bolts: Sequence[Bolt],
-    world: Frame,
-    part: Part,
-    shaped: Shaped,
-    options: Options,
-    name: str,
+    bolts: Sequence[Bolt], world: Frame, part: Part, shaped: Shaped, options: Options, name: str
 ) -> tuple[list[Hole], list[Diagnostic]]:
     """The holes of bolts through a member whose axes lie in `world`, and which bolts lean."""
     holes: list[Hole] = []

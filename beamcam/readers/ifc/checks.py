@@ -184,7 +184,6 @@ def settled(compared: Compared, shaped: Shaped, data: Data) -> tuple[Diagnostic,
 
 
 # --- form -----------------------------------------------------------------------------------------
-
 # What a file says of a member's geometry, as a key: members of one form are one solid.
 #
 # What is worked out of a solid is kept under this key, never under what was read of it: two solids

@@ -7,13 +7,7 @@ from beamcam.geometry.curves import Point, signed_area
 from beamcam.geometry.plane import Box, box_around
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.outline import (
-    Corner,
-    Round,
-    corners_of,
-    shape_of,
-    with_arcs,
-)
+from beamcam.readers.ifc.outline import Corner, Round, corners_of, shape_of, with_arcs
 from beamcam.readers.ifc.section import SQUARE, Section, placed, special
 
 
@@ -137,12 +131,7 @@ def _direction(a: Corner, b: Corner) -> Point:
 
 
 def _centred(
-    code: ProfileCode,
-    box: Box,
-    y: Point,
-    z: Point,
-    sizes: tuple[float, float, float],
-    area: float,
+    code: ProfileCode, box: Box, y: Point, z: Point, sizes: tuple[float, float, float], area: float
 ) -> Section:
     """A section that fills a box along Z and Y; flange, web and radius are `sizes`."""
     x0, y0, x1, y1 = box

@@ -15,22 +15,10 @@ from beamcam.errors import Rule
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.records import Entity as Entity
 from beamcam.readers.ifc.records import File, Missing
-from beamcam.readers.ifc.space import (
-    IDENTITY,
-    Frame,
-    Vec,
-    across,
-    cross,
-    dot,
-    scale,
-    sub,
-    unit,
-)
+from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, across, cross, dot, scale, sub, unit
 
 # --- units ----------------------------------------------------------------------------------------
-
 # The units of a model: what its numbers are in metres, radians and kilograms.
-
 
 _PREFIXES = {
     None: 1.0, "EXA": 1e18, "PETA": 1e15, "TERA": 1e12, "GIGA": 1e9, "MEGA": 1e6, "KILO": 1e3,
@@ -219,12 +207,10 @@ def open_model(file: File, data: bytes) -> Model:
 
 
 # --- relations ------------------------------------------------------------------------------------
-
 # Objects related to elements: property sets, types, materials, assemblies.
 #
 # #9=IFCRELDEFINESBYPROPERTIES('guid',#5,$,$,(#49,#50),#58);     #58 to #49 and to #50
 # #8=IFCRELAGGREGATES('guid',#5,$,$,#61,(#49,#50));              #61 to #49 and to #50
-
 
 #: The relations by what they tie to elements, and which of their values that is.
 _CLASSES = {

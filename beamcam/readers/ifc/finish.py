@@ -336,9 +336,7 @@ def shifted(feature: Shifted, by: float) -> Shifted:
     return replace(feature, x=feature.x + by)
 
 
-def sorted_features(
-    features: Sequence[Hole | Slot | Contour],
-) -> tuple[Hole | Slot | Contour, ...]:
+def sorted_features(features: Sequence[Hole | Slot | Contour]) -> tuple[Hole | Slot | Contour, ...]:
     """Contours, then holes and slots, face by face along the part, each of these once."""
 
     def place(f: Contour) -> tuple[object, ...]:

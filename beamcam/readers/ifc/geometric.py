@@ -80,10 +80,7 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
 
 
 def read_shell(
-    shell: Shell,
-    cutters: Sequence[Cutter],
-    source: Source,
-    volume: float | None = None,
+    shell: Shell, cutters: Sequence[Cutter], source: Source, volume: float | None = None
 ) -> Shaped:
     """The member of a shell, checked against it. Raises Unreadable, which says what was found.
 

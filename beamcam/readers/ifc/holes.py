@@ -115,11 +115,7 @@ def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
 
 
 def _drilled(
-    cutter: Prism,
-    shape: Round | Slotted,
-    wall: Wall,
-    reach: Span,
-    source: Source,
+    cutter: Prism, shape: Round | Slotted, wall: Wall, reach: Span, source: Source
 ) -> Hole | Slot:
     face, depth = wall.face, None
     from_low, from_high = reach[0] <= wall.low + THROUGH, reach[1] >= wall.high - THROUGH

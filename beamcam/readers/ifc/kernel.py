@@ -17,7 +17,6 @@ from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.space import cross, size, sub
 
 # --- references -----------------------------------------------------------------------------------
-
 # References that the geometry kernel cannot follow: it ends the process over one that is missing.
 #
 # An attribute that the schema asks for stands for an entity of a class that the schema names there.

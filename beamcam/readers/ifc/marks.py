@@ -229,9 +229,7 @@ def _section_name(text: str) -> str:
 
 
 # --- naming ---------------------------------------------------------------------------------------
-
 # Name of a section, and whether the labels of the file agree with its dimensions.
-
 
 #: Names that are measures: of tubes, pipes, angles, flat and round bars, as modellers write them.
 _MEASURES = re.compile(

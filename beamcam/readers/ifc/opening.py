@@ -101,9 +101,7 @@ def _unpacked(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int) -> byte
 
 
 # --- candidates -----------------------------------------------------------------------------------
-
 # The elements of a model that may be steel members.
-
 
 CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
 PROXY = "IfcBuildingElementProxy"

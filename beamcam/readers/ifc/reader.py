@@ -20,13 +20,11 @@ from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
 
 # --- shares ---------------------------------------------------------------------------------------
-
 # Members of a model, read by several processes side by side.
 #
 # A forked process has the whole model at hand without a copy of it; one that is started afresh
 # opens the model again. Both send back only the parts that they made. This is for callers who say
 # that they may: one with threads of its own may not fork.
-
 
 T = TypeVar("T")
 

@@ -180,12 +180,10 @@ def chains_of(polygon: Any, circles: Circles) -> tuple[Chain, tuple[Chain, ...]]
 
 
 # --- exact ----------------------------------------------------------------------------------------
-
 # Arcs of a section as the solid has them, not as a circle laid through its facets.
 #
 # The corners of a solid's facets lie on its surfaces, so that a chord both of whose ends are on a
 # cylinder is that cylinder's arc.
-
 
 SAME = 1e-6  #: mm between equal circles, and between a circle and a corner that is on it
 UPRIGHT = 1e-9  #: by which the axis of a circle's cylinder may be off the plane's normal, squared

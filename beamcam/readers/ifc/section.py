@@ -161,10 +161,7 @@ def placed(
 ) -> Section:
     """The section of height, width, flange, web and radius `sizes` centred on `centre`."""
     h, b, tf, tw, r = sizes
-    origin = (
-        centre[0] - y[0] * h / 2 - z[0] * b / 2,
-        centre[1] - y[1] * h / 2 - z[1] * b / 2,
-    )
+    origin = (centre[0] - y[0] * h / 2 - z[0] * b / 2, centre[1] - y[1] * h / 2 - z[1] * b / 2)
     return Section(code, h, b, tf, tw, r, origin, y, z, area).right_way()
 
 
@@ -178,7 +175,6 @@ def special(outer: Chain, area: float) -> Section:
 
 
 # --- walls ----------------------------------------------------------------------------------------
-
 # The walls of a section: flat plates of full outer size, as DSTV divides a section (page 13).
 
 

@@ -26,7 +26,6 @@ from beamcam.readers.ifc.space import Frame, add, cross, dot, scale, size, sub, 
 from beamcam.readers.ifc.stock import Stock, stock_of
 
 # --- trimming -------------------------------------------------------------------------------------
-
 # Which cutters are saw cuts: those that take all of an end.
 
 

@@ -28,11 +28,7 @@ def dot(a: Vec, b: Vec) -> float:
 
 
 def cross(a: Vec, b: Vec) -> Vec:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def size(a: Vec) -> float:
@@ -95,21 +91,9 @@ class Frame(Struct, frozen=True, gc=False):
                 oy + (ay * u + by * v + cy * w),
                 oz + (az * u + bz * v + cz * w),
             ),
-            (
-                ax * xu + bx * xv + cx * xw,
-                ay * xu + by * xv + cy * xw,
-                az * xu + bz * xv + cz * xw,
-            ),
-            (
-                ax * yu + bx * yv + cx * yw,
-                ay * yu + by * yv + cy * yw,
-                az * yu + bz * yv + cz * yw,
-            ),
-            (
-                ax * zu + bx * zv + cx * zw,
-                ay * zu + by * zv + cy * zw,
-                az * zu + bz * zv + cz * zw,
-            ),
+            (ax * xu + bx * xv + cx * xw, ay * xu + by * xv + cy * xw, az * xu + bz * xv + cz * xw),
+            (ax * yu + bx * yv + cx * yw, ay * yu + by * yv + cy * yw, az * yu + bz * yv + cz * yw),
+            (ax * zu + bx * zv + cx * zw, ay * zu + by * zv + cy * zw, az * zu + bz * zv + cz * zw),
         )
 
     @property

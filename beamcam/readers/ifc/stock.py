@@ -16,9 +16,7 @@ from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Frame, Vec, add, cross, dot, size, unit
 
 # --- plates ---------------------------------------------------------------------------------------
-
 # Plates: an outline that is pushed through its thickness.
-
 
 _FLAT = frozenset(("IfcRectangleProfileDef", "IfcCircleProfileDef", "IfcTrapeziumProfileDef"))
 THIN = 0.3  #: of the lesser side, below which an outline of a rolled form is a plate all the same

@@ -29,7 +29,7 @@ _RECORD = re.compile(
 )
 ESCAPE = re.compile(
     r"\\X2\\((?:[0-9A-F]{4})*+)\\X0\\|\\X4\\((?:[0-9A-F]{8})*+)\\X0\\|\\X\\([0-9A-F]{2})"
-    r"|\\S\\([^'])|\\P[A-I]\\|\\(\\?)",
+    r"|\\S\\([^'])|\\P[A-I]\\|\\(\\?)"
 )
 _LETTERS = re.compile(r"[^\x00-\x7f]++")
 
@@ -175,7 +175,6 @@ def _line(text: str, at: int) -> int:
 
 
 # --- doubts ---------------------------------------------------------------------------------------
-
 # The values in the text of a record, of a file that ifcopenshell does not read as it is written.
 #
 #     .AREA.,'bolt hole',#5,9.            ('AREA', 'bolt hole', <#5>, 9.0)
@@ -184,7 +183,6 @@ def _line(text: str, at: int) -> int:
 # kind than the first or refer to no record, and words that the schema does not list. Of such a file
 # each record says itself what it holds, so that a fault refuses the members that have it and no
 # other.
-
 
 Values = tuple[Any, ...]
 
