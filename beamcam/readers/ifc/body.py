@@ -8,30 +8,38 @@ Everything is in the element's own coordinates, in mm; the element's placement o
 the building it is, and its large numbers are kept out.
 """
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
+from math import hypot
 
+import numpy as np
 from msgspec import Struct
 
-from beamcam.errors import Rule
+from beamcam.caches import cached
+from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.cutters import Cutter
-from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
-from beamcam.readers.ifc.shell import Shell, shell_of
-from beamcam.readers.ifc.solids import definition_of, is_faceted, mapping, pushed, solid_cutters
-from beamcam.readers.ifc.space import IDENTITY, Frame, Vec
+from beamcam.readers.ifc.curves2d import chain_of
+from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of
+from beamcam.readers.ifc.entities import (
+    Bent,
+    Coordinates,
+    Entity,
+    Model,
+    Placement,
+    Unreadable,
+    features_of,
+    ratios,
+    right_handed,
+)
+from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
+from beamcam.readers.ifc.shell import Shell, moved, shell
+from beamcam.readers.ifc.space import IDENTITY, ORIGIN, Frame, Vec, scale, unit
 
 #: Identifiers of a representation that holds the solid, the best first.
 _BODIES = {"Body": 0, None: 1, "": 2, "Facetation": 3, "Body-FallBack": 4}
 _SKIPPED_REPRESENTATIONS = (
-    "Axis",
-    "BoundingBox",
-    "Box",
-    "FootPrint",
-    "Profile",
-    "CoG",
-    "Clearance",
-)
+    "Axis", "BoundingBox", "Box", "FootPrint", "Profile", "CoG", "Clearance",
+)  # fmt: skip
 _FLAT_TYPES = ("Curve2D", "Curve3D", "Curve", "BoundingBox", "GeometricCurveSet", "Point")
 
 
@@ -57,16 +65,6 @@ class Body(Struct, frozen=True, gc=False):
     base: Swept | Shell
     removed: tuple[Removed, ...]
 
-    @property
-    def has_openings(self) -> bool:
-        return any(one.where is not None for one in self.removed)
-
-    @property
-    def form(self) -> tuple[Any, ...]:
-        """Key that equal bodies of one stock share."""
-        removed = [(definition_of(one.item), one.frame) for one in self.removed]
-        return self.base.frame if isinstance(self.base, Swept) else self.base, *removed
-
     def cutters(self, model: Model, to: Frame) -> list[Cutter]:
         """What is taken away, in coordinates in which the element stands in `to`."""
         found: list[Cutter] = []
@@ -84,7 +82,12 @@ def body_of(model: Model, element: Entity) -> Body:
     if len(items) != 1:
         raise Unreadable(f"a body of {len(items)} solids")
     base, removed = _item(model, items[0], IDENTITY)
-    return Body(base, (*removed, *openings_of(model, element)))
+    for opening in features_of(element, "IfcRelVoidsElement"):
+        frame, guid = relative_placement(model, element, opening), opening.guid
+        if opening.values[6] is None:
+            raise Unreadable(f"an opening {guid} without geometry")
+        removed += [Removed(i, frame, guid) for i in body_representation(opening).values[3]]
+    return Body(base, tuple(removed))
 
 
 def body_representation(element: Entity) -> Entity:
@@ -106,17 +109,6 @@ def body_representation(element: Entity) -> Entity:
     return best
 
 
-def openings_of(model: Model, element: Entity) -> Iterator[Removed]:
-    """Solids removed by the openings and voiding features of an element and of its assemblies."""
-    for opening in features_of(element, "IfcRelVoidsElement"):
-        frame = relative_placement(model, element, opening)
-        if opening.values[6] is None:
-            raise Unreadable(f"an opening {opening.guid} without geometry")
-        guid = opening.guid
-        for item in body_representation(opening).values[3]:
-            yield Removed(item, frame, guid)
-
-
 def relative_placement(model: Model, element: Entity, other: Entity) -> Frame:
     """Placement of `other` in the coordinates of `element`."""
     mine, its = element.values[5], other.values[5]
@@ -132,7 +124,9 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
     """What a representation item that stands in `frame` is made of, and what is taken from it."""
     kinds = item.type.kinds
     if item.type.name == "IfcExtrudedAreaSolid":
-        return _swept(model, item, frame), []
+        profile, place, way, depth, *_ = item.values
+        position = frame.times(model.axes(place))
+        return Swept(profile, position, pushed(model, position, way, depth)), []
     if "IfcBooleanResult" in kinds:
         taken = []
         seen = set[Entity]()
@@ -159,16 +153,8 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
     raise Unreadable(f"a solid by {item.type.name}")
 
 
-def _swept(model: Model, item: Entity, frame: Frame) -> Swept:
-    profile, place, way, depth, *_ = item.values
-    position = frame.times(model.axes(place))
-    return Swept(profile, position, pushed(model, position, way, depth))
-
-
 # --- items ----------------------------------------------------------------------------------------
-
 # The representation items of an element, and those of them that no straight member has.
-
 
 CURVED = ("IfcRevolvedAreaSolid", "IfcSurfaceCurveSweptAreaSolid", "IfcSweptDiskSolid",
           "IfcFixedReferenceSweptAreaSolid", "IfcDirectrixCurveSweptAreaSolid",
@@ -177,36 +163,32 @@ TAPERED = ("IfcExtrudedAreaSolidTapered", "IfcRevolvedAreaSolidTapered", "IfcSec
            "IfcSectionedSolidHorizontal")  # fmt: skip
 
 
-def curved_or_tapered(element: Entity) -> tuple[Rule, str] | None:
-    """The rule against a curved or tapered solid of an element, and its class; None without."""
-    kinds = {item.is_a() for item in items_below(element) if not _is_straight(item)}
-    for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
-        for kind in names:
-            if kind in kinds:
-                return rule, kind
-    return None
-
-
-def items_below(element: Entity) -> Iterator[Entity]:
-    """All representation items of an element, through maps and booleans."""
-    todo = []
-    if element.Representation is not None:
-        for representation in element.Representation.Representations:
-            if representation.RepresentationIdentifier not in ("Axis", "Box", "FootPrint"):
-                todo += list(representation.Items)
+def refuse_bent(element: Entity) -> None:
+    """Raise Bent for an element that has a curved or tapered solid, below maps and booleans."""
+    shape = element.Representation
+    todo = [
+        item for one in (shape.Representations if shape is not None else ())
+        if one.RepresentationIdentifier not in ("Axis", "Box", "FootPrint") for item in one.Items
+    ]  # fmt: skip
     seen = set[Entity]()
+    kinds = set[str]()
     while todo:
         item = todo.pop()
         if item in seen:  # shared, or geometry that contains itself
             continue
         seen.add(item)
-        yield item
+        if not _is_straight(item):
+            kinds.add(item.is_a())
         if item.is_a("IfcMappedItem"):
-            todo += list(item.MappingSource.MappedRepresentation.Items)
+            todo += item.MappingSource.MappedRepresentation.Items
         elif item.is_a("IfcBooleanResult"):
             todo.append(item.FirstOperand)
         elif item.is_a("IfcCsgSolid"):
             todo.append(item.TreeRootExpression)
+    for rule, names in ((rules.CURVED, CURVED), (rules.TAPERED, TAPERED)):
+        for kind in names:
+            if kind in kinds:
+                raise Bent(rule, kind)
 
 
 def _is_straight(item: Entity) -> bool:
@@ -217,3 +199,196 @@ def _is_straight(item: Entity) -> bool:
     return (line.is_a("IfcPolyline") and len(line.Points) == 2) or (
         line.is_a("IfcTrimmedCurve") and bool(line.BasisCurve.is_a("IfcLine"))
     )
+
+
+# --- cutters --------------------------------------------------------------------------------------
+
+_FACETED = frozenset((
+    "IfcFacetedBrep", "IfcTessellatedFaceSet", "IfcFaceBasedSurfaceModel",
+    "IfcShellBasedSurfaceModel",
+))  # fmt: skip
+FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
+UPRIGHT = (0.0, 0.0, 1.0)
+ASKEW = 2e-3  #: tangent of the angle by which a hole may be pushed off square
+
+
+def is_faceted(model: Model, item: Entity) -> bool:
+    """Whether a solid is given by its faces."""
+    faces = _FACETED if model.file.schema != "IFC2X3" else _FACETED - {"IfcTessellatedFaceSet"}
+    return not faces.isdisjoint(item.type.kinds)
+
+
+def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Entity, ...]]:
+    """The frame of a mapped item's source and the source's items."""
+    source = item.values[0]
+    target = model.operator(item.values[1])
+    inner = frame.times(target).times(model.axes(source.values[0]))
+    return inner, source.values[1].values[3]
+
+
+def pushed(model: Model, position: Frame, way: Coordinates | None, depth: float) -> Vec:
+    """The vector along which a profile is pushed that lies in the plane of `position`."""
+    if way is None or way == UPRIGHT:
+        return scale(position.z, depth * model.mm)
+    return position.vector(scale(unit(ratios(way) or UPRIGHT), depth * model.mm))
+
+
+def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
+    """Cutters of a solid in `frame`."""
+    kind, kinds = item.type.name, item.type.kinds
+    if kind == "IfcExtrudedAreaSolid":
+        return (_extrusion(model, item, frame, where),)
+    if kind == "IfcHalfSpaceSolid":
+        return (_half_space(model, item, frame, where),)
+    if kind == "IfcPolygonalBoundedHalfSpace":
+        half = _half_space(model, item, frame, where)
+        position = frame.times(model.axes(item.Position))
+        bound = Outline(chain_of(model, item.PolygonalBoundary))
+        start = position.point((0.0, 0.0, -FAR))
+        column = Frame(start, position.x, position.y, scale(position.z, 2 * FAR))
+        return (Bounded(half, Prism(column, bound, where, hole_of(bound)), where),)
+    if kind == "IfcMappedItem":
+        inner, source = mapping(model, item, frame)
+        return [c for one in source for c in solid_cutters(model, one, inner, where)]
+    if kind == "IfcCsgSolid":
+        return solid_cutters(model, item.TreeRootExpression, frame, where)
+    if "IfcBooleanResult" in kinds:
+        first, second = (
+            tuple(solid_cutters(model, one, frame, where))
+            for one in (item.FirstOperand, item.SecondOperand)
+        )
+        if item.Operator == "UNION":
+            return first + second
+        if item.Operator == "DIFFERENCE":
+            return [Less(one, second, where) for one in first]
+        return [Bounded(one, other, where) for one in first for other in second]
+    if kind in ("IfcRightCircularCylinder", "IfcBlock"):
+        return (_primitive(model, item, frame, where),)
+    if is_faceted(model, item):
+        return (shell_of(model, item, frame, where),)
+    raise Unreadable(f"a cut by {kind}")
+
+
+def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
+    profile, place, way, depth, *_ = item.values
+    outline = outline_of(model, profile)
+    hole = model.once("cut-out", definition(profile), hole_of, outline)
+    o, axes, even = _standing(model, frame, place)
+    along = pushed(model, axes, way, depth)
+    upright = way is None or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
+    if not (even and upright):
+        hole = None  # a circle that is pushed askew or stretched is not a circle across its length
+    return Prism(Frame(o, axes.x, axes.y, along), outline, where, hole)
+
+
+def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Vec, Frame, bool]:
+    """The origin and the axes of a solid that is placed in `frame`, and whether they keep forms."""
+    if place is None or len(place) != 3:
+        at = frame.times(model.axes(place))
+        return at.o, at, at.even
+    location, axis, reference = place
+    axes, even = _turned(frame.x, frame.y, frame.z, axis, reference)
+    return frame.point(model.point(location)), axes, even
+
+
+@cached("ifc.placement")
+def _turned(
+    x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
+) -> tuple[Frame, bool]:
+    """The axes of a placement by its Axis and RefDirection, in a frame that has the axes x, y, z.
+
+    Behind them whether they keep forms. A model's holes stand in many places, but lie few ways.
+    """
+    by = Frame(ORIGIN, x, y, z)
+    axes = Frame(ORIGIN, *map(by.vector, right_handed(ratios(axis), ratios(reference))))
+    return axes, axes.even
+
+
+def _half_space(model: Model, item: Entity, frame: Frame, where: str | None) -> HalfSpace:
+    surface, agreement, *_ = item.values
+    if not surface.is_a("IfcPlane"):
+        raise Unreadable(f"a cut by a half-space over {surface.is_a()}")
+    plane = model.axes(surface.values[0])
+    # AgreementFlag true: the half-space lies against the normal of its plane.
+    normal = scale(plane.z, -1.0) if agreement else plane.z
+    return HalfSpace(plane.o, normal, where).moved(frame)
+
+
+def _primitive(model: Model, item: Entity, frame: Frame, where: str | None) -> Prism:
+    position = frame.times(model.axes(item.Position))
+    mm = model.mm
+    if item.is_a("IfcBlock"):
+        x, y = item.XLength * mm, item.YLength * mm
+        middle, up = position.point((x / 2, y / 2, 0.0)), scale(position.z, item.ZLength * mm)
+        block = Frame(middle, position.x, position.y, up)
+        return Prism(block, Outline(rounded_box(x, y, 0.0)), where)
+    radius = item.Radius * mm
+    outline = Outline((Arc((0.0, 0.0), radius, 0.0, 360.0),))
+    frame = Frame(position.o, position.x, position.y, scale(position.z, item.Height * mm))
+    return Prism(frame, outline, where, hole_of(outline) if position.even else None)
+
+
+# --- facets ---------------------------------------------------------------------------------------
+# Faceted solids of IFC as shells: Breps, face sets and surface models, read without a kernel.
+
+Ring = list[Vec]
+
+
+def shell_of(model: Model, item: Entity, frame: Frame, where: str | None = None) -> Shell:
+    """The shell of a faceted item that stands in `frame`, in mm. Raises Unreadable."""
+    rings, faces = list[Ring](), list[int]()
+    for face, around in enumerate(_faces(model, item)):
+        rings += around
+        faces += [face] * len(around)
+    points = np.array(list(chain.from_iterable(rings))).reshape(-1, 3)
+    found = shell(moved(points, frame), [len(ring) for ring in rings], faces, where)
+    if found.count < 4:
+        raise Unreadable(f"{item.is_a()} of {found.count} faces")
+    return found
+
+
+def _faces(model: Model, item: Entity) -> Iterator[list[Ring]]:
+    if item.is_a("IfcFacetedBrepWithVoids"):
+        raise Unreadable("a Brep with hidden voids")
+    if item.is_a("IfcFacetedBrep"):
+        yield from _shell_faces(model, (item.Outer,))
+    elif item.is_a("IfcFaceBasedSurfaceModel"):
+        yield from _shell_faces(model, item.FbsmFaces)
+    elif item.is_a("IfcShellBasedSurfaceModel"):
+        yield from _shell_faces(model, item.SbsmBoundary)
+    elif item.is_a("IfcTriangulatedFaceSet"):
+        yield from _indexed_faces(model, item, ((triangle,) for triangle in item.CoordIndex))
+    elif item.is_a("IfcPolygonalFaceSet"):
+        rings = ((f.CoordIndex, *getattr(f, "InnerCoordIndices", ())) for f in item.Faces)
+        yield from _indexed_faces(model, item, rings)
+    else:
+        raise Unreadable(f"a faceted solid by {item.is_a()}")
+
+
+def _indexed_faces(
+    model: Model, item: Entity, faces: Iterable[tuple[tuple[int, ...], ...]]
+) -> Iterator[list[Ring]]:
+    """Faces whose rings are places in the list of points, or in a list of such places."""
+    mm = model.mm
+    points = [(x * mm, y * mm, z * mm) for x, y, z in item.Coordinates.CoordList]
+    table = getattr(item, "PnIndex", None)
+    for rings in faces:
+        yield [[points[(table[i - 1] if table else i) - 1] for i in ring] for ring in rings]
+
+
+def _shell_faces(model: Model, shells: Iterable[Entity]) -> Iterator[list[Ring]]:
+    for face in chain.from_iterable(one.CfsFaces for one in shells):
+        if face.is_a("IfcFaceSurface") and not face.FaceSurface.is_a("IfcPlane"):
+            raise Unreadable(f"a face on {face.FaceSurface.is_a()}")
+        rings: list[Ring] = []
+        for bound in face.Bounds:
+            loop = bound.Bound
+            if not loop.is_a("IfcPolyLoop"):
+                raise Unreadable(f"a face bounded by {loop.is_a()}")
+            ring = [model.point(p) for p in loop.Polygon]
+            if bound.is_a("IfcFaceOuterBound"):
+                rings.insert(0, ring)
+            else:
+                rings.append(ring)
+        if rings:
+            yield rings

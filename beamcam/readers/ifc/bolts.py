@@ -5,7 +5,7 @@ within the wall's outline, if the shank reaches through. The hole is wider than 
 clearance of the bolt's standard.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import acos, degrees
 
 from msgspec import Struct
@@ -13,14 +13,11 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Hole, Part, Slot
-from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.body import body_representation
-from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable, ratios
-from beamcam.readers.ifc.features import sorted_holes
-from beamcam.readers.ifc.finish import Shaped
-from beamcam.readers.ifc.options import Options
+from beamcam.readers.ifc import Options, rules
+from beamcam.readers.ifc.body import body_representation, mapping, pushed
+from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
+from beamcam.readers.ifc.finish import Shaped, sorted_holes
 from beamcam.readers.ifc.section import Wall, walls_of
-from beamcam.readers.ifc.solids import mapping
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.solid.kernel import prism
 from beamcam.solid.kernel import walls as solid_walls
@@ -87,7 +84,13 @@ def _axes(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, floa
     if item.is_a("IfcBooleanResult"):
         return [*_axes(model, item.FirstOperand, frame), *_axes(model, item.SecondOperand, frame)]
     if item.is_a() == "IfcExtrudedAreaSolid":
-        return _round_axis(model, item, frame)
+        profile = item.SweptArea
+        if not profile.is_a("IfcCircleProfileDef"):
+            return []
+        position = frame.times(model.axes(item.Position))
+        along = pushed(model, position, item.ExtrudedDirection, item.Depth)
+        at = position.point(model.axes(profile.Position).o)
+        return [(at, along, profile.Radius * model.mm)]
     line, radius = item, 0.0
     if item.is_a("IfcSweptDiskSolid"):
         line, radius = item.Directrix, item.Radius * model.mm
@@ -95,17 +98,6 @@ def _axes(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, floa
         return []
     points = [frame.point(model.point(p)) for p in line.Points]
     return [(points[0], sub(points[-1], points[0]), radius)]
-
-
-def _round_axis(model: Model, item: Entity, frame: Frame) -> list[tuple[Vec, Vec, float]]:
-    """The axis of an extrusion; none if it is not round."""
-    profile = item.SweptArea
-    if not profile.is_a("IfcCircleProfileDef"):
-        return []
-    position = frame.times(model.axes(item.Position))
-    way = unit(ratios(item.ExtrudedDirection) or (0.0, 0.0, 1.0))
-    along = position.vector(scale(way, item.Depth * model.mm))
-    return [(position.point(model.axes(profile.Position).o), along, profile.Radius * model.mm)]
 
 
 def hole_for(diameter: float, clearance: float | None) -> float:
@@ -162,7 +154,12 @@ def _drilled(
         return None, [rules.GEOMETRY.at(part.source, found=reason)]
     holes, skew = _through_member(bolts, world, part, shaped, options, name)
     holes, in_air = _in_steel(holes, part)
-    said = [*_told_in_air(in_air, part), *(map(rules.forced, skew) if options.force else skew)]
+    said = []
+    for face in dict.fromkeys(h.face for h in in_air):
+        some = [f"x {h.x:.1f} y {h.y:.1f}" for h in in_air if h.face == face]
+        places = ", ".join(some[:3]) + (", ..." if len(some) > 3 else "")
+        said.append(rules.BOLT_AIR.at(part.source, found=len(some), face=face, places=places))
+    said += map(rules.forced, skew) if options.force else skew
     if skew and not options.force:
         return None, said
     if holes:
@@ -192,12 +189,7 @@ def _account(
 
 
 def _through_member(
-    bolts: Sequence[Bolt],
-    world: Frame,
-    part: Part,
-    shaped: Shaped,
-    options: Options,
-    name: str,
+    bolts: Sequence[Bolt], world: Frame, part: Part, shaped: Shaped, options: Options, name: str
 ) -> tuple[list[Hole], list[Diagnostic]]:
     """The holes of bolts through a member whose axes lie in `world`, and which bolts lean."""
     holes: list[Hole] = []
@@ -218,7 +210,8 @@ def _through_member(
                 continue
             diameter = round(hole_for(bolt.diameter, options.clearance), 6)
             hole = Hole(wall.face, *at, diameter, Source(name, where=bolt.guid))
-            if not any(_one(hole, known) for known in holes):
+            same = (h for h in holes if h.face == hole.face)
+            if all(max(abs(hole.x - h.x), abs(hole.y - h.y)) >= IN_LINE for h in same):
                 holes.append(hole)
     return holes, skew
 
@@ -250,20 +243,6 @@ def _in_steel(holes: Sequence[Hole], part: Part) -> tuple[list[Hole], list[Hole]
         bore = prism(circle, 0.0, wall.thickness, wall.frame)
         (air if (bore - solid).volume() > AIR else steel).append(hole)
     return steel, air
-
-
-def _told_in_air(holes: Sequence[Hole], part: Part) -> Iterator[Diagnostic]:
-    by_face: dict[str, list[Hole]] = {}
-    for hole in holes:
-        by_face.setdefault(hole.face, []).append(hole)
-    for face, some in by_face.items():
-        places = ", ".join(f"x {h.x:.1f} y {h.y:.1f}" for h in some[:3])
-        more = ", ..." if len(some) > 3 else ""
-        yield rules.BOLT_AIR.at(part.source, found=len(some), face=face, places=places + more)
-
-
-def _one(a: Hole, b: Hole) -> bool:
-    return a.face == b.face and abs(a.x - b.x) < IN_LINE and abs(a.y - b.y) < IN_LINE
 
 
 def _crossing(

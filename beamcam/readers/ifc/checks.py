@@ -1,20 +1,19 @@
 """Does the rest of the file agree with what was read of a member?"""
 
-from collections.abc import Hashable, Iterator
-from math import hypot, log
+from collections.abc import Hashable
+from math import log
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.model.part import Contour, EndCuts, Part
+from beamcam.model.part import EndCuts, Part
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.body import body_representation, relative_placement
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.finish import Shaped, part_of
 from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
 from beamcam.readers.ifc.profiles import definition
-from beamcam.readers.ifc.records import Missing
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, area_by_measures, plain_stock
 from beamcam.readers.ifc.shell import extent
@@ -37,20 +36,15 @@ FINE = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.FINE_CHORD * 1e
 
 
 def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:
-    """Contradictions of length or weight in the property sets to the geometry."""
+    """Contradictions of length, weight or volume in the property sets to the geometry."""
     said = []
     length = data.number(*LENGTHS)
     if length is not None:
         where, value = length
         extents = [part.length, shaped.gross, part.profile.height, part.profile.width]
-        if part.profile.code == "B":
-            extents.append(hypot(part.length, part.profile.height))
         if all(abs(value - e) > LENGTH_SLACK for e in extents) and part.profile.code != "B":
-            said.append(
-                rules.LENGTH.at(
-                    source, found=f"{value:.2f}", where=where, expected=f"{part.length:.2f}"
-                )
-            )
+            texts = {"found": f"{value:.2f}", "expected": f"{part.length:.2f}"}
+            said.append(rules.LENGTH.at(source, where=where, **texts))
     weight = data.number(*WEIGHTS)
     if weight is not None and weight[1] > SMALL_WEIGHT:
         where, value = weight
@@ -61,34 +55,25 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[
         if off > 0:
             texts = {"found": f"{value:.2f}", "expected": f"{expected[0]:.2f}"}
             said.append(rule.at(source, where=where, **texts))
-    said += _check_volume(shaped, data, source)
+    stated = data.number(*VOLUMES)
+    if stated is not None:
+        where, value = stated
+        # Exporters write m3, mm3 or a cube of the file's own unit, whatever unit they declare: of
+        # these the nearest counts. A figure of few digits is as good as its last one.
+        digits = repr(value).partition(".")[2]
+        rounding = 0.5 * 0.1 ** len(digits) if "e" not in digits else 0.0
+        scale = min(CUBES, key=lambda by: abs(log(value * by / shaped.volume)))
+        off = abs(value * scale - shaped.volume)
+        if off > VOLUME_NEAR * shaped.volume + rounding * scale:
+            texts = {
+                "found": f"{value * scale / 1e3:.2f}", "expected": f"{shaped.volume / 1e3:.2f}",
+            }  # fmt: skip
+            said.append(rules.NET_VOLUME.at(source, where=where, **texts))
     listed = data.has(CUTOUTS)
-    if listed is not None and not _is_cut(part):
+    cut = any(True for _ in part.contours) or part.cuts != EndCuts()
+    if listed is not None and not cut:
         said.append(rules.CUTOUT.at(source, where=listed))
     return tuple(said)
-
-
-def _is_cut(part: Part) -> bool:
-    return any(isinstance(f, Contour) for f in part.features) or part.cuts != EndCuts()
-
-
-def _check_volume(shaped: Shaped, data: Data, source: Source) -> Iterator[Diagnostic]:
-    """Contradiction of the net volume in the property sets to the geometry.
-
-    Exporters write m3, mm3 or a cube of the file's own unit, whatever unit they declare: of these
-    the nearest counts. A figure of few digits is as good as its last one.
-    """
-    stated = data.number(*VOLUMES)
-    if stated is None:
-        return
-    where, value = stated
-    digits = repr(value).partition(".")[2].partition("e")[0]
-    rounding = 0.5 * 10.0 ** -len(digits) if "e" not in repr(value) else 0.0
-    scale = min(CUBES, key=lambda by: abs(log(value * by / shaped.volume)))
-    off = abs(value * scale - shaped.volume)
-    if off > VOLUME_NEAR * shaped.volume + rounding * scale:
-        found, expected = (f"{v / 1e3:.2f}" for v in (value * scale, shaped.volume))
-        yield rules.NET_VOLUME.at(source, found=found, where=where, expected=expected)
 
 
 class Compared(Struct, frozen=True):
@@ -155,9 +140,8 @@ def check_stock(
         stock = stock_of(model, element, shaped, profile)
     except Unreadable:
         return ()  # there is no other section to compare with
-    # The kernel draws the flanges of a Z by half a web longer than their measure says.
     said = section_said(shaped, stock, source)
-    if shaped.section.code == "SO" and not profile.is_a("IfcZShapeProfileDef"):
+    if shaped.section.code == "SO":
         return tuple(
             rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in said
         )
@@ -200,20 +184,16 @@ def settled(compared: Compared, shaped: Shaped, data: Data) -> tuple[Diagnostic,
 
 
 # --- form -----------------------------------------------------------------------------------------
-
 # What a file says of a member's geometry, as a key: members of one form are one solid.
 #
 # What is worked out of a solid is kept under this key, never under what was read of it: two solids
 # may be read alike, and only one of them be right.
 
 
-Form = tuple[Hashable, ...]
-
-
-def form_of(model: Model, element: Entity) -> Form:
+def form_of(model: Model, element: Entity) -> Hashable:
     """Key of an element's class, its solid and its openings, in its own coordinates.
 
-    Equal to the last digit or not equal. Raises Unreadable for geometry that contains itself.
+    Equal to the last digit or not equal. Raises Unreadable or RecursionError.
     """
     openings = tuple(
         (relative_placement(model, element, one), *_solids(model, one))
@@ -222,57 +202,21 @@ def form_of(model: Model, element: Entity) -> Form:
     return element.type.name, *_solids(model, element), openings
 
 
-def _solids(model: Model, element: Entity) -> tuple[int, ...]:
-    return tuple(_number(model, item) for item in body_representation(element).values[3])
-
-
-def _number(model: Model, item: Entity) -> int:
-    """The number of all that an item says, down to its coordinates; equal ones share it."""
+def _solids(model: Model, element: Entity) -> list[int]:
+    """The numbers of all that items say, down to their coordinates; equal ones share a number."""
     numbers: dict[Entity, int] = model.once("numbers of items", None, dict)
     told: dict[Hashable, int] = model.once("told of items", None, dict)
-    open_ = set[Entity]()
-    stack = [item]
-    while stack:
-        one = stack[-1]
-        if one in numbers:
-            stack.pop()
-            continue
-        below = [each for each in _referred(_values(one)) if each not in numbers]
-        if not below:
-            stack.pop()
-            open_.discard(one)
-            said = one.type.name, _replaced(_values(one), numbers)
+    items: tuple[Entity, ...] = body_representation(element).values[3]
+
+    def replaced(value: Any) -> Hashable:
+        if isinstance(value, tuple):
+            return tuple(map(replaced, value))
+        known = numbers.get(value) if isinstance(value, Entity) else None
+        return value if known is None else ("item", known)
+
+    for item in items:
+        for one in item.below(numbers):
+            named = "IfcProfileDef" in one.type.kinds  # of a profile its name does not matter
+            said = one.type.name, replaced(one.values[2:] if named else one.values)
             numbers[one] = told.setdefault(said, len(told))
-            continue
-        if one in open_:
-            raise Unreadable("geometry that contains itself")
-        open_.add(one)
-        stack += below
-    return numbers[item]
-
-
-def _values(item: Entity) -> tuple[Any, ...]:
-    """What an item says of its form: of a profile not its name."""
-    return item.values[2:] if "IfcProfileDef" in item.type.kinds else item.values
-
-
-def _referred(values: tuple[Any, ...]) -> Iterator[Entity]:
-    """The entities among attribute values, lists in lists included."""
-    for value in values:
-        if isinstance(value, tuple):
-            yield from _referred(value)
-        elif isinstance(value, Entity) and not isinstance(value, Missing):
-            yield value
-
-
-def _replaced(values: tuple[Any, ...], numbers: dict[Entity, int]) -> tuple[Hashable, ...]:
-    """Attribute values with the numbers of entities in their places."""
-    out: list[Hashable] = []
-    for value in values:
-        if isinstance(value, tuple):
-            out.append(_replaced(value, numbers))
-        elif isinstance(value, Entity) and not isinstance(value, Missing):
-            out.append(("item", numbers[value]))
-        else:
-            out.append(value)
-    return tuple(out)
+    return [numbers[item] for item in items]

@@ -7,14 +7,7 @@ from beamcam.geometry.curves import Point, signed_area
 from beamcam.geometry.plane import Box, box_around
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.outline import (
-    Corner,
-    Round,
-    corners_of,
-    shape_of,
-    shape_of_curves,
-    with_arcs,
-)
+from beamcam.readers.ifc.outline import Corner, Round, corners_of, shape_of, with_arcs
 from beamcam.readers.ifc.section import SQUARE, Section, placed, special
 
 
@@ -27,7 +20,7 @@ def classify(outer: Chain, inner: Sequence[Chain] = ()) -> Section | None:
     if len(inner) > 1:
         return None
     curves = with_arcs(outer)
-    shape = shape_of_curves(curves)
+    shape = shape_of(curves)
     if isinstance(shape, Round):
         return _round(shape, inner, area)
     corners = corners_of(curves)
@@ -138,12 +131,7 @@ def _direction(a: Corner, b: Corner) -> Point:
 
 
 def _centred(
-    code: ProfileCode,
-    box: Box,
-    y: Point,
-    z: Point,
-    sizes: tuple[float, float, float],
-    area: float,
+    code: ProfileCode, box: Box, y: Point, z: Point, sizes: tuple[float, float, float], area: float
 ) -> Section:
     """A section that fills a box along Z and Y; flange, web and radius are `sizes`."""
     x0, y0, x1, y1 = box

@@ -115,10 +115,7 @@ class Prism(Struct, frozen=True, gc=False):
             return p[0], wall.split(p)[0]
 
         o, s1, t1 = image(0.0, 0.0), image(1.0, 0.0), image(0.0, 1.0)
-        matrix = (
-            (s1[0] - o[0], t1[0] - o[0], o[0]),
-            (s1[1] - o[1], t1[1] - o[1], o[1]),
-        )
+        matrix = ((s1[0] - o[0], t1[0] - o[0], o[0]), (s1[1] - o[1], t1[1] - o[1], o[1]))
         flat = abs(u) < LEVEL and abs(v) < LEVEL
         if flat and not -1e-9 <= at / e <= 1 + 1e-9:
             return _nothing()

@@ -197,7 +197,6 @@ def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End
 
 
 # --- bevels ---------------------------------------------------------------------------------------
-
 # Edges that lean through their wall: bevels, each with its angle and its land.
 #
 #      looked-at surface
@@ -205,7 +204,6 @@ def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End
 #  /                        angle from square, until `land` is left;
 # |    land                 an X has another one from the far side
 # |_____________________
-
 
 SET_BACK = 0.05  #: mm by which a level stands back behind the outermost
 STRAIGHT = 0.1  #: mm that a level may be off the plane of a bevel

@@ -5,31 +5,20 @@ All lengths that leave this module are millimetres.
 
 from collections import defaultdict
 from collections.abc import Callable
-from contextlib import suppress
 from math import pi
 from typing import Any, TypeVar
 
 from msgspec import UNSET, Struct, UnsetType, field
 
 from beamcam.caches import cached
-from beamcam.readers.ifc.records import Entity, File, Missing
-from beamcam.readers.ifc.space import (
-    IDENTITY,
-    ORIGIN,
-    Frame,
-    Vec,
-    across,
-    cross,
-    dot,
-    scale,
-    sub,
-    unit,
-)
+from beamcam.errors import Rule
+from beamcam.readers.ifc import rules
+from beamcam.readers.ifc.records import Entity as Entity
+from beamcam.readers.ifc.records import File, Missing
+from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, across, cross, dot, scale, sub, unit
 
 # --- units ----------------------------------------------------------------------------------------
-
 # The units of a model: what its numbers are in metres, radians and kilograms.
-
 
 _PREFIXES = {
     None: 1.0, "EXA": 1e18, "PETA": 1e15, "TERA": 1e12, "GIGA": 1e9, "MEGA": 1e6, "KILO": 1e3,
@@ -79,31 +68,36 @@ NOT_WELL_FORMED = (
 
 
 class Unreadable(Exception):
-    """Something in a member's geometry that the reader does not take; the text says what."""
+    """Something in a member's geometry that the reader does not take; the text says what.
+
+    `final` says that the solid of the kernel would be no other, so that it is not asked for.
+    """
+
+    rule = rules.GEOMETRY
+
+    def __init__(self, found: str, *, final: bool = False) -> None:
+        super().__init__(found)
+        self.final = final
 
 
 class OddSection(Unreadable):
     """What the reader does not take is the section."""
 
+    rule = rules.SECTION
+
 
 class OddCut(OddSection):
     """A cut that a part of a round or special section cannot hold."""
 
-
-class NoSection(OddSection):
-    """A profile that is not a section, which its solid would not be either."""
+    rule = rules.ODD_CUT
 
 
-class OtherShell(Unreadable):
-    """A closed shell of planar faces that is no member: the kernel has no more than these faces."""
+class Bent(Unreadable):
+    """A curved, a tapered or a kinked member."""
 
-    def __init__(self, reason: Unreadable) -> None:
-        super().__init__(str(reason))
-        self.reason = reason
-
-
-class Kinked(Unreadable):
-    """A member of two straight pieces."""
+    def __init__(self, rule: Rule, found: str) -> None:
+        super().__init__(found, final=True)
+        self.rule = rule
 
 
 class Model(Struct):
@@ -149,16 +143,10 @@ class Model(Struct):
 
     def placement(self, entity: Entity | None) -> Frame:
         """An IfcObjectPlacement in the world, chained placements included."""
-        if entity is None:
-            return IDENTITY
-        known = self.placements.get(entity)
-        if known is not None:
-            return known
-        if not _is_placed_locally(entity):
-            raise Unreadable("a placement by something else")
         chain: list[Entity] = []
         while entity is not None and entity not in self.placements:
-            if not _is_placed_locally(entity):
+            # A damaged file refers to numbers in its place.
+            if not isinstance(entity, Entity) or not entity.is_a("IfcLocalPlacement"):
                 raise Unreadable("a placement by something else")
             if entity in chain:
                 raise Unreadable("a placement that is relative to itself")
@@ -170,38 +158,21 @@ class Model(Struct):
             self.placements[step] = frame
         return frame
 
-    @property
-    def precision(self) -> float:
-        """mm to which the file states its geometry to be right; 0 where it states nothing."""
-        return self.once("precision", None, self._precision)
-
-    def _precision(self) -> float:
-        stated = 0.0
-        for context in self.file.by_type("IfcGeometricRepresentationContext"):
-            with suppress(*NOT_WELL_FORMED):
-                stated = max(stated, float(context.Precision or 0.0) * self.mm)
-        return stated
-
     def operator(self, entity: Entity) -> Frame:
         """An IfcCartesianTransformationOperator, its scales and mirrors included."""
-        flat = entity.is_a("IfcCartesianTransformationOperator2D")
-        origin = self.point(entity.LocalOrigin)
         by = entity.Scale if entity.Scale is not None else 1.0
-        by_y = by_z = by
-        if entity.is_a("IfcCartesianTransformationOperator3DnonUniform"):
-            by_y = by if entity.Scale2 is None else entity.Scale2
-            by_z = by if entity.Scale3 is None else entity.Scale3
-        elif entity.is_a("IfcCartesianTransformationOperator2DnonUniform"):
-            by_y = by if entity.Scale2 is None else entity.Scale2
-        z: Vec = (0.0, 0.0, 1.0)
-        if not flat and entity.Axis3 is not None:
-            z = unit(ratios(entity.Axis3) or z)
+        # Of two dimensions it has no third axis, and if it is uniform no other scales.
+        by_y, by_z = (
+            by if (stated := getattr(entity, name, None)) is None else stated
+            for name in ("Scale2", "Scale3")
+        )
+        z = unit(ratios(getattr(entity, "Axis3", None)) or (0.0, 0.0, 1.0))
         x = square_to(ratios(entity.Axis1) or (1.0, 0.0, 0.0), z)
         y = cross(z, x)
         drawn = ratios(entity.Axis2)
-        if drawn is not None and sum(a * b for a, b in zip(drawn, y, strict=True)) < 0:
+        if drawn is not None and dot(drawn, y) < 0:
             y = scale(y, -1.0)
-        return Frame(origin, scale(x, by), scale(y, by_y), scale(z, by_z))
+        return Frame(self.point(entity.LocalOrigin), scale(x, by), scale(y, by_y), scale(z, by_z))
 
 
 def ratios(c: Coordinates | None) -> Vec | None:
@@ -235,22 +206,11 @@ def open_model(file: File, data: bytes) -> Model:
     return Model(file, data, mm, angle if 0 < angle < pi else 1.0, kilograms)
 
 
-__all__ = ["IDENTITY", "ORIGIN", "Entity", "Model", "Unreadable", "open_model", "ratios"]
-
-
-def _is_placed_locally(thing: object) -> bool:
-    """Whether something is an IfcLocalPlacement; a damaged file refers to numbers in its place."""
-    is_a = getattr(thing, "is_a", None)
-    return is_a is not None and is_a("IfcLocalPlacement")
-
-
 # --- relations ------------------------------------------------------------------------------------
-
 # Objects related to elements: property sets, types, materials, assemblies.
 #
 # #9=IFCRELDEFINESBYPROPERTIES('guid',#5,$,$,(#49,#50),#58);     #58 to #49 and to #50
 # #8=IFCRELAGGREGATES('guid',#5,$,$,#61,(#49,#50));              #61 to #49 and to #50
-
 
 #: The relations by what they tie to elements, and which of their values that is.
 _CLASSES = {

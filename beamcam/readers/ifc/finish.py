@@ -2,13 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 from math import hypot, pi
+from typing import TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Curve
 from beamcam.model.part import (
+    MIRRORED_FACES,
+    Bevel,
     Contour,
     EndCuts,
     EndPlane,
@@ -17,9 +20,10 @@ from beamcam.model.part import (
     Part,
     Slot,
 )
+from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.ends import End, Level, bevels_of, fitted_end, reaches
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.features import contour, opening, shifted, sorted_features, sorted_holes
+from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
 from beamcam.readers.ifc.section import BareStock, Section, Wall, corner_points, walls_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
@@ -150,7 +154,12 @@ def from_regions(
         found += _wall_features(section, wall, row, (start, end), circles, source, remarks)
     moved = tuple(shifted(f, -x0) for f in found)
     planes = end_planes(start, end, x0, source)
-    volume = _volume(section, regions, holes)
+    flat = sum(w.width * w.thickness for w in regions)
+    left = sum(
+        w.thickness * sum(float(s.area) for _, s in row) / len(row) for w, row in regions.items()
+    )
+    # What is left of the walls, with the section's fillets in proportion.
+    volume = left * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
     features = (*sorted_features(moved), *planes)
     cuts = cuts_of(start, end)
     return Shaped(section, x1 - x0, cuts, features, volume, gross, tuple(remarks), x0)
@@ -199,14 +208,17 @@ def _wall_features(
     plain = [_plain(wall, c, ends, shape) for c, shape in pair]
     explained = all(_alike(p, _filled(shape)) for p, (_, shape) in zip(plain, pair, strict=True))
     # Where the two surfaces differ only as the leaning ends make them, the longer one counts.
-    skew = not explained and not _alike_through(differ, plain)
+    beyond = differ.difference(plain[0].symmetric_difference(plain[1]).buffer(UNEXPLAINED))
+    skew = not explained and not beyond.buffer(-UNEXPLAINED).is_empty
     joint = low.union(high) if not low.equals(high) else low
     for _, between in row[1:-1]:
         if float(between.difference(joint).area) > UNEXPLAINED:
             joint = joint.union(between)
             skew, explained = True, False
-    if float(differ.area) > UNEXPLAINED:
-        _refuse_askew(wall, low, high)
+    hollows = [_filled(s).difference(s) for s in (low, high)]
+    askew = float(hollows[0].symmetric_difference(hollows[1]).area)
+    if askew > UNEXPLAINED * max(1.0, float(hollows[0].length) / 2):
+        raise Unreadable(f"an opening that is not square to face {wall.face}")
     pieces = pieces_of(cleaned(joint))
     if not pieces:
         raise Unreadable(f"a cut that takes all of face {wall.face}")
@@ -224,15 +236,6 @@ def _wall_features(
             yield contour(wall.face, "outer", outer, source, bevels)
         for chain in inner:
             yield opening(wall, chain, source)
-
-
-def _refuse_askew(wall: Wall, low: Shape, high: Shape) -> None:
-    """Raise Unreadable for an opening that does not go square through its wall."""
-    hollows = [_filled(s).difference(s) for s in (low, high)]
-    differ = hollows[0].symmetric_difference(hollows[1])
-    round_about = max(1.0, float(hollows[0].length) / 2)
-    if float(differ.area) > UNEXPLAINED * round_about:
-        raise Unreadable(f"an opening that is not square to face {wall.face}")
 
 
 def _filled(shape: Shape) -> Shape:
@@ -261,25 +264,9 @@ def _alike(a: Shape, b: Shape) -> bool:
     return bool(a.symmetric_difference(b).buffer(-UNEXPLAINED).is_empty)
 
 
-def _alike_through(differ: Shape, plain: Sequence[Shape]) -> bool:
-    """Whether two levels of a wall differ no more than the ends alone explain."""
-    expected = plain[0].symmetric_difference(plain[1])
-    return bool(differ.difference(expected.buffer(UNEXPLAINED)).buffer(-UNEXPLAINED).is_empty)
-
-
-def _volume(section: Section, regions: Regions, holes: Sequence[Hole | Slot]) -> float:
-    """Volume of the walls that are left, with the section's fillets in proportion."""
-    walls = walls_of(section)
-    flat = sum(w.width * w.thickness for w in walls)
-    total = 0.0
-    for wall, row in regions.items():
-        total += wall.thickness * sum(float(s.area) for _, s in row) / len(row)
-    return total * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
-
-
 def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
     """Volume removed by holes, for the weight."""
-    by_face = _thicknesses(section)
+    by_face = {w.face: w.thickness for w in walls_of(section)}
     total = 0.0
     for hole in holes:
         deep = hole.depth
@@ -292,7 +279,99 @@ def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
     return total
 
 
-@cached("ifc.thicknesses")
-def _thicknesses(section: Section) -> dict[str, float]:
-    """Wall thicknesses of a section, by face."""
-    return {w.face: w.thickness for w in walls_of(section)}
+Shifted = TypeVar("Shifted", bound=Hole | Slot | Contour)
+
+SAME = 0.01  #: mm between two features that are one, and degrees
+FACES = {"v": 0, "o": 1, "u": 2, "h": 3}  #: the order in which they are listed
+
+
+def opening(wall: Wall, chain: Chain, source: Source) -> Hole | Slot | Contour:
+    """A hole, a slot or an inner contour, by its outline."""
+    shape = shape_of(chain)
+    if isinstance(shape, Round):
+        return Hole(wall.face, *shape.centre, shape.diameter, source)
+    if isinstance(shape, Slotted) and shape.height == 0:
+        return slot(wall, shape, source)
+    return contour(wall.face, "inner", chain, source)
+
+
+def slot(wall: Wall, shape: Slotted, source: Source, depth: float | None = None) -> Slot:
+    return Slot(
+        wall.face,
+        *shape.centre,
+        shape.diameter,
+        shape.length,
+        shape.height,
+        shape.angle,
+        source,
+        depth,
+    )
+
+
+def contour(
+    face: str, kind: str, chain: Chain, source: Source, bevels: tuple[Bevel, ...] = ()
+) -> Contour:
+    """A contour from a chain that is counter-clockwise in the face's numbers.
+
+    Outer ones run counter-clockwise seen from outside, inner ones clockwise; the numbers of o and
+    h are mirrored.
+    """
+    outer = kind == "outer"
+    if outer == (face not in MIRRORED_FACES):
+        return Contour(face, "outer" if outer else "inner", chain, source, bevels=bevels)
+    last = len(chain) - 1
+    turned = tuple(replace(b, curve=last - b.curve) for b in bevels)
+    back = tuple(c.reversed() for c in reversed(chain))
+    return Contour(face, "outer" if outer else "inner", back, source, bevels=turned)
+
+
+def shifted(feature: Shifted, by: float) -> Shifted:
+    """A feature moved along the part."""
+    if by == 0.0:
+        return feature
+    if isinstance(feature, Contour):
+        matrix = ((1.0, 0.0, by), (0.0, 1.0, 0.0))
+        curves: tuple[Curve, ...] = tuple(c.transformed(matrix) for c in feature.curves)
+        return replace(feature, curves=curves)
+    return replace(feature, x=feature.x + by)
+
+
+def sorted_features(features: Sequence[Hole | Slot | Contour]) -> tuple[Hole | Slot | Contour, ...]:
+    """Contours, then holes and slots, face by face along the part, each of these once."""
+
+    def place(f: Contour) -> tuple[object, ...]:
+        x, y = f.curves[0].start
+        return FACES[f.face], f.kind != "outer", round(x * 1000), round(y * 1000)
+
+    contours = [f for f in features if isinstance(f, Contour)]
+    holes = [f for f in features if not isinstance(f, Contour)]
+    return (*sorted(contours, key=place), *sorted_holes(holes))
+
+
+def sorted_holes(holes: Sequence[Hole | Slot]) -> tuple[Hole | Slot, ...]:
+    """Holes and slots face by face along the part, each once."""
+
+    def place(f: Hole | Slot) -> tuple[object, ...]:
+        return FACES[f.face], isinstance(f, Slot), round(f.x * 1000), round(f.y * 1000)
+
+    once: list[Hole | Slot] = []
+    for hole in sorted(holes, key=place):
+        near = (k for k in reversed(once) if _same(hole, k) or abs(hole.x - k.x) > 2 * SAME)
+        if (known := next(near, None)) is None or not _same(hole, known):
+            once.append(hole)
+    return tuple(once)
+
+
+def _same(a: Hole | Slot, b: Hole | Slot) -> bool:
+    """Whether two features are one and the same, modelled twice."""
+    same = (
+        abs(a.x - b.x) < SAME
+        and abs(a.y - b.y) < SAME
+        and abs(a.diameter - b.diameter) < SAME
+        and a.face == b.face
+        and a.depth == b.depth
+        and type(a) is type(b)
+    )
+    if same and isinstance(a, Slot) and isinstance(b, Slot):
+        return abs(a.length - b.length) < SAME and abs(a.angle - b.angle) < SAME
+    return same

@@ -7,45 +7,46 @@
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from itertools import pairwise
 
 import numpy as np
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.geometry.curves import Point
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import Cutter
-from beamcam.readers.ifc.ends import MIN_LEAN, End
-from beamcam.readers.ifc.entities import Entity, Kinked, Model, OddSection, Unreadable
-from beamcam.readers.ifc.features import opening
-from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, reach, sawn
+from beamcam.readers.ifc.ends import End
+from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
+from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
+    Circle,
     Circles,
     Shape,
+    arcs_of,
+    circles_in,
     cleaned,
     pieces_of,
+    ring_arcs,
+    with_circles,
 )
-from beamcam.readers.ifc.rolled import Rolled, other_axes, reference, rolled_stock
+from beamcam.readers.ifc.rolled import Rolled, end_faces, other_axes, reference, rolled_stock
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import Section, Wall, plain_stock, walls_of
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
 from beamcam.readers.ifc.shell import (
+    ALONG,
     Shell,
     broadest_normal,
-    coordinates,
     extent,
-    heaviest,
     kinked,
     longest_direction,
     section,
     vec,
 )
-from beamcam.readers.ifc.slices import Circle, arcs_of, circles_in, ring_arcs, with_circles
 from beamcam.readers.ifc.solid_body import section_area
 from beamcam.readers.ifc.space import Frame, cross, scale
 from beamcam.readers.ifc.stock import box_of, plate_stock
@@ -54,11 +55,12 @@ PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline tim
 ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one
 SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
+STEEPEST = 4.0  #: mm along a level of a wall for each mm that facets lie off its round edge
+STRAIGHT = 1e-3  #: mm that a corner of a region may lie off the line between its neighbours
 EDGE = 0.3  #: mm within which a section point lies on a wall's long edge
 EXPLAINED = 0.3  #: share of its volume by which a shell that differs more is no such member
 SURELY_OTHER = 0.35  #: likewise by the volume that the regions of the walls give
 BEYOND = 2.0  #: mm out of the box of its section at which steel is another part's, or bent
-NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 LEVEL_NOISE = 1e-6  #: slope of an end, from rounding
 MESH = Fineness(slack=0.13, facet_rad=ANGLE, chord=CHORD * 1e3)  #: of the kernel's solid
 FACES = Fineness(slack=0.04, facet_rad=0.6)  #: of a file
@@ -70,20 +72,15 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     The facets give the sections, the kernel's own surfaces the circles in them; where the kernel
     has others, they are fitted to the facets, and `fitted` of what comes back names them.
     """
-    built, exact = build_both(model, element)
-    errors = [line for line in (*built.log, *exact.log) if "[error]" in line.lower()]
+    built = build_both(model, element)
+    errors = [line for line in built.log if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    shell = replace(built.shell, cylinders=exact.cylinders)
-    found = read_shell(shell, (), source, built.volume)
-    return replace(found, fitted=exact.others)
+    return replace(read_shell(built.shell, (), source, built.volume), fitted=built.others)
 
 
 def read_shell(
-    shell: Shell,
-    cutters: Sequence[Cutter],
-    source: Source,
-    volume: float | None = None,
+    shell: Shell, cutters: Sequence[Cutter], source: Source, volume: float | None = None
 ) -> Shaped:
     """The member of a shell, checked against it. Raises Unreadable, which says what was found.
 
@@ -111,7 +108,7 @@ def read_shell(
         return best
     kink = kinked(shell)
     if kink is not None:
-        raise Kinked(f"a member kinked by {kink:.1f} degrees")
+        raise Bent(rules.KINKED, f"a member kinked by {kink:.1f} degrees")
     raise fault or OddSection(f"a shell of {shell.count} faces without a constant section")
 
 
@@ -129,7 +126,13 @@ def _readings(
     along = longest_direction(shell)
     for axis in (along, *other_axes(shell, along)):
         stock = rolled_stock(shell, axis)
-        if stock is None or _is_on_edge(stock):
+        if stock is None:
+            continue
+        section, length = stock.section, stock.x1 - stock.x0
+        # A flat bar shorter than it is thick has its thickness along another side; a special
+        # section wider than the bar is long is that of a bent one.
+        least = {"B": section.width, "SO": max(section.height, section.width)}
+        if length < least.get(section.code, 0.0):
             continue
         try:
             made = _member(shell, cutters, stock, source)
@@ -137,17 +140,6 @@ def _readings(
             yield reason
         else:
             yield replace(in_place(made, stock.frame), stock=stock.stock)
-
-
-def _is_on_edge(stock: Rolled) -> bool:
-    """Whether a flat bar is shorter than it is thick: then another side is its thickness.
-
-    And whether a special section is wider than the bar is long, as that of a bent bar is.
-    """
-    section, length = stock.section, stock.x1 - stock.x0
-    if section.code == "SO":
-        return length < max(section.height, section.width)
-    return section.code == "B" and length < section.width
 
 
 def _unexplained(
@@ -193,7 +185,7 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     inverse = stock.frame.inverse()
     local = shell.moved(inverse)
     taken = [c.moved(inverse) for c in cutters]
-    walls = walls_of(stock.section)
+    walls, flat = walls_of(stock.section), stock.section.is_plain_flat
     if not walls:
         if taken:
             raise OddSection("cuts in a faceted round or special section")
@@ -202,7 +194,11 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     regions: Regions = {}
     holes: list[Hole | Slot] = []
     for wall in walls:
-        cs = [wall.low + share * wall.thickness for share in _levels(stock.section, wall)]
+        shares: tuple[float, ...] = (LEVEL_IN, 1 - LEVEL_IN)
+        if flat:  # its edges may lean, also from both sides to its middle
+            edge = outer_level(wall)
+            shares = (edge, *BETWEEN, 1 - edge)
+        cs = [wall.low + share * wall.thickness for share in shares]
         raw = [local.raw_slice(wall, c) for c in cs]
         if not taken:
             drilled, raw = _drilled(raw, wall, local.circles(wall), source)
@@ -213,25 +209,14 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
             for one in taken:
                 shape = shape.difference(one.slice(wall, c, circles))
             shape = cleaned(shape)
-            if not stock.section.is_plain_flat:
-                shape = _full_width(shape, wall, c, stock.outline)
+            if not flat:
+                shape = _full_width(shape, wall, c, stock)
             levels.append((c, shape))
         regions[wall] = tuple(levels)
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
     span = None if taken else (stock.x0, stock.x1)
     gross = stock.x1 - stock.x0
     return from_regions(stock.section, regions, holes, circles, source, gross, span=span)
-
-
-def _levels(section: Section, wall: Wall) -> tuple[float, ...]:
-    """The shares of its thickness at which a wall is looked at.
-
-    Edges of a flat bar may lean, also from both sides to its middle.
-    """
-    if section.is_plain_flat:
-        edge = outer_level(wall)
-        return (edge, *BETWEEN, 1 - edge)
-    return (LEVEL_IN, 1 - LEVEL_IN)
 
 
 def _drilled(
@@ -273,32 +258,36 @@ def _drilled(
     return holes, kept
 
 
-def _full_width(shape: Shape, wall: Wall, c: float, outline: tuple[Point, ...]) -> Shape:
+def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
     """A wall's region with its long edges at its full width, which rounded corners take off.
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import transform
+    from shapely import Polygon, get_coordinates, union_all
 
     at = 0 if wall.normal == "y" else 1
-    crossed = []
-    for i, p in enumerate(outline):
-        a, b = (outline[i - 1], p)
-        if (a[at] > c) != (b[at] > c):
-            share = (c - a[at]) / (b[at] - a[at])
-            crossed.append(a[1 - at] + share * (b[1 - at] - a[1 - at]))
+    crossed = [
+        a[1 - at] + (c - a[at]) / (b[at] - a[at]) * (b[1 - at] - a[1 - at])
+        for a, b in pairwise((stock.outline[-1], *stock.outline))
+        if (a[at] > c) != (b[at] > c)
+    ]
     if len(crossed) < 2:
         return shape
-    low, high = min(crossed), max(crossed)
-
-    def widened(points: Any) -> Any:
-        points = points.copy()
-        q = points[:, 1]
-        q[abs(q - low) < EDGE] = 0.0
-        q[abs(q - high) < EDGE] = wall.width
-        return points
-
-    return transform(shape, widened)
+    low, high, near = min(crossed), max(crossed), EDGE + STEEPEST * stock.rise
+    found = []
+    for piece in pieces_of(shape):
+        points = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1]
+        x, q = points.T
+        to = np.select([abs(q - low) < near, abs(q - high) < near], [0.0, wall.width], q)
+        moved = np.column_stack((x, to))
+        for i in np.flatnonzero(to != q).tolist():
+            # It moves along the end or the cut that comes to the long edge there.
+            for j in (i - 1, (i + 1) % len(q)):
+                if to[j] != to[i] and abs(q[j] - q[i]) > EDGE:
+                    moved[i, 0] += (x[i] - x[j]) / (q[i] - q[j]) * (to[i] - q[i])
+                    break
+        found.append(Polygon(moved, piece.interiors).buffer(0))
+    return union_all(found)
 
 
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
@@ -338,20 +327,12 @@ def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:
 
 def _flat_end(local: Shell, side: int) -> End:
     """The plane that most of an end's area lies in."""
-    low, high = extent(local, (1.0, 0.0, 0.0))
-    areas, faces = local.areas, local.rings.face_of_corner
-    middles = np.bincount(faces, local.points[:, 0]) / np.bincount(faces)
-    there = (middles - (low + high) / 2) * side > 0
-    there &= np.abs(local.area_normals[:, 0]) >= MIN_LEAN * areas
-    found = np.flatnonzero(there)
-    ways = local.area_normals[found] * (1 / areas[found])[:, None]
-    way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))
-    if way is None:
+    areas, same = local.areas, end_faces(local, ALONG, side)
+    if not len(same):
         raise OddSection("a round section without plane ends")
-    same = found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
     n = vec(local.area_normals[same[areas[same].argmax()]])
     a, b = -n[1] / n[0], -n[2] / n[0]
     if abs(a) < LEVEL_NOISE and abs(b) < LEVEL_NOISE:
         a = b = 0.0
-    x, y, z = local.points[np.isin(faces, same)].T
+    x, y, z = local.points[np.isin(local.rings.face_of_corner, same)].T
     return End(side, a, b, float(side * (side * (x - a * y - b * z)).max()))

@@ -11,7 +11,7 @@ from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.cutters import Box3, Cutter, Prism
 from beamcam.readers.ifc.ends import End, Trim
 from beamcam.readers.ifc.entities import OddCut, Unreadable
-from beamcam.readers.ifc.features import slot
+from beamcam.readers.ifc.finish import slot
 from beamcam.readers.ifc.outline import Round, Slotted
 from beamcam.readers.ifc.section import Section, Wall
 from beamcam.readers.ifc.space import dot, scale, size, unit
@@ -66,7 +66,11 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
             or q0 >= wall.width - TOUCH
         ):
             continue
-        if _lies_along(cutter, wall):
+        lean = abs(wall.split(cutter.frame.z)[1]) / size(cutter.frame.z)
+        if SQUARE <= lean < 1 - SQUARE * SQUARE / 2:
+            angle = degrees(atan2(sqrt(1 - lean * lean), lean))
+            raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
+        if lean < SQUARE:
             bite = min(c1, wall.high) - max(c0, wall.low)
             if bite <= BITE * wall.thickness or _within_another(wall, box, into):
                 continue
@@ -78,16 +82,6 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
             return None
         found.append(_drilled(cutter, cutter.shape, wall, (c0, c1), place))
     return found
-
-
-def _lies_along(cutter: Prism, wall: Wall) -> bool:
-    """Whether a prism runs along a wall, and not square to it. Raises Unreadable if askew."""
-    along = cutter.frame.z
-    lean = abs(wall.split(along)[1]) / size(along)
-    if SQUARE <= lean < 1 - SQUARE * SQUARE / 2:
-        angle = degrees(atan2(sqrt(1 - lean * lean), lean))
-        raise Unreadable(f"a hole at {angle:.2f} degrees to face {wall.face}")
-    return lean < SQUARE
 
 
 def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:
@@ -105,30 +99,23 @@ def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:
 
 def _beyond(xs: Span, qs: Span, into: Drilled, wall: Wall) -> bool | None:
     """Whether a hole lies all beyond an end, where nothing is to drill; None if the end cuts it."""
+
+    def x(end: End, q: float) -> float:
+        return end.x(wall.surface, q) if wall.normal == "y" else end.x(q, wall.surface)
+
     for side, edge, planes in (-1, xs[0], into.start.planes), (1, xs[1], into.end.planes):
         for plane in planes:
             slope = plane.b if wall.normal == "y" else plane.a
-            q = qs[1] if (slope < 0) == (side > 0) else qs[0]  # where the plane comes nearest
-            if side * edge > side * _x(plane, wall, q) - NEAR:
+            nearest = qs[1] if (slope < 0) == (side > 0) else qs[0]
+            if side * edge > side * x(plane, nearest) - NEAR:
                 inner = xs[1] if side < 0 else xs[0]
-                gone = any(
-                    all(side * inner > side * _x(e, wall, q) - NEAR for q in qs) for e in planes
-                )
-                return True if gone else None
+                gone = (all(side * inner > side * x(e, q) - NEAR for q in qs) for e in planes)
+                return any(gone) or None
     return False
 
 
-def _x(end: End, wall: Wall, q: float) -> float:
-    """x of an end on the surface of a wall."""
-    return end.x(wall.surface, q) if wall.normal == "y" else end.x(q, wall.surface)
-
-
 def _drilled(
-    cutter: Prism,
-    shape: Round | Slotted,
-    wall: Wall,
-    reach: Span,
-    source: Source,
+    cutter: Prism, shape: Round | Slotted, wall: Wall, reach: Span, source: Source
 ) -> Hole | Slot:
     face, depth = wall.face, None
     from_low, from_high = reach[0] <= wall.low + THROUGH, reach[1] >= wall.high - THROUGH

@@ -1,35 +1,25 @@
 """Geometry kernel results for an element: a fine shell in mm, its surfaces, and the log."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.geometry.polylines import polylines
 from beamcam.interrupts import interrupts_waiting
-from beamcam.readers.ifc.brep import BrepError, Cylinder, Unnamed, surfaces_of
+from beamcam.readers.ifc.brep import BrepError, Cylinder, surfaces_of
 from beamcam.readers.ifc.curves2d import spline_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.space import cross, size, sub
 
 # --- references -----------------------------------------------------------------------------------
-
 # References that the geometry kernel cannot follow: it ends the process over one that is missing.
 #
 # An attribute that the schema asks for stands for an entity of a class that the schema names there.
-
-
-class Attribute(Struct, frozen=True):
-    """An attribute that refers to entities."""
-
-    place: int  #: among the values
-    name: str
-    optional: bool
-    classes: tuple[str, ...]  #: that it may refer to, by the names of the schema
-    pure: bool  #: nothing but entities may stand there
 
 
 def broken_reference(file: Any, root: Any) -> str | None:
@@ -40,59 +30,59 @@ def broken_reference(file: Any, root: Any) -> str | None:
     from ifcopenshell import ifcopenshell_wrapper as wrapper
 
     schema = wrapper.schema_by_name(file.schema_identifier)
-    known: dict[str, tuple[Attribute, ...]] = {}
+    known: dict[str, list[tuple[int, Any, Kinds]]] = {}
     for one in file.traverse(root):
         name = one.is_a()
         if name not in known:
-            known[name] = tuple(_attributes(schema.declaration_by_name(name)))
-        for attribute in known[name]:
-            if (fault := _fault(one[attribute.place], attribute)) is not None:
-                return f"#{one.id()} {name} with {attribute.name} {fault}"
+            entity = schema.declaration_by_name(name).as_entity()
+            every = (
+                ()
+                if entity is None
+                else zip(entity.all_attributes(), entity.derived(), strict=True)
+            )
+            rows = [
+                (place, attribute, _kinds(attribute.type_of_attribute()))
+                for place, (attribute, derived) in enumerate(every)
+                if not derived
+            ]
+            known[name] = [row for row in rows if row[2][0]]
+        for place, attribute, kinds in known[name]:
+            value = one[place]
+            fault = _fault(value, kinds)
+            if value is None:
+                fault = None if attribute.optional() else "missing"
+            if fault is not None:
+                return f"#{one.id()} {name} with {attribute.name()} {fault}"
     return None
 
 
-def _attributes(declaration: Any) -> Iterator[Attribute]:
-    """The attributes of a class that refer to entities."""
-    entity = declaration.as_entity()
-    if entity is None:  # a number or text with its type
-        return
-    derived = entity.derived()
-    for place, attribute in enumerate(entity.all_attributes()):
-        classes, pure = _classes(attribute.type_of_attribute())
-        if classes and not derived[place]:
-            yield Attribute(place, attribute.name(), attribute.optional(), classes, pure)
+#: The classes of entities that an attribute may refer to, and whether it takes nothing else.
+Kinds = tuple[tuple[str, ...], bool]
 
 
-def _classes(kind: Any) -> tuple[tuple[str, ...], bool]:
-    """The classes of entities that a type takes, and whether it takes nothing else."""
-    if (many := kind.as_aggregation_type()) is not None:
-        return _classes(many.type_of_element())
-    if (named := kind.as_named_type()) is not None:
-        return _declared(named.declared_type())
-    return (), False
-
-
-def _declared(declaration: Any) -> tuple[tuple[str, ...], bool]:
-    if declaration.as_entity() is not None:
-        return (declaration.name(),), True
-    if (select := declaration.as_select_type()) is not None:
-        found = [_declared(one) for one in select.select_list()]
+def _kinds(kind: Any) -> Kinds:
+    if (many := getattr(kind, "as_aggregation_type", lambda: None)()) is not None:
+        return _kinds(many.type_of_element())
+    if (named := getattr(kind, "as_named_type", lambda: None)()) is not None:
+        kind = named.declared_type()
+    if getattr(kind, "as_entity", lambda: None)() is not None:
+        return (kind.name(),), True
+    if (select := getattr(kind, "as_select_type", lambda: None)()) is not None:
+        found = [_kinds(one) for one in select.select_list()]
         return sum((classes for classes, _ in found), ()), all(pure for _, pure in found)
-    if (typed := declaration.as_type_declaration()) is not None:
-        return _classes(typed.declared_type())
+    if (typed := getattr(kind, "as_type_declaration", lambda: None)()) is not None:
+        return _kinds(typed.declared_type())
     return (), False
 
 
-def _fault(value: Any, attribute: Attribute) -> str | None:
+def _fault(value: Any, kinds: Kinds) -> str | None:
     """The fault of an attribute's value, if any."""
-    if value is None:
-        return None if attribute.optional else "missing"
+    classes, pure = kinds
     if isinstance(value, tuple):
-        faults = (_fault(one, attribute) for one in value)
-        return next((fault for fault in faults if fault is not None), None)
-    if hasattr(value, "is_a") and (not value.id() or any(map(value.is_a, attribute.classes))):
+        return next((fault for one in value if (fault := _fault(one, kinds))), None)
+    if hasattr(value, "is_a") and (not value.id() or any(map(value.is_a, classes))):
         return None
-    return "of another class" if attribute.pure or hasattr(value, "is_a") else None
+    return "of another class" if pure or hasattr(value, "is_a") else None
 
 
 CHORD = 0.0002  #: m between a curve and its facets
@@ -101,6 +91,8 @@ FINE_CHORD = 0.0001  #: m, of solids that parts are held against
 FACETED = ("triangulation_element", "TriangulationElement")  #: since ifcopenshell 0.9, and before
 WRITTEN = ("serialized_element", "SerializedElement")
 SPLINE_CHORD = 0.01  #: mm between a spline and the polyline that the kernel has for it
+ON_IT = 1e-6  #: mm between a cylinder and the corners that are on it
+MIN_CORNERS = 4
 ROUNDER = 0.9999  #: of a slot's corner radius that the kernel can build; half the side it cannot
 
 
@@ -110,14 +102,7 @@ class Built(Struct, frozen=True):
     shell: Shell
     log: tuple[str, ...]
     volume: float = 0.0  #: mm3 of the solid itself, not of its facets
-
-
-class Exact(Struct, frozen=True):
-    """The cylinders of a solid, the names of its other curved faces, and the kernel's log."""
-
-    cylinders: tuple[Cylinder, ...]
-    others: tuple[str, ...]
-    log: tuple[str, ...]
+    others: tuple[str, ...] = ()  #: names of curved faces that are no cylinders, if they were asked
 
 
 def build(model: Model, element: Entity) -> Built:
@@ -138,18 +123,24 @@ def build_stock(model: Model, element: Entity) -> Built:
     return _built(_solid(model, element, asked))
 
 
-def _built(solid: Any) -> Built:
-    return Built(_facets(solid), _log(), float(solid.volume) * 1e9)
-
-
-def build_both(model: Model, element: Entity) -> tuple[Built, Exact]:
-    """The kernel's solid of an element in facets, and its surfaces. Raises Unreadable."""
+def build_both(model: Model, element: Entity) -> Built:
+    """The kernel's solid of an element with the cylinders that it has. Raises Unreadable."""
     solid = _solid(model, element)
-    return _built(solid), _surfaces(solid)
+    built = _built(solid)
+    written = _made(WRITTEN, solid)
+    try:
+        every, others = surfaces_of(written.geometry.brep_data)
+    except BrepError as fault:
+        raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
+    points = np.unique(built.shell.points, axis=0)
+    found = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
+    kept = tuple(c for c in found if not any(_blunted(c, other) for other in found))
+    shell = replace(built.shell, cylinders=kept)
+    return replace(built, shell=shell, log=(*built.log, *_log()), others=others)
 
 
-def _facets(solid: Any) -> Shell:
-    """The shell of a solid's mesh, whose corners lie on its surfaces. Raises Unreadable."""
+def _built(solid: Any) -> Built:
+    """A solid by its mesh, whose corners lie on its surfaces. Raises Unreadable."""
     mesh = _made(FACETED, solid)  # its geometry lives as long as it does
     points = np.frombuffer(mesh.geometry.verts_buffer).reshape(-1, 3) * 1e3
     corners = np.frombuffer(mesh.geometry.faces_buffer, np.int32)
@@ -157,20 +148,7 @@ def _facets(solid: Any) -> Shell:
     found = shell(points[corners], [3] * count, range(count))
     if found.count < 4:
         raise Unreadable("an empty solid by the kernel")
-    return found
-
-
-def _surfaces(solid: Any) -> Exact:
-    """The surfaces of a solid. Raises Unreadable."""
-    written = _made(WRITTEN, solid)
-    try:
-        surfaces = surfaces_of(written.geometry.brep_data)
-    except BrepError as fault:
-        raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
-    cylinders = [s for s in surfaces if isinstance(s, Cylinder)]
-    kept = tuple(c for c in cylinders if not any(_blunted(c, other) for other in cylinders))
-    others = sorted({s.kind for s in surfaces if isinstance(s, Unnamed)})
-    return Exact(kept, tuple(others), _log())
+    return Built(found, _log(), float(solid.volume) * 1e9)
 
 
 @cached("ifc.kernel")
@@ -197,9 +175,10 @@ def _made(form: tuple[str, str], solid: Any) -> Any:
 def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None) -> Any:
     """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
     openings = features_of(element, "IfcRelVoidsElement")
-    used = [reached(each) for each in (element, *openings)]
-    if any(each is None for each in used):
-        raise Unreadable("geometry that contains itself")
+    try:
+        used = [one for each in (element, *openings) for one in each.below()]
+    except RecursionError:
+        raise Unreadable("geometry that contains itself") from None
     geom, wrapper = _kernel().geom, _kernel().ifcopenshell_wrapper
     settings = geom.settings()
     settings.set("iterator-output", wrapper.NATIVE)
@@ -212,8 +191,7 @@ def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None
     instances = [_instance(file, each) for each in (element, *openings)]
     if _is_in_itself(instances[0]):
         raise Unreadable("an assembly that contains itself")
-    for each in used:
-        _make_buildable(model, file, each or ())
+    _make_buildable(model, file, used)
     _log()  # what earlier solids left
     try:
         return geom.create_shape(settings, instances[0], geometry_library="opencascade")
@@ -249,33 +227,6 @@ def _log() -> tuple[str, ...]:
     return tuple(line for line in str(_kernel().get_log()).splitlines() if line.strip())
 
 
-def reached(element: Entity) -> set[Entity] | None:
-    """An element and all that it refers to; None where that leads back to itself."""
-    open_, done = set[Entity](), set[Entity]()
-    stack: list[tuple[Any, bool]] = [(element, False)]
-    while stack:
-        entity, leave = stack.pop()
-        if leave:
-            open_.discard(entity)
-            done.add(entity)
-        elif entity in open_:
-            return None
-        elif entity not in done:
-            open_.add(entity)
-            stack.append((entity, True))
-            stack += [(each, False) for each in _referred(entity.values)]
-    return done
-
-
-def _referred(values: tuple[Any, ...]) -> Iterator[Any]:
-    """The entities with a number of their own among attribute values, lists in lists included."""
-    for value in values:
-        if isinstance(value, tuple):
-            yield from _referred(value)
-        elif isinstance(value, Entity):
-            yield value
-
-
 def load(model: Model) -> Any:
     """The file as ifcopenshell has it open. Raises Unreadable if it does not open it."""
     _kernel()
@@ -298,8 +249,9 @@ def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None
     """Make what the kernel cannot build a little different, in the file that it has open.
 
     Rounded rectangles whose radius is half of a side become a hair less round, as slots as round
-    as they are it leaves out of the solid without an error to its caller. Splines of outlines, of
-    which it makes nothing, become polylines.
+    as they are it leaves out of the solid without an error to its caller. The flanges of a Z, which
+    it draws from the middle of the web, begin at its back (DIN 1027). Splines of outlines, of which
+    it makes nothing, become polylines.
     """
     for entity in entities:
         if entity.is_a("IfcRoundedRectangleProfileDef"):
@@ -307,29 +259,20 @@ def _make_buildable(model: Model, file: Any, entities: Iterable[Entity]) -> None
             most = min(profile.XDim, profile.YDim) / 2 * ROUNDER
             if profile.RoundingRadius > most:
                 profile.RoundingRadius = most
+        elif entity.is_a("IfcZShapeProfileDef"):
+            wide = entity.FlangeWidth - entity.WebThickness / 2
+            file.by_id(entity.id()).FlangeWidth = wide
         elif entity.is_a("IfcBSplineCurve") and len(entity.values[1][0]) == 2:
             spline = file.by_id(entity.id())
-            owners = file.get_inverse(spline)
-            if owners:
-                _put_in_place(model, spline, _polyline(model, file, entity), owners)
-
-
-def _polyline(model: Model, file: Any, entity: Entity) -> Any:
-    """A polyline along a spline, in the kernel's file."""
-    points = polylines((spline_of(model, entity),), SPLINE_CHORD).points / model.mm
-    corners = [file.create_entity("IfcCartesianPoint", tuple(p)) for p in points.tolist()]
-    return file.create_entity("IfcPolyline", corners)
-
-
-def _put_in_place(model: Model, old: Any, new: Any, owners: Iterable[Any]) -> None:
-    """Let the owners of an entity of the kernel's file have another one.
-
-    The reader has its own values of each of them before, which stay as they are written.
-    """
-    for owner in owners:
-        assert model.file.entity(owner.id()).values
-        for k, value in enumerate(owner):
-            if value == old:
-                owner[k] = new
-            elif isinstance(value, tuple) and old in value:
-                owner[k] = [new if one == old else one for one in value]
+            points = polylines((spline_of(model, entity),), SPLINE_CHORD).points / model.mm
+            line = file.create_entity("IfcPolyline", [
+                file.create_entity("IfcCartesianPoint", tuple(p)) for p in points.tolist()
+            ])  # fmt: skip
+            for owner in file.get_inverse(spline):
+                # The reader has its own values of it before, which stay as they are written.
+                assert model.file.entity(owner.id()).values
+                for k, value in enumerate(owner):
+                    if value == spline:
+                        owner[k] = line
+                    elif isinstance(value, tuple) and spline in value:
+                        owner[k] = [line if one == spline else one for one in value]

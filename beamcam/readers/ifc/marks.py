@@ -1,15 +1,13 @@
 """Data of a member besides its geometry: marks, grade, weights."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from msgspec import Struct, field
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, Source
 from beamcam.model import weight
 from beamcam.model.part import Profile
-from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Entity, Model, tied
 from beamcam.readers.ifc.text import Typed
 
@@ -88,30 +86,23 @@ def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
     """The name of a property set and those of its values that matter here."""
     named = definition.is_a("IfcPropertySetDefinition")
     name = definition.file.peek(definition, 2) or "" if named else ""
-    return name, dict(_values(model, definition)) if _matters(name) else {}
-
-
-@cached("ifc.property_set")
-def _matters(name: str) -> bool:
-    return _SETS.search(name) is not None
-
-
-def _values(model: Model, definition: Entity) -> Iterator[tuple[str, Value]]:
+    found: dict[str, Value] = {}
+    if _SETS.search(name) is None:
+        return name, found
     if definition.is_a("IfcPropertySet"):
         properties = definition.type.places["HasProperties"]
         for one in definition.file.listed(definition, properties, _WANTED):
-            if one.is_a("IfcPropertySingleValue"):
-                value = one.NominalValue
-                if value is not None:
-                    yield one.Name, _value(model, value)
+            if one.is_a("IfcPropertySingleValue") and one.NominalValue is not None:
+                found[one.Name] = _value(model, one.NominalValue)
     elif definition.is_a("IfcElementQuantity"):
         for one in definition.Quantities:
             if one.is_a("IfcQuantityLength"):
-                yield one.Name, one.LengthValue * model.mm
+                found[one.Name] = one.LengthValue * model.mm
             elif one.is_a("IfcQuantityWeight"):
-                yield one.Name, one.WeightValue * model.kilograms
+                found[one.Name] = one.WeightValue * model.kilograms
             elif one.is_a("IfcQuantityVolume"):
-                yield one.Name, one.VolumeValue
+                found[one.Name] = one.VolumeValue
+    return name, found
 
 
 def _value(model: Model, value: Typed) -> Value:
@@ -123,24 +114,23 @@ def _value(model: Model, value: Typed) -> Value:
     return float(raw) if isinstance(raw, (int, float)) and not isinstance(raw, bool) else str(raw)
 
 
-def mark_of(element: Entity, data: Data) -> tuple[str, bool]:
-    """The piece mark, and whether the file means it as one.
+def mark_of(element: Entity, data: Data) -> str:
+    """The piece mark.
 
     Fabrication sets come first, then a Tag that is not a database key, a Reference that is not a
     section, and the Name.
     """
     mark = data.text(*_MARKS)
     if mark:
-        return mark, True
+        return mark
     tag = (getattr(element, "Tag", None) or "").strip()
     if tag and not _GUID_TAG.search(tag) and tag != element.guid:
-        return tag, True
+        return tag
     reference = data.text("Reference")
-    if reference and not _PROFILE.search(reference.replace("(?)", "")):
-        return reference, True
-    if reference and re.fullmatch(r"[A-Za-z]{1,3}/?\d{1,5}(\(\?\))?", reference):
-        return reference, True
-    return tag or (element.Name or "").strip() or element.guid, False
+    plain = not _PROFILE.search(reference.replace("(?)", ""))
+    if reference and (plain or re.fullmatch(r"[A-Za-z]{1,3}/?\d{1,5}(\(\?\))?", reference)):
+        return reference
+    return tag or (element.Name or "").strip() or element.guid
 
 
 def assembly_of(element: Entity, data: Data) -> str:
@@ -186,9 +176,8 @@ def grade_of(material: str, data: Data) -> str:
     grade = data.text(*_GRADES)
     if grade:
         return grade
-    return (
-        material.rsplit("/", 1)[-1].strip() if material.upper().startswith("STEEL/") else material
-    )
+    tekla = material.upper().startswith("STEEL/")
+    return material.rsplit("/", 1)[-1].strip() if tekla else material
 
 
 def grades_apart(material: str, data: Data) -> tuple[str, str] | None:
@@ -227,13 +216,8 @@ def _profile_names(material: Entity) -> tuple[str, ...]:
 def label_of(element: Entity, profile: Entity | None, data: Data) -> str:
     """The file's label of the section; empty if nothing looks like a section name."""
     named = (getattr(profile, "ProfileName", None) or "").strip() if profile is not None else ""
-    candidates = [
-        named,
-        data.text(*_PROFILES),
-        element.ObjectType or "",
-        element.Description or "",
-        element.Name or "",
-    ]
+    others = (element.ObjectType or "", element.Description or "", element.Name or "")
+    candidates = (named, data.text(*_PROFILES), *others)
     return next(filter(None, map(_section_name, candidates)), named)
 
 
@@ -245,9 +229,7 @@ def _section_name(text: str) -> str:
 
 
 # --- naming ---------------------------------------------------------------------------------------
-
 # Name of a section, and whether the labels of the file agree with its dimensions.
-
 
 #: Names that are measures: of tubes, pipes, angles, flat and round bars, as modellers write them.
 _MEASURES = re.compile(
@@ -279,11 +261,12 @@ def _contradicts(label: str, profile: Profile) -> bool:
         # Measures of angles and tubes do not say which side is up.
         return known[0] != profile.code or weight.difference(profile, known[1]) > SIZE_OFF
     said = _said_measures(label)
-    walls, sizes = _own_measures(profile)
-    if not walls or len(said) < 2 or max(said) < LARGEST_INCHES:
+    if profile.code not in ("B", "RO", "M", "L") or len(said) < 2 or max(said) < LARGEST_INCHES:
         return False
+    thick = profile.web_thickness or 0.0
     if profile.code == "B":  # of a plate the other numbers may be those of a larger blank
-        return all(abs(said_ - walls[0]) > WALL_OFF for said_ in said)
+        return all(abs(one - thick) > WALL_OFF for one in said)
+    sizes = (profile.height,) if profile.code == "RO" else (profile.height, profile.width)
     if len(said) == 2 and len(sizes) == 2:  # K100*5 is square
         sizes = sizes if abs(sizes[0] - sizes[1]) <= SIZE_OFF else (0.0, 0.0)
         said = (said[0], *said)
@@ -291,7 +274,7 @@ def _contradicts(label: str, profile: Profile) -> bool:
         return False
     *outer, wall = sorted(said, reverse=True)
     off = (abs(a - b) for a, b in zip(outer, sorted(sizes, reverse=True), strict=True))
-    return max(off) > SIZE_OFF or abs(wall - walls[0]) > WALL_OFF
+    return max(off) > SIZE_OFF or abs(wall - thick) > WALL_OFF
 
 
 @cached("ifc.said_measures")
@@ -303,53 +286,18 @@ def _said_measures(label: str) -> tuple[float, ...]:
     return tuple(float(n.replace(",", ".")) for n in _NUMBER.findall(found[1]))
 
 
-def _own_measures(profile: Profile) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The thickness of a section that is named by its measures, and its sizes."""
-    wall = profile.web_thickness or 0.0
-    match profile.code:
-        case "B":
-            return (wall,), (profile.height,)
-        case "RO":
-            return (wall,), (profile.height,)
-        case "M" | "L":
-            return (wall,), (profile.height, profile.width)
-    return (), ()
-
-
 def name_of(profile: Profile) -> str:
     """The catalogue's name of a section, or one made of its measures."""
     return weight.name_of(profile) or measured_name(profile)
 
 
-def remark_at(label: str, profile: Profile, source: Source) -> Diagnostic:
-    return rules.PROFILE_NAME.at(
-        source,
-        found=label,
-        size=f"{profile.height:.1f} x {profile.width:.1f} mm",
-        expected=name_of(profile),
-    )
-
-
 def measured_name(profile: Profile) -> str:
     """A name made of the measures: I300x150x7.1x10.7, PL10x200."""
-    h, b, t, w = (
-        f"{v:.1f}".removesuffix(".0")
-        for v in (
-            profile.height,
-            profile.width,
-            profile.flange_thickness,
-            profile.web_thickness or 0,
-        )
-    )
-    match profile.code:
-        case "B":
-            return f"PL{w}x{h}"
-        case "L":
-            return f"L{h}x{b}x{w}"
-        case "M":
-            return f"RHS{h}x{b}x{w}"
-        case "RO":
-            return f"CHS{h}x{w}"
-        case "RU":
-            return f"RD{h}"
-    return f"{profile.code}{h}x{b}x{w}x{t}"
+    p = profile
+    sizes = p.height, p.width, p.flange_thickness, p.web_thickness or 0
+    h, b, t, w = (f"{v:.1f}".removesuffix(".0") for v in sizes)
+    named = {
+        "B": f"PL{w}x{h}", "L": f"L{h}x{b}x{w}", "M": f"RHS{h}x{b}x{w}", "RO": f"CHS{h}x{w}",
+        "RU": f"RD{h}",
+    }  # fmt: skip
+    return named.get(p.code, f"{p.code}{h}x{b}x{w}x{t}")

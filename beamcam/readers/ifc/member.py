@@ -10,11 +10,11 @@ from msgspec.structs import replace
 from shapely.errors import ShapelyError
 
 from beamcam.budget import MEMBER, OverTimeError, begin_member, limits
-from beamcam.errors import Diagnostic, Rule, Severity, Source
+from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.model.part import Part, Profile
-from beamcam.readers.ifc import rules
-from beamcam.readers.ifc.body import Body, Swept, body_of, curved_or_tapered
+from beamcam.model.part import Part
+from beamcam.readers.ifc import Options, Selection, rules
+from beamcam.readers.ifc.body import Body, Swept, body_of, refuse_bent
 from beamcam.readers.ifc.checks import (
     STEEL,
     Compared,
@@ -26,13 +26,11 @@ from beamcam.readers.ifc.checks import (
 )
 from beamcam.readers.ifc.entities import (
     NOT_WELL_FORMED,
+    Bent,
     Entity,
-    Kinked,
     Model,
-    NoSection,
     OddCut,
     OddSection,
-    OtherShell,
     Unreadable,
     features_of,
 )
@@ -48,15 +46,13 @@ from beamcam.readers.ifc.marks import (
     label_of,
     mark_of,
     material_of,
+    name_of,
     named,
     not_steel,
     profile_set_names,
-    remark_at,
 )
 from beamcam.readers.ifc.opening import elements_of, open_file
-from beamcam.readers.ifc.options import Options, Selection
 from beamcam.readers.ifc.semantic import read_swept
-from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import IDENTITY
 
 SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is not steel
@@ -140,8 +136,9 @@ class Members(Struct):
         self.taken = taken = Taken()
         element = self.elements[place]
         data = data_of(self.model, element)
-        self._selected(element, mark_of(element, data)[0], assembly_of(element, data))
-        self._refuse(rules.KERNEL_DIED, Source(self.name, where=element.guid), "two processes")
+        self._selected(element, mark_of(element, data), assembly_of(element, data))
+        where = Source(self.name, where=element.guid)
+        self._refuse(rules.KERNEL_DIED.at(where, found="two processes"))
         return taken
 
     def share(self, places: Iterable[int]) -> Taken:
@@ -155,52 +152,47 @@ class Members(Struct):
 
     def _whole_member(self, element: Entity) -> tuple[Part, Shaped] | None:
         """As `_member`; a file that is not well formed refuses the member and no other."""
-        before = self.taken.ledger.total
+        before, source = self.taken.ledger.total, Source(self.name, where=element.guid)
         begin_member()
         try:
-            return self._member(element)
+            return self._member(element, source)
+        except Unreadable as reason:
+            self._refuse(reason.rule.at(source, found=str(reason)))
         except OverTimeError:
-            said = MEMBER.at(
-                Source(self.name, where=element.guid),
-                expected=f"{limits().member_s:g} s of the processor",
-            )
-            self.taken.said.append(said)
-            self.taken.ledger.refused += 1
-            return None
+            expected = f"{limits().member_s:g} s of the processor"
+            self._refuse(MEMBER.at(source, expected=expected))
         except (*NOT_WELL_FORMED, ShapelyError) as fault:
             if self.taken.ledger.total != before:
                 raise  # it was counted already, so that the fault is ours
             found = f"data that are not well formed ({type(fault).__name__}: {fault})"
-            self._refuse(rules.GEOMETRY, Source(self.name, where=element.guid), found)
-            return None
+            self._refuse(rules.GEOMETRY.at(source, found=found))
+        return None
 
-    def _member(self, element: Entity) -> tuple[Part, Shaped] | None:
-        """The part of one element, if it is selected, steel and readable."""
-        source = Source(self.name, where=element.guid)
+    def _member(self, element: Entity, source: Source) -> tuple[Part, Shaped] | None:
+        """The part of one element, if it is selected and steel. Raises Unreadable."""
         data = data_of(self.model, element)
-        mark, _ = mark_of(element, data)
+        mark = mark_of(element, data)
         assembly = assembly_of(element, data)
         if not self._selected(element, mark, assembly):
             self.taken.ledger.unselected += 1
             return None
         material = material_of(self.model, element)
         what = not_steel(material)
-        if element.is_a("IfcDiscreteAccessory") and element.Representation is None:
-            what = what or "accessories without geometry"
+        if what is None and element.Representation is None:
+            accessory = element.is_a("IfcDiscreteAccessory")
+            what = f"{'accessories' if accessory else 'elements'} without geometry"
         if what is not None:
             self._leave_out(what, element)
             return None
+        body: Body | None = None
+        profile: Entity | None = None
         try:
             body = body_of(self.model, element)
             shaped, profile = self._shape(element, body, source)
         except Unreadable as reason:
-            found = self._by_kernel(element, source, reason)
-            if found is None or self._denied(found, source, reason):
-                return None
-            shaped, profile, body = found, None, None
+            shaped, body = self._by_kernel(element, source, reason), None
         if not shaped.length <= MAX_COORDINATE:
-            self._refuse(rules.GEOMETRY, source, f"a length of {shaped.length:g} mm")
-            return None
+            raise Unreadable(f"a length of {shaped.length:g} mm")
         thick = shaped.section.code in ("B", "RU") and shaped.section.width > SOLID_STEEL
         if thick and not material:
             self._leave_out("solid sections without a material", element)
@@ -238,80 +230,48 @@ class Members(Struct):
     def _shape(self, element: Entity, body: Body, source: Source) -> tuple[Shaped, Entity | None]:
         if isinstance(body.base, Swept):
             return read_swept(self.model, element, body, source), body.base.profile
-        form = element if body.has_openings else self._form(element)
+        form = self._form(element)
         if form not in self.shells:  # a model has most of its accessories many times
-            self.shells[form] = self._read_shell(body, body.base, source)
+            try:
+                self.shells[form] = read_shell(
+                    body.base, body.cutters(self.model, IDENTITY), source
+                )
+            except Unreadable as reason:
+                # A closed shell of planar faces is all that the kernel would have.
+                reason.final |= not body.removed and body.base.volume is not None
+                self.shells[form] = reason
         known = self.shells[form]
         if isinstance(known, Unreadable):
             raise known.with_traceback(None)
         return known.at(source), None
 
-    def _read_shell(self, body: Body, base: Shell, source: Source) -> Shaped | Unreadable:
-        """The member of a shell and what is cut off it; or why it is none."""
-        try:
-            taken = body.cutters(self.model, IDENTITY)
-            return read_shell(base, taken, source)
-        except (Kinked, OddCut) as reason:
-            return reason
-        except Unreadable as reason:
-            alike = not body.removed and base.volume is not None
-            return OtherShell(reason) if alike else reason
-
-    def _by_kernel(self, element: Entity, source: Source, reason: Unreadable) -> Shaped | None:
+    def _by_kernel(self, element: Entity, source: Source, reason: Unreadable) -> Shaped:
         """The member as the kernel builds it, where its definition is not understood."""
-        odd = curved_or_tapered(element)
-        if odd is not None:
-            rule, kind = odd
-            self._refuse(rule, source, kind)
-            return None
-        if element.Representation is None:
-            self._leave_out("elements without geometry", element)
-            return None
-        if isinstance(reason, NoSection):  # the kernel may take minutes to say the same
-            self._refuse(rules.SECTION, source, str(reason))
-            return None
-        if isinstance(reason, Kinked):
-            self._refuse(rules.KINKED, source, str(reason))
-            return None
-        if isinstance(reason, OtherShell):
-            rule = rules.SECTION if isinstance(reason.reason, OddSection) else rules.GEOMETRY
-            self._refuse(rule, source, str(reason))
-            return None
+        refuse_bent(element)
+        if reason.final:
+            raise reason
         try:
-            return read_kernel(self.model, element, source)
-        except Kinked as kink:
-            self._refuse(rules.KINKED, source, str(kink))
-            return None
+            found = read_kernel(self.model, element, source)
+        except Bent:
+            raise
         except Unreadable as second:
-            if isinstance(reason, OddCut):
-                self._refuse(rules.ODD_CUT, source, str(reason))
-                return None
-            text = (
-                str(reason) if str(reason) == str(second) else f"{reason}; by the kernel {second}"
-            )
-            rule = rules.SECTION if isinstance(second, OddSection) else rules.GEOMETRY
-            self._refuse(rule, source, text)
-            return None
+            if isinstance(reason, OddCut) or str(reason) == str(second):
+                raise reason from None
+            kind = OddSection if isinstance(second, OddSection) else Unreadable
+            raise kind(f"{reason}; by the kernel {second}") from None
+        denied = [d for d in found.said if d.severity is Severity.ERROR]
+        if denied and not isinstance(reason, OddCut):
+            kind = type(reason)
+            reason = kind(f"{reason}; by the kernel {rules.of_the_solid(denied[0])} than was read")
+        if denied:
+            raise reason
+        return found
 
     def _leave_out(self, what: str, element: Entity) -> None:
         self.taken.ledger.left_out[what, str(element.is_a())] += 1
 
-    def _denied(self, found: Shaped, source: Source, reason: Unreadable) -> bool:
-        """Refuse a member whose definition is not understood and whose solid is not explained."""
-        denied = [d for d in found.said if d.severity is Severity.ERROR]
-        if denied and isinstance(reason, OddCut):
-            self._refuse(rules.ODD_CUT, source, str(reason))
-        elif denied:
-            rule = rules.SECTION if isinstance(reason, OddSection) else rules.GEOMETRY
-            self._refuse(
-                rule,
-                source,
-                f"{reason}; by the kernel {rules.of_the_solid(denied[0])} than was read",
-            )
-        return bool(denied)
-
-    def _refuse(self, rule: Rule, source: Source, found: str) -> None:
-        self.taken.said.append(rule.at(source, found=found))
+    def _refuse(self, said: Diagnostic) -> None:
+        self.taken.said.append(said)
         self.taken.ledger.refused += 1
 
     def _selected(self, element: Entity, mark: str, assembly: str) -> bool:
@@ -341,10 +301,14 @@ class Members(Struct):
     ) -> Part:
         mark, assembly, material = names
         section = shaped.section
-        bare = section.profile("")
+        bare, flat = section.profile(""), section.code == "B"  # whose weight is in kg/m2
         labels = label_of(element, profile, data), *profile_set_names(self.model, element)
         label, wrong = named(bare, labels)
-        self.taken.said += (remark_at(one, bare, source) for one in wrong)
+        size = f"{bare.height:.1f} x {bare.width:.1f} mm"
+        self.taken.said += (
+            rules.PROFILE_NAME.at(source, found=one, size=size, expected=name_of(bare))
+            for one in wrong
+        )
         grades = grades_apart(material, data)
         if grades is not None:
             self.taken.said.append(rules.GRADE.at(source, found=grades[0], expected=grades[1]))
@@ -361,7 +325,7 @@ class Members(Struct):
             grade=grade_of(material, data),
             cuts=shaped.cuts,
             features=shaped.features,
-            weight=_weight(bare, section.area),
+            weight=STEEL * (1e6 * section.width if flat else 1e3 * section.area),
             guid=element.guid,
             section=section.points,
         )
@@ -391,7 +355,7 @@ class Members(Struct):
         """The form of an element; itself where that cannot be told."""
         try:
             return form_of(self.model, element)
-        except Unreadable:
+        except (Unreadable, RecursionError):
             return element
 
 
@@ -400,10 +364,3 @@ def class_names(kind: str) -> set[str]:
     name = kind.lower().removeprefix("ifc")
     names = {name, name.removesuffix("standardcase")}
     return names | {"proxy"} if name == "buildingelementproxy" else names
-
-
-def _weight(profile: Profile, area: float) -> float:
-    """kg/m, of a plate kg/m2."""
-    if profile.code == "B":
-        return (profile.web_thickness or 0.0) * STEEL * 1e6
-    return area * STEEL * 1e3

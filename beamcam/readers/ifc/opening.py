@@ -13,9 +13,8 @@ from msgspec.structs import replace
 from beamcam.budget import limits
 from beamcam.errors import Diagnostic, Source
 from beamcam.plain_text import fault_text
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import Selection, rules
 from beamcam.readers.ifc.entities import Entity, Model, open_model
-from beamcam.readers.ifc.options import Selection
 from beamcam.readers.ifc.records import File
 from beamcam.readers.ifc.text import Malformed
 
@@ -48,28 +47,19 @@ def open_file(data: bytes, source: Source) -> Model | Diagnostic:
         return rules.SCHEMA.at(source, found=name)
     if re.search(rb"(?m)^\s*DATA\s*;", data) is None or b"END-ISO-10303-21" not in data[-4000:]:
         return rules.SYNTAX.at(source, found="a file that is cut short")
+    try:  # STEP is plain ASCII, and exporters that are not write UTF-8 or Latin
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
     try:
         # A length unit that is not well formed makes all measures void.
-        return open_model(File(text_of(data), _schema(name)), data)
+        return open_model(File(text, name.upper().split("_")[0]), data)
     except Malformed as fault:
         return rules.SYNTAX.at(replace(source, line=fault.line), found=str(fault))
     except RecursionError:
         return rules.SYNTAX.at(source, found="values too deep inside one another")
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as fault:
         return rules.SYNTAX.at(source, found=fault_text(fault))
-
-
-def text_of(data: bytes) -> str:
-    """The text of a file; STEP is plain ASCII, and exporters that are not write UTF-8 or Latin."""
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")
-
-
-def _schema(name: str) -> str:
-    """The schema by its bare name: IFC2X3, IFC4 or IFC4X3."""
-    return name.upper().split("_")[0]
 
 
 def _unzip(data: bytes) -> bytes | str:
@@ -79,7 +69,10 @@ def _unzip(data: bytes) -> bytes | str:
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            names = [name for name in archive.namelist() if _is_model(name)]
+            names = [
+                name for name in archive.namelist()
+                if name.lower().endswith(".ifc") and not PurePosixPath(name).name.startswith(".")
+            ]  # fmt: skip
             if len(names) != 1:
                 return f"an archive with {len(names)} models" if names else _NO_MODEL
             one = archive.getinfo(names[0])
@@ -107,14 +100,8 @@ def _unpacked(archive: zipfile.ZipFile, one: zipfile.ZipInfo, most: int) -> byte
     return b"".join(pieces)
 
 
-def _is_model(name: str) -> bool:
-    return name.lower().endswith(".ifc") and not PurePosixPath(name).name.startswith(".")
-
-
 # --- candidates -----------------------------------------------------------------------------------
-
 # The elements of a model that may be steel members.
-
 
 CLASSES = ("IfcBeam", "IfcColumn", "IfcMember", "IfcPlate", "IfcDiscreteAccessory")
 PROXY = "IfcBuildingElementProxy"

@@ -53,7 +53,7 @@ def with_arcs(chain: Chain) -> Chain:
     lines = joined(fine)
     if len(lines) < MIN_RUN + 1:
         return lines
-    whole = _regular(lines) if fine is chain else None
+    whole = _regular(lines if fine is chain else joined(chain))
     return _arcs_of_runs(lines, COARSE_RAD, STEEPEST_RAD) if whole is None else whole
 
 
@@ -163,11 +163,7 @@ def _arc_of(run: list[Curve]) -> Arc | None:
 
 def shape_of(chain: Chain) -> Round | Slotted | None:
     """A circle or a slot where the chain is one; None for everything else."""
-    return shape_of_curves(with_arcs(chain))
-
-
-def shape_of_curves(curves: Chain) -> Round | Slotted | None:
-    """As `shape_of` of a chain that has its arcs."""
+    curves = with_arcs(chain)
     arcs = [c for c in curves if isinstance(c, Arc)]
     lines = [c for c in curves if isinstance(c, Line)]
     if len(arcs) + len(lines) != len(curves) or not arcs:
@@ -229,14 +225,14 @@ def sharpened(chain: Chain) -> Chain:
     n = len(lines)
     turns = [turn(lines[i - 1], lines[i]) for i in range(n)]  # before line i
     gentle = [abs(t) < GENTLE_RAD for t in turns]
-    if n < 4 or all(gentle):
-        return chain
     sides: list[Line] = []
     for i, line in enumerate(lines):
         beside = max(lines[i - 1].length, lines[(i + 1) % n].length)
         sharp = not (gentle[i] and gentle[(i + 1) % n])
         if sharp or line.length > LONGER * beside:
             sides.append(line)
+    if len(sides) < 4:
+        return chain
     corners: list[Point | Arc] = []
     for j, side in enumerate(sides):
         corner = _rounded(side, sides[(j + 1) % len(sides)])

@@ -8,17 +8,33 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Arc, Line, Point, signed_area
+from beamcam.geometry.curves import Arc, Line, Point
 from beamcam.geometry.plane import MAX_COORDINATE, Matrix, mapped, mapped_vector
 from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain, with_sides
-from beamcam.readers.ifc.entities import Entity, Model, NoSection, OddSection, Unreadable
-from beamcam.readers.ifc.section import Section, area_by_measures, placed, special
+from beamcam.readers.ifc.entities import Entity, Model, OddSection, Unreadable
+from beamcam.readers.ifc.section import Section, area_by_measures, placed, walls_of
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
 Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web and radius
+#: Code of a parameterised profile, and the names of its sizes as it is drawn.
+MEASURES: dict[str, tuple[ProfileCode, str]] = {
+    "IfcIShapeProfileDef":
+        ("I", "OverallDepth OverallWidth FlangeThickness WebThickness FilletRadius"),
+    "IfcUShapeProfileDef": ("U", "Depth FlangeWidth FlangeThickness WebThickness FilletRadius"),
+    "IfcCShapeProfileDef": ("C", "Depth Width WallThickness WallThickness InternalFilletRadius"),
+    "IfcTShapeProfileDef": ("T", "FlangeWidth Depth WebThickness FlangeThickness FilletRadius"),
+    "IfcLShapeProfileDef": ("L", "Depth Width Thickness Thickness FilletRadius"),
+    "IfcRectangleHollowProfileDef":
+        ("M", "YDim XDim WallThickness WallThickness OuterFilletRadius"),
+    "IfcRectangleProfileDef": ("B", "YDim XDim - - -"),
+    "IfcCircleHollowProfileDef": ("RO", "Radius Radius WallThickness WallThickness -"),
+    "IfcCircleProfileDef": ("RU", "Radius Radius - Radius -"),
+}  # fmt: skip
+FLANGES = ("BottomFlangeThickness", "FlangeThickness")
+FILLETS = ("BottomFlangeFilletRadius", "FilletRadius")
 
 
 class Outline(Struct, frozen=True, gc=False, cache_hash=True):
@@ -47,21 +63,19 @@ def _section(model: Model, entity: Entity) -> Section:
         raise OddSection(f"a section with a measure of {widest:g} mm")
     fault = section_fault(section.profile(""))
     if fault is not None:
-        raise NoSection(f"a section with {fault}")
+        raise OddSection(f"a section with {fault}", final=True)
     return section
 
 
 def _stated_section(model: Model, entity: Entity) -> Section:
     if entity.is_a("IfcDerivedProfileDef"):
         return _mapped(section_of(model, entity.ParentProfile), _operator(model, entity))
-    if entity.is_a("IfcParameterizedProfileDef"):
-        found = _parameterised(model, entity)
-        if found is not None:
-            return found
+    if entity.is_a() in MEASURES:
+        return _measured(model, entity)
     outline = outline_of(model, entity)
     found = model.once("form", outline, classify, outline.outer, outline.inner)
     if found is None:
-        raise NoSection(f"a section that is no rolled form ({entity.is_a()})")
+        raise OddSection(f"a section that is no rolled form ({entity.is_a()})", final=True)
     return found
 
 
@@ -71,45 +85,62 @@ def outline_of(model: Model, entity: Entity) -> Outline:
 
 
 def _outline(model: Model, entity: Entity) -> Outline:
-    kind = entity.is_a()
     if entity.is_a("IfcDerivedProfileDef"):
         parent = outline_of(model, entity.ParentProfile)
         by = _operator(model, entity)
         return Outline(_moved(parent.outer, by), tuple(_moved(c, by) for c in parent.inner))
-    if entity.is_a("IfcArbitraryProfileDefWithVoids"):
-        inner = tuple(chain_of(model, c) for c in entity.InnerCurves)
-        return Outline(chain_of(model, entity.OuterCurve), inner)
     if entity.is_a("IfcArbitraryClosedProfileDef"):
-        return Outline(chain_of(model, entity.OuterCurve))
-    frame = model.axes(getattr(entity, "Position", None))
-    mm = model.mm
+        inner = tuple(chain_of(model, c) for c in getattr(entity, "InnerCurves", ()))
+        return Outline(chain_of(model, entity.OuterCurve), inner)
+    number = partial(_number, entity, model.mm)
+    wall = number("WallThickness")
+    hollow: tuple[Chain, ...] = ()
     if entity.is_a("IfcCircleProfileDef"):
-        outer = _circle(entity.Radius * mm)
-        bore: tuple[Chain, ...] = ()
+        outer = _circle(number("Radius"))
         if entity.is_a("IfcCircleHollowProfileDef"):
-            bore = (_moved(_circle((entity.Radius - entity.WallThickness) * mm), frame),)
-        return Outline(_moved(outer, frame), bore)
-    if entity.is_a("IfcRectangleHollowProfileDef"):
-        x, y, wall = entity.XDim * mm, entity.YDim * mm, entity.WallThickness * mm
-        outer_radius = (entity.OuterFilletRadius or 0.0) * mm
-        hollow = rounded_box(x - 2 * wall, y - 2 * wall, (entity.InnerFilletRadius or 0.0) * mm)
-        return Outline(_moved(rounded_box(x, y, outer_radius), frame), (_moved(hollow, frame),))
-    if entity.is_a("IfcRectangleProfileDef"):
-        radius = 0.0
-        if entity.is_a("IfcRoundedRectangleProfileDef"):
-            radius = entity.RoundingRadius * mm
-        chain = rounded_box(entity.XDim * mm, entity.YDim * mm, radius)
-        return Outline(_moved(chain, frame))
-    if entity.is_a("IfcTrapeziumProfileDef"):
-        x, top, up = entity.BottomXDim * mm, entity.TopXDim * mm, entity.YDim * mm
-        shift = entity.TopXOffset * mm - x / 2
-        corners = [(-x / 2, -up / 2), (x / 2, -up / 2), (shift + top, up / 2), (shift, up / 2)]
-        return Outline(_moved(points_chain(corners), frame))
-    if entity.is_a("IfcParameterizedProfileDef"):
-        sharp = _sharp(model, entity)
-        if sharp is not None:
-            return Outline(_moved(points_chain(sharp), frame))
-    raise Unreadable(f"a profile by {kind}")
+            hollow = (_circle(number("Radius") - wall),)
+    elif entity.is_a("IfcRectangleProfileDef"):
+        x, y = number("XDim"), number("YDim")
+        outer = rounded_box(x, y, number("OuterFilletRadius", "RoundingRadius"))
+        if entity.is_a("IfcRectangleHollowProfileDef"):
+            hollow = (rounded_box(x - 2 * wall, y - 2 * wall, number("InnerFilletRadius")),)
+    elif entity.is_a("IfcTrapeziumProfileDef"):
+        x, up = number("BottomXDim") / 2, number("YDim") / 2
+        left = number("TopXOffset") - x
+        right = left + number("TopXDim")
+        outer = points_chain([(-x, -up), (x, -up), (right, up), (left, up)])
+    elif entity.is_a("IfcZShapeProfileDef"):  # its flanges are measured from the back of the web
+        h, w, t = number("Depth") / 2, number("WebThickness") / 2, number("FlangeThickness")
+        tip, radii = number("FlangeWidth") - w, [0.0, 0.0, number("EdgeRadius"), number(*FILLETS)]
+        half = [(-w, -h), (tip, -h), (tip, t - h), (w, t - h)]
+        outer = rounded_chain(half + [(-x, -y) for x, y in half], radii + radii)
+    elif entity.is_a("IfcAsymmetricIShapeProfileDef"):  # the bottom's names are another's in IFC2X3
+        h, w = number("OverallDepth") / 2, number("WebThickness") / 2
+        b0, t0 = number("BottomFlangeWidth", "OverallWidth") / 2, number(*FLANGES)
+        b1, t1 = number("TopFlangeWidth") / 2, number("TopFlangeThickness", *FLANGES)
+        radii = [0.0, 0.0, number(*FILLETS), number("TopFlangeFilletRadius", *FILLETS), 0.0, 0.0]
+        half = [(b0, -h), (b0, t0 - h), (w, t0 - h), (w, h - t1), (b1, h - t1), (b1, h)]
+        outer = rounded_chain(half + [(-x, y) for x, y in half[::-1]], radii + radii[::-1])
+    elif entity.is_a() in MEASURES and not entity.is_a("IfcCShapeProfileDef"):
+        return Outline(_sharp(section_of(model, entity)))
+    else:
+        raise Unreadable(f"a profile by {entity.is_a()}")
+    frame = model.axes(entity.Position)
+    return Outline(_moved(outer, frame), tuple(_moved(c, frame) for c in hollow))
+
+
+def _sharp(section: Section) -> Chain:
+    """The outline of a section's walls, without its fillets."""
+    from shapely import box, union_all
+
+    walls = union_all([
+        box(w.low, 0.0, w.high, w.width) if w.normal == "y" else box(0.0, w.low, w.width, w.high)
+        for w in walls_of(section)
+    ])  # fmt: skip
+    (ox, oy), (yx, yy), (zx, zy) = section.origin, section.y, section.z
+    return points_chain([
+        (ox + y * yx + z * zx, oy + y * yy + z * zy) for y, z in walls.exterior.coords[:-1]
+    ])  # fmt: skip
 
 
 def rounded_box(x: float, y: float, radius: float) -> Chain:
@@ -172,63 +203,19 @@ def _mapped(section: Section, by: Frame) -> Section:
     ).right_way()
 
 
-def _parameterised(model: Model, entity: Entity) -> Section | None:
-    """A section by the numbers of its definition; None for forms given by their outline."""
-    frame = model.axes(entity.Position)
+def _measured(model: Model, entity: Entity) -> Section:
+    """The section of a parameterised profile, by its numbers."""
+    code, names = MEASURES[entity.is_a()]
     number = partial(_number, entity, model.mm)
-    if entity.is_a("IfcAsymmetricIShapeProfileDef"):
-        return _asymmetric(entity, model.mm, frame)
-    if entity.is_a("IfcZShapeProfileDef"):
-        corners = _sharp(model, entity) or []
-        half = [0.0, 0.0, number("EdgeRadius"), number("FilletRadius")]
-        radii = half + half
-        return _outlined(rounded_chain(corners, radii), frame)
-    measures = _measures(model, entity)
-    if measures is None:
-        return None
-    found = _standing(*measures, frame)
-    if found.code == "C":
-        lips = _lips(number("Girth"), found.web_thickness, found.radius)
-        return replace(found, area=found.area + lips)
+    h, b, tf, tw, r = (number(name) * (2 if name == "Radius" else 1) for name in names.split())
+    if code == "B":
+        tw = min(h, b)
+    found = _standing(
+        code, (h, b or h if code == "L" else b, tf, tw, r), model.axes(entity.Position)
+    )
+    if code == "C":
+        return replace(found, area=found.area + _lips(number("Girth"), tw, r))
     return found
-
-
-def _measures(model: Model, entity: Entity) -> tuple[ProfileCode, Sizes] | None:
-    """Code and measures of a parameterised profile as it is drawn; None if it has no such code."""
-    number = partial(_number, entity, model.mm)
-    if entity.is_a("IfcIShapeProfileDef"):
-        return "I", (
-            number("OverallDepth"), number("OverallWidth"), number("FlangeThickness"),
-            number("WebThickness"), number("FilletRadius"),
-        )  # fmt: skip
-    if entity.is_a("IfcUShapeProfileDef"):
-        return "U", (
-            number("Depth"), number("FlangeWidth"), number("FlangeThickness"),
-            number("WebThickness"), number("FilletRadius"),
-        )  # fmt: skip
-    if entity.is_a("IfcCShapeProfileDef"):
-        wall, radius = number("WallThickness"), number("InternalFilletRadius")
-        return "C", (number("Depth"), number("Width"), wall, wall, radius)
-    if entity.is_a("IfcTShapeProfileDef"):
-        return "T", (
-            number("FlangeWidth"), number("Depth"), number("WebThickness"),
-            number("FlangeThickness"), number("FilletRadius"),
-        )  # fmt: skip
-    if entity.is_a("IfcLShapeProfileDef"):
-        depth, thick = number("Depth"), number("Thickness")
-        return "L", (depth, number("Width") or depth, thick, thick, number("FilletRadius"))
-    if entity.is_a("IfcRectangleHollowProfileDef"):
-        wall, radius = number("WallThickness"), number("OuterFilletRadius")
-        return "M", (number("YDim"), number("XDim"), wall, wall, radius)
-    if entity.is_a() == "IfcRectangleProfileDef":
-        x, y = number("XDim"), number("YDim")
-        return "B", (y, x, 0.0, min(x, y), 0.0)
-    if entity.is_a("IfcCircleProfileDef"):
-        d = 2 * number("Radius")
-        if entity.is_a("IfcCircleHollowProfileDef"):
-            return "RO", (d, d, number("WallThickness"), number("WallThickness"), 0.0)
-        return "RU", (d, d, 0.0, d, 0.0)
-    return None
 
 
 def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:
@@ -246,16 +233,10 @@ def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:
     return placed(code, sizes, centre, y, z, area_by_measures(code, *sizes))
 
 
-def _outlined(outline: Chain, frame: Frame) -> Section:
-    """The special section of an outline in `frame`."""
-    drawn = _moved(outline, frame)
-    return special(drawn, abs(signed_area(drawn)))
-
-
-def _number(entity: Entity, mm: float, name: str) -> float:
-    """A measure of a profile in mm; 0 where it has none."""
-    value = getattr(entity, name, None)
-    return 0.0 if value is None else float(value) * mm
+def _number(entity: Entity, mm: float, *names: str) -> float:
+    """The first of some measures that a profile has, in mm; 0 where it has none."""
+    stated = (getattr(entity, name, None) for name in names)
+    return float(next((value for value in stated if value is not None), 0.0)) * mm
 
 
 def _lips(girth: float, wall: float, radius: float) -> float:
@@ -267,48 +248,6 @@ def _lips(girth: float, wall: float, radius: float) -> float:
     corner = 1 - pi / 4
     bends = 4 * corner * (radius * radius - (radius + wall) ** 2)
     return 2 * max(0.0, girth - wall) * wall + bends - 2 * corner * radius * radius
-
-
-def _asymmetric(entity: Entity, mm: float, frame: Frame) -> Section:
-    """An I of two flanges; a special section with its outline where they are not alike."""
-    if entity.is_a("IfcIShapeProfileDef"):  # IFC2X3: the bottom flange has the inherited names
-        bottom, thick = entity.OverallWidth, entity.FlangeThickness
-        radius = entity.FilletRadius
-    else:
-        bottom, thick = entity.BottomFlangeWidth, entity.BottomFlangeThickness
-        radius = entity.BottomFlangeFilletRadius
-    top = entity.TopFlangeWidth
-    thick_top = thick if entity.TopFlangeThickness is None else entity.TopFlangeThickness
-    if abs(bottom - top) * mm > 0.2 or abs(thick - thick_top) * mm > 0.2:
-        upper = entity.TopFlangeFilletRadius
-        drawn = _two_flanges(
-            entity.OverallDepth * mm / 2,
-            entity.WebThickness * mm,
-            (bottom * mm, thick * mm),
-            (top * mm, thick_top * mm),
-            ((radius or 0.0) * mm, ((radius if upper is None else upper) or 0.0) * mm),
-        )
-        return _outlined(drawn, frame)
-    h, tw, r = entity.OverallDepth, entity.WebThickness, radius or 0.0
-    return _standing("I", (h * mm, bottom * mm, thick * mm, tw * mm, r * mm), frame)
-
-
-def _two_flanges(
-    half: float,
-    web: float,
-    bottom: tuple[float, float],
-    top: tuple[float, float],
-    radii: tuple[float, float],
-) -> Chain:
-    """The outline of an I about its middle; flanges by width and thickness, lower fillet first."""
-    w = web / 2
-    (b0, t0), (b1, t1) = (bottom[0] / 2, bottom[1]), (top[0] / 2, top[1])
-    right = [(b0, -half), (b0, t0 - half), (w, t0 - half), (w, half - t1), (b1, half - t1),
-             (b1, half)]  # fmt: skip
-    corners = right + [(-x, y) for x, y in reversed(right)]
-    r0, r1 = radii
-    rounds = [0.0, 0.0, r0, r1, 0.0, 0.0]
-    return rounded_chain(corners, rounds + rounds[::-1])
 
 
 def _reflex(corners: Sequence[Point], i: int) -> bool:
@@ -339,28 +278,3 @@ def rounded_chain(corners: Sequence[Point], radii: Sequence[float]) -> Chain:
 def _towards(a: Point, b: Point) -> Point:
     by = hypot(b[0] - a[0], b[1] - a[1])
     return (b[0] - a[0]) / by, (b[1] - a[1]) / by
-
-
-def _sharp(model: Model, entity: Entity) -> list[Point] | None:
-    """The corners of an open parameterised profile without its fillets."""
-    if entity.is_a("IfcZShapeProfileDef"):  # its flanges are measured from the back of the web
-        number = partial(_number, entity, model.mm)
-        h, b = number("Depth") / 2, number("FlangeWidth")
-        t, w = number("FlangeThickness"), number("WebThickness") / 2
-        half = [(-w, -h), (b - w, -h), (b - w, t - h), (w, t - h)]
-        return half + [(-x, -y) for x, y in half]
-    measures = _measures(model, entity)
-    if measures is None:
-        return None
-    code, (high, wide, t, web, _) = measures
-    h, b = high / 2, wide / 2
-    if code == "I":
-        w = web / 2
-        half = [(b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h)]
-        return half + [(-x, -y) for x, y in half]
-    if code == "U":
-        w = web - b
-        return [(-b, -h), (b, -h), (b, t - h), (w, t - h), (w, h - t), (b, h - t), (b, h), (-b, h)]
-    if code == "L":
-        return [(-b, -h), (b, -h), (b, t - h), (t - b, t - h), (t - b, h), (-b, h)]
-    return None

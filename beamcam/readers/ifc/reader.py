@@ -4,29 +4,27 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Set
 from typing import TypeVar
 
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.budget import limits
 from beamcam.errors import Diagnostic, Source
-from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot, TextMark
+from beamcam.model.part import Part, TextMark
 from beamcam.processes import Died, Pool
 from beamcam.readers.content import Reading
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import Options, Progress, Selection, rules
 from beamcam.readers.ifc.entities import Model
 from beamcam.readers.ifc.member import Members, Taken, class_names
-from beamcam.readers.ifc.opening import PROXY, open_file
-from beamcam.readers.ifc.options import Options, Progress, Selection
+from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
 
 # --- shares ---------------------------------------------------------------------------------------
-
 # Members of a model, read by several processes side by side.
 #
 # A forked process has the whole model at hand without a copy of it; one that is started afresh
 # opens the model again. Both send back only the parts that they made. This is for callers who say
 # that they may: one with threads of its own may not fork.
-
 
 T = TypeVar("T")
 
@@ -81,21 +79,6 @@ def shares(
                 yield found
     finally:
         pool.close()
-
-
-#: Classes of elements that are counted and not read.
-OTHERS = (
-    PROXY, "IfcSlab", "IfcSlabStandardCase", "IfcWall", "IfcWallStandardCase", "IfcFooting",
-    "IfcPile", "IfcRailing", "IfcStair", "IfcStairFlight", "IfcRamp", "IfcRampFlight", "IfcRoof",
-    "IfcCovering", "IfcCurtainWall", "IfcDoor", "IfcWindow", "IfcChimney", "IfcShadingDevice",
-    "IfcMechanicalFastener", "IfcFastener", "IfcReinforcingBar", "IfcReinforcingMesh", "IfcTendon",
-    "IfcTendonAnchor", "IfcBuildingElementPart", "IfcBearing", "IfcDeepFoundation", "IfcCourse",
-    "IfcKerb", "IfcPavement", "IfcRail", "IfcTrackElement", "IfcMooringDevice",
-    "IfcNavigationElement", "IfcEarthworksElement", "IfcFurnishingElement", "IfcFurniture",
-    "IfcTransportElement", "IfcFlowSegment", "IfcFlowFitting", "IfcFlowTerminal", "IfcPipeSegment",
-    "IfcPipeFitting", "IfcDuctSegment", "IfcDuctFitting", "IfcDistributionElement",
-    "IfcCivilElement", "IfcGeographicElement", "IfcVirtualElement",
-)  # fmt: skip
 
 
 def read_model(
@@ -161,9 +144,13 @@ def lettered(part: Part) -> Part:
 
 
 def _others(model: Model, read: Set[str]) -> Counter[str]:
-    """Number of elements of classes that are not read."""
-    there = model.file.counts(name for name in OTHERS if name not in read)
-    return Counter({name: count for name, count in there.items() if count})
+    """Number of elements of classes that are not read, without openings and assemblies."""
+    every, *parts = map(
+        model.file.counts, ("IfcElement", "IfcFeatureElement", "IfcElementAssembly")
+    )
+    for counts in parts:
+        every -= counts
+    return Counter({name: count for name, count in every.items() if name not in read})
 
 
 def _told(counts: Counter[str]) -> str:
@@ -177,18 +164,16 @@ def _account(
 ) -> Iterator[Diagnostic]:
     """Selections without a match, members left out, and the ledger, which has to balance."""
     source, ledger = Source(name), taken.ledger
-    classes = taken.seen.get("class", set())
-    for value in sorted(chosen.classes):
-        if not any(value.lower().removeprefix("ifc") in class_names(kind) for kind in classes):
-            some = ", ".join(sorted(classes)) or "none"
-            yield rules.NOT_FOUND.at(source, kind="class", found=value, expected=some)
     for kind, wanted in (
-        ("mark", chosen.marks), ("guid", chosen.guids), ("assembly", chosen.assemblies)
+        ("class", chosen.classes), ("mark", chosen.marks), ("guid", chosen.guids),
+        ("assembly", chosen.assemblies),
     ):  # fmt: skip
         there = taken.seen.get(kind, set())
-        for value in sorted(wanted - there):
-            some = ", ".join(sorted(v for v in there if v)[:5]) or "none"
-            yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
+        names = {name for one in there for name in class_names(one)} if kind == "class" else there
+        for value in sorted(wanted):
+            if (value.lower().removeprefix("ifc") if kind == "class" else value) not in names:
+                some = ", ".join(sorted(filter(None, there))[:5]) or "none"
+                yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
     kinds: dict[str, Counter[str]] = {}
     for (what, kind), count in sorted(ledger.left_out.items()):
         kinds.setdefault(what, Counter())[kind] += count
@@ -212,10 +197,7 @@ def _account(
 
 # --- quantities -----------------------------------------------------------------------------------
 
-# Equal parts counted together.
-
-
-GRAIN = 0.05  #: mm to which measures are compared
+GRAIN = 0.05  #: mm and degrees to which measures are compared
 
 
 def equal_parts(parts: Iterable[Part]) -> tuple[Part, ...]:
@@ -225,56 +207,25 @@ def equal_parts(parts: Iterable[Part]) -> tuple[Part, ...]:
     """
     first: dict[object, Part] = {}
     for part in parts:
-        key = (part.mark, part.grade, part.drawing, geometry_key(part))
-        known = first.get(key)
-        first[key] = (
-            part if known is None else replace(known, quantity=known.quantity + part.quantity)
-        )
+        profile = replace(part.profile, name="")
+        form = profile, part.section, part.length, part.cuts, part.features
+        key = part.mark, part.grade, part.drawing, _grained(form)
+        known = first.setdefault(key, part)
+        if known is not part:
+            first[key] = replace(known, quantity=known.quantity + part.quantity)
     return tuple(first.values())
 
 
-def geometry_key(part: Part) -> tuple[object, ...]:
-    """Key that parts of equal geometry share."""
-    p, c = part.profile, part.cuts
-    numbers = (p.height, p.width, p.flange_thickness, p.web_thickness or 0.0, part.length)
-    angles = (c.web_start, c.web_end, c.flange_start, c.flange_end)
-    return (
-        p.code,
-        tuple(_grain(v) for v in numbers),
-        tuple(round(a, 2) + 0.0 for a in angles),
-        tuple(sorted(repr(_feature_key(f)) for f in part.features)),
-    )
-
-
-def _grain(value: float) -> int:
-    return round(value / GRAIN)
-
-
-def _feature_key(feature: object) -> tuple[object, ...]:
-    match feature:
-        case Hole():
-            return (
-                "hole",
-                feature.face,
-                _grain(feature.x),
-                _grain(feature.y),
-                _grain(feature.diameter),
-                feature.depth,
-            )
-        case Slot():
-            values = (feature.x, feature.y, feature.diameter, feature.length, feature.height)
-            return (
-                "slot",
-                feature.face,
-                *map(_grain, values),
-                round(feature.angle, 2),
-                feature.depth,
-            )
-        case Contour():
-            ends = (
-                (_grain(k.start[0]), _grain(k.start[1]), _grain(k.length)) for k in feature.curves
-            )
-            return ("contour", feature.face, feature.kind, tuple(sorted(ends)))
-        case EndPlane():
-            return ("plane", *map(_grain, feature.point), *(round(n, 4) for n in feature.normal))
-    return ("other", repr(feature))
+def _grained(value: object) -> object:
+    """A key that equal values share, whatever the order of the features and curves among them."""
+    if isinstance(value, float):
+        return round(value / GRAIN)
+    if isinstance(value, Struct):
+        fields = (getattr(value, name) for name in value.__struct_fields__ if name != "source")
+        return (type(value).__name__, *map(_grained, fields))
+    if isinstance(value, tuple):
+        found = map(_grained, value)
+        return tuple(
+            sorted(found, key=repr) if all(isinstance(v, Struct) for v in value) else found
+        )
+    return value

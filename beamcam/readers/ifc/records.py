@@ -6,8 +6,8 @@ what the kernel is given in place of what it cannot build never shows here.
 """
 
 import re
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Set
+from collections import Counter, defaultdict
+from collections.abc import Callable, Container, Iterator, Set
 from functools import cached_property
 from typing import Any
 
@@ -95,6 +95,29 @@ class Entity(Struct, eq=False, gc=False):
     def __repr__(self) -> str:
         return f"{self.name}={self.type.name}"
 
+    def below(self, known: Container["Entity"] = ()) -> list["Entity"]:
+        """It and all that it refers to but for what is known, each behind what it refers to.
+
+        Raises RecursionError for what leads back to itself.
+        """
+        open_, done = set[Entity](), dict[Entity, None]()
+        stack = [self]
+        while stack:
+            one = stack[-1]
+            if one in done or one in known:
+                stack.pop()
+            elif one in open_:
+                stack.pop()
+                open_.discard(one)
+                done[one] = None
+            else:
+                open_.add(one)
+                below = list(referred(one.values))
+                if not open_.isdisjoint(below):
+                    raise RecursionError(f"{one.name} contains itself")
+                stack += below
+        return list(done)
+
 
 class Missing(Entity):
     """What a reference to no record of the file stands for: all it has is its name.
@@ -104,6 +127,15 @@ class Missing(Entity):
 
     def __getattr__(self, name: str) -> Any:
         raise LookupError(f"a reference to {self.name}, which is not in the file")
+
+
+def referred(values: Values) -> Iterator[Entity]:
+    """The entities of the file among attribute values, lists in lists included."""
+    for value in values:
+        if isinstance(value, tuple):
+            yield from referred(value)
+        elif isinstance(value, Entity) and not isinstance(value, Missing):
+            yield value
 
 
 class File:
@@ -266,9 +298,10 @@ class File:
             if self._read(one, 0) in names:
                 yield self._value(one)
 
-    def counts(self, names: Iterable[str]) -> dict[str, int]:
-        """Number of records of classes, without those of their subtypes."""
-        return {name: len(self._of(name, subtypes=False)) for name in names}
+    def counts(self, name: str) -> Counter[str]:
+        """Number of records of each class below another."""
+        written = self._written is not None
+        return Counter(self._type(r.kind).name if written else r.is_a() for r in self._of(name))
 
     def by_type(self, name: str) -> list[Any]:
         """The entities of a class and of its subtypes, in the order of the file."""
@@ -276,16 +309,14 @@ class File:
             return [self.entity(record.number) for record in self._of(name)]
         return list(map(self._value, self._of(name)))
 
-    def _of(self, name: str, *, subtypes: bool = True) -> list[Any]:
-        """The instances, or else the records, of a class."""
+    def _of(self, name: str) -> list[Any]:
+        """The instances, or else the records, of a class and of its subtypes."""
         if self._written is not None:
-            kinds = {r.kind: self._type(r.kind) for r in self._written.values()}
-            meant = {k for k, t in kinds.items() if name in (t.kinds if subtypes else (t.name,))}
-            return [record for record in self._written.values() if record.kind in meant]
+            kinds = {r.kind: self._type(r.kind).kinds for r in self._written.values()}
+            return [record for record in self._written.values() if name in kinds[record.kind]]
         if entity_type(self.schema, name) is None:
             return []
-        found = self.opened.by_type(name, include_subtypes=subtypes)
-        return sorted(found, key=lambda instance: self._order(instance.id()))
+        return sorted(self.opened.by_type(name), key=lambda instance: self._order(instance.id()))
 
     @cached_property
     def _order(self) -> Callable[[int], int]:

@@ -1,19 +1,39 @@
 """The rolled stock that a shell was cut from: the section that is constant along an axis."""
 
+from math import asin, ceil, cos
 from typing import Any
 
 import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Point
+from beamcam.geometry.curves import Arc, Point
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.outline import sharpened
-from beamcam.readers.ifc.region import Circles, chain_of_ring, pieces_of, points_of, polygon_of
+from beamcam.readers.ifc.ends import MIN_LEAN
+from beamcam.readers.ifc.outline import sharpened, with_arcs
+from beamcam.readers.ifc.region import (
+    Circles,
+    Segments,
+    arcs_of,
+    chain_of_ring,
+    circles_in,
+    pieces_of,
+    points_of,
+    polygon_of,
+    region_within,
+)
 from beamcam.readers.ifc.section import BareStock, Section, placed, plain_stock
-from beamcam.readers.ifc.shell import Shell, broadest_normal, coordinates, extent, segments, vec
-from beamcam.readers.ifc.slices import Segments, arcs_of, circles_in, region_within
+from beamcam.readers.ifc.shell import (
+    Places,
+    Shell,
+    broadest_normal,
+    coordinates,
+    extent,
+    heaviest,
+    segments,
+    vec,
+)
 from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
@@ -22,6 +42,11 @@ FLATTER = 1.5  #: times as wide as thick is a flat bar, at least
 CONVEX = 1e-4  #: share of its area by which a section may be hollowed
 WHOLE = 0.05  #: mm that a section may be less than its shell
 SAME_AREA = 1.0005  #: times the area of a section that another has to have to be a fuller one
+SAME_SIZE = 3  #: decimals of mm2 in which sections are alike where facets run along the member
+WHOLE_END = 0.95  #: share of the largest section that an end shows, at least
+ASKEW = 1.2  #: times the angle of an end's chord that a facet may span which runs askew
+ON_ARC = 0.01  #: mm between a rounding and the corners on it
+NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
 
 
@@ -34,6 +59,7 @@ class Rolled(Struct, frozen=True):
     x1: float
     outline: tuple[Point, ...]  #: (Y, Z) of the section's border
     stock: BareStock
+    rise: float = 0.0  #: mm between its roundings and facets that run askew
 
 
 def other_axes(shell: Shell, along: Vec) -> list[Vec]:
@@ -51,10 +77,12 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
     u = reference(shell, axis)
     v = cross(axis, u)
     low, high = extent(shell, axis)
-    best: tuple[float, Section, Chain, Any, Any] | None = None
-    special: tuple[float, Section, Chain, Any, Any] | None = None
+    best: Best | None = None
+    special: Best | None = None
     seen: list[Segments] = []
+    rough: Rough | None = None
     areas: list[float] = []  #: of the special sections of the stations
+    sizes: list[float] = []
     last = 0.0
     for share in STATIONS:
         at = low + share * (high - low)
@@ -65,6 +93,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         seen.append(lines)
         last = 0.0
         pieces = pieces_of(region_within(lines))
+        sizes += [float(piece.area) for piece in pieces]
         if len(pieces) != 1:
             continue
         circles = circles_in(shell.cylinders, axis, u, v)
@@ -82,6 +111,13 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         if best is None or told.area > best[0] * SAME_AREA:
             exact = polygon_of(outer, inner, Circles()) if circles else pieces[0]
             best = (told.area, told, outer, exact, pieces[0])
+    askew = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
+    if askew and not shell.cylinders:
+        for side in (-1, 1):
+            skinned = _end_section(shell, axis, side, u, v, max(sizes))
+            if skinned is not None:
+                best, rough = skinned
+                break
     if best is None and special is not None:
         alike = sum(area * SAME_AREA >= special[0] for area in areas)
         best = special if alike > len(STATIONS) // 2 else None
@@ -108,7 +144,10 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         found = replace(found, area=found.height * found.width)
         return Rolled(found, frame, x0, x1, border, plain_stock(found))
     shown = BareStock(transform(best[4], turned), float(best[3].area))
-    return Rolled(found, frame, x0, x1, border, shown)
+    rise = 0.0
+    if rough is not None:
+        rise, shown = rough[0], replace(shown, rough=transform(rough[1], turned))
+    return Rolled(found, frame, x0, x1, border, shown, rise)
 
 
 def _same(lines: Segments, others: Segments) -> bool:
@@ -129,6 +168,65 @@ def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
     )
     again = classify(drawn[0], drawn[1:]) if drawn[0] else None
     return found if again is None else replace(again, area=float(piece.area))
+
+
+Rough = tuple[float, Any]  #: mm between arcs and facets, and the region in which facets lie
+Best = tuple[float, Section, Chain, Any, Any]
+
+
+def _end_section(
+    shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: float
+) -> tuple[Best, Rough] | None:
+    """The section of a mesh whose facets run askew from a mitred end to the other one.
+
+    No two of its stations are alike, and no corner of theirs lies on a rounding. Those of an end
+    do, if it is one plane; along the axis the end is the section.
+    """
+    from shapely import Polygon, union_all
+
+    end = np.isin(shell.rings.face_of_corner, end_faces(shell, axis, side))
+    flat = np.column_stack((coordinates(shell.points, u), coordinates(shell.points, v)))
+    before = flat[shell.rings.before]
+    pieces = pieces_of(region_within(np.stack((before[end], flat[end]), axis=1)))
+    if len(pieces) != 1 or pieces[0].area < WHOLE_END * widest:
+        return None
+    rings = (pieces[0].exterior, *pieces[0].interiors)
+    drawn = [chain_of_ring(ring, Circles()) for ring in rings]
+    whole = map(with_arcs, drawn)
+    outer, *inner = (w if len(w) == 1 else sharpened(c) for w, c in zip(whole, drawn, strict=True))
+    told = classify(outer, inner) if outer else None
+    if told is None or told.code == "SO":
+        return None
+    most, bands = 0.0, []
+    chords = np.array([(c.start, c.end) for chain in drawn for c in chain])
+    for arc in (c for chain in (outer, *inner) for c in chain if isinstance(c, Arc)):
+        off = np.abs(np.hypot(*(chords - arc.centre).transpose(2, 0, 1)) - arc.radius).max(axis=1)
+        longest = np.hypot(*(chords[:, 1] - chords[:, 0])[off < ON_ARC].T).max(initial=0.0)
+        half = ASKEW * asin(min(1.0, longest / (2 * arc.radius)))
+        rise = min(arc.radius, arc.radius * (1.0 - cos(half)) + ON_ARC)
+        most = max(most, rise)
+        count = ceil(abs(arc.sweep_deg))
+        points = np.array([arc.point(k / count) for k in range(count + 1)]) - arc.centre
+        outside, inside = (
+            points * by + arc.centre for by in (1 + ON_ARC / arc.radius, 1 - rise / arc.radius)
+        )
+        bands += [Polygon([*outside[k : k + 2], *inside[k : k + 2][::-1]]) for k in range(count)]
+    shape = polygon_of(outer, tuple(inner), Circles())
+    told = replace(told, area=float(shape.area))
+    return (told.area, told, outer, shape, shape), (most, union_all(bands))
+
+
+def end_faces(shell: Shell, axis: Vec, side: int) -> Places:
+    """The faces that lie in the plane which most of an end's area lies in."""
+    low, high = extent(shell, axis)
+    areas, faces = shell.areas, shell.rings.face_of_corner
+    middles = np.bincount(faces, coordinates(shell.points, axis)) / np.bincount(faces)
+    there = (middles - (low + high) / 2) * side > 0
+    there &= np.abs(coordinates(shell.area_normals, axis)) >= MIN_LEAN * areas
+    found = np.flatnonzero(there)
+    ways = shell.area_normals[found] * (1 / areas[found])[:, None]
+    way = heaviest(ways, areas[found], NEARLY_PLANE, len(found))
+    return found if way is None else found[np.abs(coordinates(ways, way)) > NEARLY_PLANE]
 
 
 def _reaches(piece: Any, extents: tuple[float, float, float, float]) -> bool:

@@ -132,7 +132,13 @@ def differences(
             rise = max((_rise(radius, by) for *_, radius in _arcs(part)), default=0.0)
             pieces = [*by_stations(body, drawn, by.slack + rise)]
         else:
-            pieces = _apart(solid, drawn, part, stock.shape, by)
+            # Surfaces that lie in one another are dear to cut, so that they come last.
+            pieces = [
+                (more, _grown(one, exact, by.slack))
+                for more, cores in _cores(solid, part, stock, by)
+                for exact in ([solid - drawn if more else drawn - solid] if cores else [])
+                for one in cores
+            ]
     except BeamcamError as reason:
         raise Unreadable(str(reason.diagnostics[0])) from reason
     check_member()
@@ -149,8 +155,8 @@ def differences(
         kind if sum(one.volume for one in kind) > BOUND else () for kind in (rest, fillets, leaning)
     )
     expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
-    if part.profile.code == "C":
-        expected = theirs  # cuts of lips are not known
+    if part.profile.code == "C" or stock.rough is not None:
+        expected = theirs  # cuts of lips are not known, nor what facets askew take
     return Differences(rest, fillets, leaning, theirs, expected)
 
 
@@ -158,21 +164,8 @@ def _drawn(part: Part, stock: BareStock) -> "Manifold":
     return part_solid(part, Margins(section=stock.shape, square_below=0.0))
 
 
-def _apart(
-    solid: "Manifold", drawn: "Manifold", part: Part, stock: Shape, by: Fineness
-) -> "list[tuple[bool, Manifold]]":
-    """The lumps in which two solids differ beyond the margins, and whether the first has them."""
-    found = []
-    for more, cores in _cores(solid, part, stock, by):
-        if cores:
-            # Surfaces that lie in one another are dear to cut, so that they come last.
-            exact = solid - drawn if more else drawn - solid
-            found += [(more, _grown(one, exact, by.slack)) for one in cores]
-    return found
-
-
 def _cores(
-    solid: "Manifold", part: Part, stock: Shape, by: Fineness
+    solid: "Manifold", part: Part, stock: BareStock, by: Fineness
 ) -> "Iterator[tuple[bool, list[Manifold]]]":
     """What sticks out of the margins of a part: of more steel, and of less."""
     least, most = (part_solid(part, one) for one in _margins(part, stock, by.slack))
@@ -197,7 +190,7 @@ def _plainly_drilled(
     walls = {wall.face: wall for wall in walls_of(section)}
     round_ones = [f for f in part.features if isinstance(f, (Hole, Slot)) and f.face in walls]
     bare = replace(part, features=tuple(f for f in part.features if f not in round_ones))
-    (_, more), (_, plugs) = _cores(solid, bare, stock.shape, by)
+    (_, more), (_, plugs) = _cores(solid, bare, stock, by)
     if more or len(plugs) != len(round_ones):
         return None
     volume = float(_drawn(bare, stock).volume()) * stock.area / float(stock.shape.area)
@@ -221,7 +214,7 @@ def _is_plug(one: "Manifold", spine: Shape, radius: float, wall: Wall, by: Finen
     ends = box[axis] - wall.low - by.slack, wall.high - by.slack - box[axis + 3]
     if max(map(abs, ends)) > ROUNDING:
         return False
-    corners = _points(one)
+    corners = one.to_mesh64().vert_properties
     off = distance(spine, points(corners[:, 0], corners[:, 3 - axis]))
     if np.abs(off - radius).max() > by.slack or one.hull().volume() - one.volume() > MIN_CORE:
         return False
@@ -238,15 +231,18 @@ def _grown(piece: "Manifold", exact: "Manifold", slack: float) -> "Manifold":
     return max(parts, key=lambda one: one.volume(), default=piece)
 
 
-def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
+def _margins(part: Part, stock: BareStock, slack: float) -> tuple[Margins, Margins]:
     """Of the least steel and of the most.
 
     The lips of a channel, which no part holds, may be there or not.
     """
-    sections = stock, stock
+    shape = stock.shape
+    sections = shape, shape
     if part.profile.code == "C":
         drawn = outline(part)
-        sections = stock.intersection(drawn), stock.union(drawn)
+        sections = shape.intersection(drawn), shape.union(drawn)
+    if stock.rough is not None:
+        sections = sections[0].difference(stock.rough), sections[1].union(stock.rough)
 
     def by(off: float, section: Shape) -> Margins:
         return Margins(
@@ -257,35 +253,31 @@ def _margins(part: Part, stock: Shape, slack: float) -> tuple[Margins, Margins]:
     return by(slack, sections[0]), by(-slack, sections[1])
 
 
-def _points(solid: "Manifold") -> Any:
-    return solid.to_mesh64().vert_properties
-
-
 def _by_face(
     piece: "Manifold", more: bool, part: Part, of: Section, slack: float
 ) -> Iterator[Lump]:
     """The steel of a lump by the walls that it lies in, and beside them."""
+
+    def lump(steel: "Manifold", face: str, leans: bool) -> Lump:
+        box = steel.bounding_box()
+        return Lump(face, float(box[0]), float(box[3]), float(steel.volume()), more, leans)
+
     walls = sorted(walls_of(of), key=lambda wall: wall.normal == "z")
     for wall in walls:
         inside, rest = piece.split(_box_of(wall, WALL_SLACK))
         if (inside ^ _box_of(wall, -slack)).volume() > MIN_CORE:  # or it only grazes the wall
             piece = rest
             if inside.volume() > MIN_LUMP:
-                yield _lump(inside, wall.face, more, _leans(inside, more, wall, part))
+                yield lump(inside, wall.face, _leans(inside, more, wall, part))
     if piece.volume() > MIN_LUMP:
         bare = "the section" if of.code == "SO" else "v"
-        yield _lump(piece, _face_beside(piece, walls, of) if walls else bare, more, False)
+        yield lump(piece, _face_beside(piece, walls, of) if walls else bare, False)
 
 
 def _box_of(wall: Wall, larger: float) -> "Manifold":
     """All of a wall, larger on every side."""
     shape = rectangle(-FAR, -larger, FAR, wall.width + larger)
     return prism(shape, wall.low - larger, wall.high + larger, _frame(wall))
-
-
-def _lump(piece: "Manifold", face: str, more: bool, leans: bool) -> Lump:
-    box = piece.bounding_box()
-    return Lump(face, float(box[0]), float(box[3]), float(piece.volume()), more, leans)
 
 
 def _face_beside(piece: "Manifold", walls: Sequence[Wall], of: Section) -> str:
@@ -365,7 +357,7 @@ def _arcs(part: Part) -> list[ArcAt]:
 
 def _is_of_facets(piece: "Manifold", arcs: Sequence[ArcAt], by: Fineness) -> bool:
     """Whether a lump lies between an arc of the part and the chords that a mesh has for it."""
-    points = _points(piece)
+    points = piece.to_mesh64().vert_properties
     thin = 2.0 * float(piece.volume()) / float(piece.surface_area())
     for axis, x, q, radius in arcs:
         rise = _rise(radius, by)

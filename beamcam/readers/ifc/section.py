@@ -117,6 +117,7 @@ class BareStock(Struct, frozen=True, eq=False):
 
     shape: Any  #: in (Y, Z), with the facets of the body
     area: float  #: mm2, of the section that its facets stand for
+    rough: Any = None  #: where facets that run askew lie somewhere between arcs and chords
 
 
 def plain_stock(section: Section) -> BareStock:
@@ -160,10 +161,7 @@ def placed(
 ) -> Section:
     """The section of height, width, flange, web and radius `sizes` centred on `centre`."""
     h, b, tf, tw, r = sizes
-    origin = (
-        centre[0] - y[0] * h / 2 - z[0] * b / 2,
-        centre[1] - y[1] * h / 2 - z[1] * b / 2,
-    )
+    origin = (centre[0] - y[0] * h / 2 - z[0] * b / 2, centre[1] - y[1] * h / 2 - z[1] * b / 2)
     return Section(code, h, b, tf, tw, r, origin, y, z, area).right_way()
 
 
@@ -177,7 +175,6 @@ def special(outer: Chain, area: float) -> Section:
 
 
 # --- walls ----------------------------------------------------------------------------------------
-
 # The walls of a section: flat plates of full outer size, as DSTV divides a section (page 13).
 
 

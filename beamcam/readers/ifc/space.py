@@ -28,11 +28,7 @@ def dot(a: Vec, b: Vec) -> float:
 
 
 def cross(a: Vec, b: Vec) -> Vec:
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def size(a: Vec) -> float:
@@ -95,48 +91,29 @@ class Frame(Struct, frozen=True, gc=False):
                 oy + (ay * u + by * v + cy * w),
                 oz + (az * u + bz * v + cz * w),
             ),
-            (
-                ax * xu + bx * xv + cx * xw,
-                ay * xu + by * xv + cy * xw,
-                az * xu + bz * xv + cz * xw,
-            ),
-            (
-                ax * yu + bx * yv + cx * yw,
-                ay * yu + by * yv + cy * yw,
-                az * yu + bz * yv + cz * yw,
-            ),
-            (
-                ax * zu + bx * zv + cx * zw,
-                ay * zu + by * zv + cy * zw,
-                az * zu + bz * zv + cz * zw,
-            ),
+            (ax * xu + bx * xv + cx * xw, ay * xu + by * xv + cy * xw, az * xu + bz * xv + cz * xw),
+            (ax * yu + bx * yv + cx * yw, ay * yu + by * yv + cy * yw, az * yu + bz * yv + cz * yw),
+            (ax * zu + bx * zv + cx * zw, ay * zu + by * zv + cy * zw, az * zu + bz * zv + cz * zw),
         )
 
     @property
     def rigid(self) -> bool:
         """Whether lengths and right angles are kept; a mirror keeps them too."""
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.x, self.y, self.z
-        return (
-            abs(ax * ax + ay * ay + az * az - 1.0) < RIGID
-            and abs(bx * bx + by * by + bz * bz - 1.0) < RIGID
-            and abs(cx * cx + cy * cy + cz * cz - 1.0) < RIGID
-            and abs(ax * bx + ay * by + az * bz) < RIGID
-            and abs(bx * cx + by * cy + bz * cz) < RIGID
-            and abs(cx * ax + cy * ay + cz * az) < RIGID
-        )
+        return abs(dot(self.x, self.x) - 1.0) < RIGID and self._keeps_forms(RIGID)
 
     @property
     def even(self) -> bool:
         """Whether it keeps the form of what lies in it, be it larger, smaller or mirrored."""
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.x, self.y, self.z
-        xx = ax * ax + ay * ay + az * az
-        slack = EVEN * xx
+        return self._keeps_forms(EVEN * dot(self.x, self.x))
+
+    def _keeps_forms(self, slack: float) -> bool:
+        x, y, z, xx = self.x, self.y, self.z, dot(self.x, self.x)
         return (
-            abs(bx * bx + by * by + bz * bz - xx) < slack
-            and abs(cx * cx + cy * cy + cz * cz - xx) < slack
-            and abs(ax * bx + ay * by + az * bz) < slack
-            and abs(bx * cx + by * cy + bz * cz) < slack
-            and abs(cx * ax + cy * ay + cz * az) < slack
+            abs(dot(y, y) - xx) < slack
+            and abs(dot(z, z) - xx) < slack
+            and abs(dot(x, y)) < slack
+            and abs(dot(y, z)) < slack
+            and abs(dot(z, x)) < slack
         )
 
     def inverse(self) -> "Frame":

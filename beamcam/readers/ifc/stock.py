@@ -6,7 +6,6 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.curves import Line, Point
-from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.body import Swept
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, box_around
@@ -17,9 +16,7 @@ from beamcam.readers.ifc.section import Section
 from beamcam.readers.ifc.space import Frame, Vec, add, cross, dot, size, unit
 
 # --- plates ---------------------------------------------------------------------------------------
-
 # Plates: an outline that is pushed through its thickness.
-
 
 _FLAT = frozenset(("IfcRectangleProfileDef", "IfcCircleProfileDef", "IfcTrapeziumProfileDef"))
 THIN = 0.3  #: of the lesser side, below which an outline of a rolled form is a plate all the same
@@ -48,8 +45,6 @@ def plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Pl
 
 
 def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> Plate | None:
-    if _is_bar_by_numbers(profile, depth, model.mm):
-        return None
     try:
         outline = outline_of(model, profile)
     except Unreadable:
@@ -63,31 +58,20 @@ def _plate_of(model: Model, element: Entity, profile: Entity, depth: float) -> P
     section = classify(outline.outer, outline.inner)
     if section is None:
         return plate
-    if _is_bar(section, element, profile, depth, min(plate.length, plate.width)):
+    least = min(plate.length, plate.width)
+    if profile.is_a("IfcCircleHollowProfileDef"):
+        is_bar = depth >= profile.WallThickness * model.mm
+    elif section.code in ("M", "RO"):
+        is_bar = True
+    elif section.code == "B" or (section.code == "SO" and element.is_a("IfcPlate")):
+        is_bar = depth >= least * (1 - 1e-9)
+    else:
+        is_bar = depth > THIN * least
+    if is_bar:
         return None
     sides = section.code == "B" and len(plate.outline) == 4
     full = sides and abs(section.area - plate.length * plate.width) < 0.01
     return replace(plate, outline=()) if full else plate
-
-
-def _is_bar_by_numbers(profile: Entity, depth: float, mm: float) -> bool:
-    """Whether a tube or a rectangle is pushed further than its wall or its lesser side."""
-    if profile.is_a("IfcRectangleHollowProfileDef"):
-        return True
-    if profile.is_a("IfcCircleHollowProfileDef"):
-        return bool(depth >= profile.WallThickness * mm)
-    flat = profile.is_a() == "IfcRectangleProfileDef"
-    return flat and bool(depth >= min(profile.XDim, profile.YDim) * mm)
-
-
-def _is_bar(section: Section, element: Entity, profile: Entity, depth: float, least: float) -> bool:
-    """Whether a section is that of a bar, for its form and for how far it is pushed."""
-    code = section.code
-    if code in ("M", "RO") and not profile.is_a("IfcCircleHollowProfileDef"):
-        return True
-    if code == "B" or (code == "SO" and element.is_a("IfcPlate")):
-        return depth >= least * (1 - 1e-9)
-    return depth > THIN * least
 
 
 def box_of(outline: Outline) -> Plate:
@@ -100,37 +84,28 @@ def box_of(outline: Outline) -> Plate:
             angle = atan2(dy, dx) % (pi / 2)
             if all(abs(angle - a) > 1e-6 for a in angles):
                 angles.append(angle)
-    boxes = [(_turned_box(curves, a), a) for a in angles]
-    drawn = boxes[0]
-    best = min(boxes, key=lambda b: _area(b[0]))
-    (x0, y0, x1, y1), angle = best if _area(best[0]) < TIGHTER * _area(drawn[0]) else drawn
-    c, s = cos(angle), sin(angle)
-    x, y = (c, s), (-s, c)
-    low = (x0, y0)
+    boxes = []
+    for angle in angles:
+        c, s = cos(angle), sin(angle)
+        turned = tuple(k.transformed(((c, s, 0.0), (-s, c, 0.0))) for k in curves)
+        x0, y0, x1, y1 = box = box_around(turned)
+        boxes.append(((x1 - x0) * (y1 - y0), box, (c, s)))
+    best = min(boxes, key=lambda row: row[0])
+    if best[0] >= TIGHTER * boxes[0][0]:
+        best = boxes[0]
+    _, (x0, y0, x1, y1), (c, s) = best
+    x, y, low = (c, s), (-s, c), (x0, y0)
     length, width = x1 - x0, y1 - y0
     if width > length:
         # A quarter turn: the new x is the old y, the new y the old -x.
         x, y, low, length, width = y, (-x[0], -x[1]), (y0, -x1), width, length
     origin = (low[0] * x[0] + low[1] * y[0], low[0] * x[1] + low[1] * y[1])
-    box = Plate(origin, x, y, length, width)
-    hollows = tuple(into(h, box) for h in outline.inner)
-    return replace(box, outline=into(curves, box), hollows=hollows)
-
-
-def _turned_box(curves: Chain, angle: float) -> Box:
-    c, s = cos(angle), sin(angle)
-    return box_around(tuple(k.transformed(((c, s, 0.0), (-s, c, 0.0))) for k in curves))
-
-
-def _area(box: Box) -> float:
-    return (box[2] - box[0]) * (box[3] - box[1])
-
-
-def into(chain: Chain, box: Plate) -> Chain:
-    """A chain of the profile's plane in the plate's own coordinates."""
-    (a, b), (c, d), (ox, oy) = box.x, box.y, box.origin
-    matrix = ((a, b, -(a * ox + b * oy)), (c, d, -(c * ox + d * oy)))
-    return tuple(k.transformed(matrix) for k in chain)
+    (a, b), (c, d), (ox, oy) = x, y, origin
+    into = ((a, b, -(a * ox + b * oy)), (c, d, -(c * ox + d * oy)))
+    outer, *inner = (
+        tuple(k.transformed(into) for k in chain) for chain in (curves, *outline.inner)
+    )
+    return Plate(origin, x, y, length, width, outer, tuple(inner))
 
 
 class Stock(Struct, frozen=True, gc=False):

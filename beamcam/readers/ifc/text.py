@@ -29,7 +29,7 @@ _RECORD = re.compile(
 )
 ESCAPE = re.compile(
     r"\\X2\\((?:[0-9A-F]{4})*+)\\X0\\|\\X4\\((?:[0-9A-F]{8})*+)\\X0\\|\\X\\([0-9A-F]{2})"
-    r"|\\S\\([^'])|\\P[A-I]\\|\\(\\?)",
+    r"|\\S\\([^'])|\\P[A-I]\\|\\(\\?)"
 )
 _LETTERS = re.compile(r"[^\x00-\x7f]++")
 
@@ -107,11 +107,8 @@ def escaped(text: str) -> str:
     """A plain text with escapes for the letters that are not ASCII; ifcopenshell drops them."""
     if text.isascii():
         return text
-    return _LETTERS.sub(lambda m: "\\X4\\" + _hex(m[0]) + "\\X0\\", text)
-
-
-def _hex(letters: str) -> str:
-    return letters.encode("utf-32-be").hex().upper()
+    letters = lambda m: f"\\X4\\{m[0].encode('utf-32-be').hex().upper()}\\X0\\"
+    return _LETTERS.sub(letters, text)
 
 
 def look_over(text: str) -> Looked:
@@ -173,17 +170,11 @@ def records(text: str) -> Iterator[Record]:
         yield Record(int(found[1]), found[2], found[3], found.start())
 
 
-def line_of(text: str, record: Record) -> int:
-    """The line on which a record begins."""
-    return _line(text, record.start)
-
-
 def _line(text: str, at: int) -> int:
     return text.count("\n", 0, at) + 1
 
 
 # --- doubts ---------------------------------------------------------------------------------------
-
 # The values in the text of a record, of a file that ifcopenshell does not read as it is written.
 #
 #     .AREA.,'bolt hole',#5,9.            ('AREA', 'bolt hole', <#5>, 9.0)
@@ -192,7 +183,6 @@ def _line(text: str, at: int) -> int:
 # kind than the first or refer to no record, and words that the schema does not list. Of such a file
 # each record says itself what it holds, so that a fault refuses the members that have it and no
 # other.
-
 
 Values = tuple[Any, ...]
 

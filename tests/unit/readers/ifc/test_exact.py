@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line, Point
 from beamcam.readers.ifc.brep import Cylinder
-from beamcam.readers.ifc.slices import circles_in, with_exact_arcs
+from beamcam.readers.ifc.region import circles_in, with_exact_arcs
 from beamcam.readers.ifc.space import Frame
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

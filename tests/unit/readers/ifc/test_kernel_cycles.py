@@ -5,7 +5,6 @@ import re
 import pytest
 
 from beamcam.readers.ifc import Options, read
-from beamcam.readers.ifc.kernel import reached
 from tests.conftest import SAMPLES
 from tests.unit.readers.ifc.models import opened
 
@@ -15,7 +14,7 @@ DATA = (SAMPLES / "ifc" / "beam_openings.ifc").read_bytes()
 def test_a_model_as_it_should_be() -> None:
     beams = opened(DATA).file.by_type("IfcBeam")
     assert beams
-    assert all(reached(beam) for beam in beams)
+    assert all(beam.below()[-1] is beam for beam in beams)
 
 
 def test_a_boolean_of_itself_is_seen() -> None:
@@ -28,7 +27,8 @@ def test_a_boolean_of_itself_is_seen() -> None:
     head, line = re.search(rb"(?m)^(%s *= *.*)\(%s\)\);" % (record, item), DATA).group(1, 0)
     data = DATA.replace(line, head + b"(#999999));\n" + loop)
     beam = next(e for e in opened(data).file.by_type("IfcBeam") if e.GlobalId == beam.GlobalId)
-    assert reached(beam) is None
+    with pytest.raises(RecursionError, match="contains itself"):
+        beam.below()
     found = read(data, "loop.ifc", options=Options(kernel=True))
     assert [d.code for d in found.diagnostics if d.source.where == beam.GlobalId]
     assert beam.GlobalId not in {part.guid for part in found.parts}

@@ -8,7 +8,7 @@ import pytest
 from beamcam.geometry.curves import Arc, Line
 from beamcam.readers.ifc import Options, kernel, read
 from beamcam.readers.ifc.entities import Entity, Unreadable
-from beamcam.readers.ifc.kernel import broken_reference, build, reached
+from beamcam.readers.ifc.kernel import broken_reference, build
 from beamcam.readers.ifc.region import Circles, points_of
 from tests.conftest import SAMPLES
 from tests.unit.readers.ifc.models import Small, opened
@@ -29,7 +29,7 @@ def test_the_samples_have_none(path: Path) -> None:
 def _solids() -> list[Entity]:
     """The extrusions and booleans of the first beam."""
     beam = opened(DATA).file.by_type("IfcBeam")[0]
-    found = reached(beam) or set()
+    found = beam.below()
     return [e for e in found if e.is_a("IfcSweptAreaSolid") or e.is_a("IfcBooleanResult")]
 
 

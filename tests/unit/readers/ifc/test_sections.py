@@ -181,7 +181,7 @@ def test_a_section_that_cannot_be_is_refused(flange: str, said: str) -> None:
 
 @pytest.mark.parametrize(("fillet", "edge"), [("$", "$"), ("6.", "$"), ("6.", "2.")])
 def test_a_z_has_flanges_from_the_back_of_its_web(fillet: str, edge: str) -> None:
-    """As the standard draws it; the kernel draws it half a web wider, which is told."""
+    """As the standard draws it, also for the kernel."""
     m = Small()
     sizes = f"200.,75.,3.,4.,{fillet},{edge}"
     m.element(m.extruded(m.add(f"IFCZSHAPEPROFILEDEF(.AREA.,$,{m.flat},{sizes})"), 2000.0))
@@ -192,7 +192,7 @@ def test_a_z_has_flanges_from_the_back_of_its_web(fillet: str, edge: str) -> Non
     area = 2 * 75 * 4 + (200 - 8) * 3
     area += (1 - pi / 4) * 2 * (36 * (fillet != "$") - 4 * (edge != "$"))
     assert part.weight == pytest.approx(area * 7.85e-3, rel=1e-6)
-    assert [d.code for d in found.diagnostics] == ["ifc-section-area", "ifc-ledger"]
+    assert [d.code for d in found.diagnostics] == ["ifc-ledger"]
 
 
 PIPE, TUBE = Profile("RO", "", 152.4, 152.4, 4.0, 4.0), Profile("M", "", 200.0, 100.0, 8.0, 8.0)

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import Polygon, box, union_all
 
+from beamcam.readers.ifc.region import hollows, region_within
 from beamcam.readers.ifc.shell import (
     Shell,
     broadest_normal,
@@ -17,7 +18,6 @@ from beamcam.readers.ifc.shell import (
     section,
     shell,
 )
-from beamcam.readers.ifc.slices import hollows, region_within
 from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, cross, dot, unit
 from tests.conftest import examples
 
