@@ -3,8 +3,8 @@
     pool.submit(task) -> ProcessPoolExecutor -> work(task) in a worker -> pool.wait()
 
 A worker that dies, as a geometry kernel can, takes the whole executor with it, and nobody knows at
-which task. So each task that was lost is tried again, one by one; who then kills a worker by
-itself has `Died`.
+which task. So each task that was lost beside others is tried again, one by one; who then kills a worker
+by itself has `Died`.
 
 Tune the cyclic garbage collector of a process that is beamcam's own.
 
@@ -52,7 +52,7 @@ _work: list[Callable[[Any], Any]] = []  #: what this process does, if it is a wo
 
 
 class Died(Struct, frozen=True):
-    """In place of what would have been made: two workers died at it, one had nothing else to do."""
+    """In place of what would have been made: a worker died at it that had nothing else to do."""
 
 
 class Pool(Generic[Given, Made]):
@@ -103,6 +103,7 @@ class Pool(Generic[Given, Made]):
             self.close()
             self._hand_over(self._again.popleft(), 1)
             self._is_alone = True
+        certain = self._is_alone or (self.at_once == 1 and len(self._given) == 1)
         done = wait(self._given, LOOK_S, FIRST_COMPLETED).done
         if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
             done = wait(self._given).done
@@ -111,7 +112,7 @@ class Pool(Generic[Given, Made]):
             given = self._given.pop(future)
             if not isinstance(future.exception(), BrokenProcessPool):
                 yield given, future.result()
-            elif self._is_alone:
+            elif certain:
                 yield given, Died()
             else:
                 self._again.append(given)

@@ -208,6 +208,7 @@ def member_choice(
             kernel,
             letter=values.get("letter") == "mark",
             workers=workers or max(cores(), 2),
+            apart=True,
         ),
     }
 

@@ -39,6 +39,7 @@ class Options(Struct, frozen=True):
     clearance: float | None = None  #: mm of a hole over its bolt; None is by the bolt's standard
     letter: bool = False  #: every member gets its mark as a text
     workers: int = 1  #: processes that read the members of a large model side by side
+    apart: bool = False  #: the kernel builds in another process, which ends when its time is up
 
 
 _STEP = b"ISO-10303-21"

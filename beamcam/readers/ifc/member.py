@@ -94,6 +94,10 @@ class Taken(Struct):
             self.seen.setdefault(key, set()).update(values)
 
 
+class KernelNeeded(Exception):
+    """A member that only the kernel understands, where it may not build."""
+
+
 class Members(Struct):
     """The members of one model, and how they are to be read."""
 
@@ -102,6 +106,7 @@ class Members(Struct):
     name: str
     selection: Selection
     options: Options
+    may_build: bool = True  #: whether the kernel may, which does not come back when its time is up
     taken: Taken = field(default_factory=Taken)
     compared: dict[Hashable, Compared] = field(default_factory=dict)  #: by their forms
     shells: dict[Hashable, Shaped | Unreadable] = field(default_factory=dict)  #: likewise
@@ -129,7 +134,13 @@ class Members(Struct):
             with suppress(Unreadable):
                 load(self.model)
         first = replace(self, options=replace(self.options, kernel=False), taken=Taken())
-        first.share(range(min(1, len(self.elements))))
+        first.may_build = False
+        with suppress(KernelNeeded):
+            first.share(range(min(1, len(self.elements))))
+
+    def build_here(self) -> None:
+        """Let the kernel build in this process: it is one of those that end when time is up."""
+        self.may_build = True
 
     def died(self, place: int) -> Taken:
         """The result of an element at which worker processes die."""
@@ -138,7 +149,7 @@ class Members(Struct):
         data = data_of(self.model, element)
         self._selected(element, mark_of(element, data), assembly_of(element, data))
         where = Source(self.name, where=element.guid)
-        self._refuse(rules.KERNEL_DIED.at(where, found="two processes"))
+        self._refuse(rules.KERNEL_DIED.at(where))
         return taken
 
     def share(self, places: Iterable[int]) -> Taken:
@@ -250,6 +261,8 @@ class Members(Struct):
         refuse_bent(element)
         if reason.final:
             raise reason
+        if not self.may_build:
+            raise KernelNeeded
         try:
             found = read_kernel(self.model, element, source)
         except Bent:

@@ -14,7 +14,7 @@ from beamcam.processes import Died, Pool
 from beamcam.readers.content import Reading
 from beamcam.readers.ifc import Options, Progress, Selection, rules
 from beamcam.readers.ifc.entities import Model
-from beamcam.readers.ifc.member import Members, Taken, class_names
+from beamcam.readers.ifc.member import KernelNeeded, Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
@@ -38,6 +38,8 @@ WORTH = {
 
 def workers_for(options: Options, count: int) -> int:
     """Number of processes for so many members; 0 to read them in this process."""
+    if options.apart and options.kernel and start_method() == "fork":
+        return options.workers
     worth = options.workers > 1 and count >= WORTH[start_method(), options.kernel]
     return options.workers if worth else 0
 
@@ -48,19 +50,21 @@ def shares(
     count: int,
     workers: int,
     each_by_itself: bool,
+    begin: Callable[[], object] | None = None,
 ) -> Iterator[T]:
     """What `share` gives for all of range(count), a stretch at a time and in order.
 
-    With `workers` above 0 so many processes do it, and `share` has to give what can be pickled.
-    `died` gives what stands for a member at which processes die.
+    With `workers` above 0 so many processes do it, each of which calls `begin` first, and `share`
+    has to give what can be pickled. Without, one does what raises KernelNeeded here. `died` gives
+    what stands for a member at which processes die.
     """
-    size = 1 if each_by_itself else SHARE
+    size = 1 if each_by_itself or not workers else SHARE
     todo = deque(range(i, min(i + size, count)) for i in range(0, count, size))
+    most_s = (size + 1) * limits().member_s  # the kernel does not look at the clock
+    pool = Pool[range, T](share, max(min(workers, len(todo)), 1), begin, most_s)
     if not workers:
-        yield from map(share, todo)
+        yield from _here(share, died, todo, pool)
         return
-    most_s = (size + 4) * limits().member_s  # the kernel does not look at the clock
-    pool = Pool[range, T](share, min(workers, len(todo)), most_s=most_s)
     made: dict[int, tuple[int, T]] = {}
     place = 0
     try:
@@ -77,6 +81,27 @@ def shares(
             while place in made:
                 place, found = made.pop(place)
                 yield found
+    finally:
+        pool.close()
+
+
+def _here(
+    share: Callable[[range], T],
+    died: Callable[[int], T],
+    todo: Iterable[range],
+    pool: Pool[range, T],
+) -> Iterator[T]:
+    """What `share` gives in this process, and of members that need the kernel in another."""
+    try:
+        for stretch in todo:
+            try:
+                yield share(stretch)
+            except KernelNeeded:
+                pool.submit(stretch)
+                while not (done := [*pool.wait()]):
+                    pass
+                ((_, found),) = done
+                yield died(stretch.start) if isinstance(found, Died) else found
     finally:
         pool.close()
 
@@ -109,7 +134,9 @@ def _read(
     workers = workers_for(options, len(elements))
     if workers and start_method() == "fork":
         members.prepare()
-    for share in shares(members.share, members.died, len(elements), workers, options.kernel):
+    members.may_build = not options.apart
+    each = (members.share, members.died, len(elements), workers, options.kernel)
+    for share in shares(*each, members.build_here):
         taken.add(share)
         if progress is not None:
             progress(taken.ledger.total, len(elements))

@@ -81,9 +81,10 @@ KERNEL_LOG = error("ifc-kernel-log",
     "found an error of the geometry kernel ({found}); expected a solid without one",
     "The kernel leaves out what it cannot build. --force takes the member as defined.")
 KERNEL_DIED = error("ifc-kernel-died",
-    "found {found} dead at this member, the second while working on it alone; expected a solid by "
-    "the geometry kernel, leave the member out by --mark or --guid of the others",
-    "The kernel has crashed, or the system ended it for want of memory.")
+    "found a process dead that worked on this member alone; expected a solid by the geometry "
+    "kernel, leave the member out by --mark or --guid of the others",
+    "The kernel has crashed, was at it for twice `limits.member_s` of the processor, or the system "
+    "ended it for want of memory.")
 KERNEL_DENIED = warning("ifc-kernel-denied",
     "found {found} by the geometry kernel; expected what was read, which {witness} confirms",
     "The kernel fails on some solids without saying so; the file's own data decides.")

@@ -11,6 +11,7 @@ from beamcam import processes
 from beamcam.budget import Limits
 from beamcam.errors import Severity
 from beamcam.readers.ifc import Options, Selection, member, read, reader
+from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.reader import SHARE, WORTH, workers_for
 from beamcam.readers.ifc.reader import shares as shared_out
 from tests.property.ifc_builder import model_text, random_member
@@ -45,6 +46,25 @@ def test_other_processes_have_all_or_none() -> None:
 
     assert pids(0) == {os.getpid()}
     assert os.getpid() not in pids(2)
+
+
+def test_what_needs_the_kernel_is_done_in_a_process_of_its_own_that_ends_when_its_time_is_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    here = os.getpid()
+
+    def share(stretch: range) -> list[int]:
+        (n,) = stretch
+        if n % 3 == 0:
+            if os.getpid() == here:
+                raise member.KernelNeeded
+            while n == 3:
+                pass
+        return [n * n]
+
+    monkeypatch.setattr(reader, "limits", lambda: Limits(member_s=0.1))
+    given = [*shared_out(share, dead, 8, 0, False)]
+    assert given == [[0], [1], [4], [-3], [16], [25], [36], [49]]
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
@@ -164,3 +184,19 @@ def test_a_member_at_which_the_kernel_dies_is_refused_by_name(
     assert shared.parts == tuple(p for p in alone.parts if p is not deadly)
     (said,) = [d for d in shared.diagnostics if d.severity is Severity.ERROR]
     assert (said.code, said.source.where) == ("ifc-kernel-died", deadly.guid)
+
+
+@pytest.mark.parametrize("kernel", [False, True])
+def test_where_the_kernel_builds_makes_no_difference(
+    kernel: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = few()
+
+    def body_of(*_: object) -> None:
+        raise Unreadable("a definition that is not understood")
+
+    monkeypatch.setattr(member, "body_of", body_of)
+    here = read(data, "model.ifc", options=Options(kernel=kernel))
+    built = len(here.parts) + sum(d.severity is Severity.ERROR for d in here.diagnostics)
+    assert here.parts and built == 4
+    assert read(data, "model.ifc", options=Options(kernel=kernel, apart=True)) == here
