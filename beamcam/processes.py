@@ -3,8 +3,8 @@
     pool.submit(task) -> ProcessPoolExecutor -> work(task) in a worker -> pool.wait()
 
 A worker that dies, as a geometry kernel can, takes the whole executor with it, and nobody knows at
-which task. So each task that was lost beside others is tried again, one by one; who then kills a worker
-by itself has `Died`.
+which task. So each task that was lost beside others is tried again, one by one; who then kills a
+worker by itself has `Died`.
 
 Tune the cyclic garbage collector of a process that is beamcam's own.
 
