@@ -13,10 +13,11 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Hole, Part, Slot
-from beamcam.readers.ifc import Options, rules
+from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation, mapping, pushed
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped, sorted_holes
+from beamcam.readers.ifc.options import Options
 from beamcam.readers.ifc.section import Wall, walls_of
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.solid.kernel import prism
@@ -131,7 +132,16 @@ def drill_bolt_holes(
             said += remarks
         if drilled is not None:
             parts.append(drilled)
-    return parts, [*said, *_account(bolts, without, parts, Source(name))]
+    source = Source(name)
+    if without:
+        some = ", ".join(without[:3]) + (", ..." if len(without) > 3 else "")
+        said.append(rules.BOLT_SHANK.at(source, found=len(without), which=some))
+    if bolts or without:  # every fastener is in one of three numbers
+        used = {hole.source.where for part in parts for hole in _holes_of(part)}
+        drilled_by = sum(b.guid in used for b in bolts)
+        counts = {"drilled": drilled_by, "idle": len(bolts) - drilled_by, "without": len(without)}
+        said.append(rules.BOLTS.at(source, found=len(bolts) + len(without), **counts))
+    return parts, said
 
 
 def _holes_of(part: Part) -> list[Hole | Slot]:
@@ -170,22 +180,6 @@ def _drilled(
         said.append(rules.BOLT_HOLES.at(part.source, **counts, sizes=sizes))
         part = replace(part, features=(*part.features, *drilled))
     return part, said
-
-
-def _account(
-    bolts: Sequence[Bolt], without: Sequence[str], parts: Sequence[Part], source: Source
-) -> list[Diagnostic]:
-    """Account of every fastener of the file; nothing if it has none."""
-    said = []
-    if without:
-        some = ", ".join(without[:3]) + (", ..." if len(without) > 3 else "")
-        said.append(rules.BOLT_SHANK.at(source, found=len(without), which=some))
-    if bolts or without:
-        used = {hole.source.where for part in parts for hole in _holes_of(part)}
-        drilled = sum(b.guid in used for b in bolts)
-        counts = {"drilled": drilled, "idle": len(bolts) - drilled, "without": len(without)}
-        said.append(rules.BOLTS.at(source, found=len(bolts) + len(without), **counts))
-    return said
 
 
 def _through_member(

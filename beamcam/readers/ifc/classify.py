@@ -147,7 +147,8 @@ def _double_tee(
     y = _upward(_direction(corners[pairs[0][0]], corners[pairs[0][1]]))
     points, z = _local(corners, y)
     sides = sorted((points[a][0] + points[b][0]) / 2 for a, b in pairs)
-    tips = [i for i in range(12) if not corners[i].reflex and _beside_inner(corners, i)]
+    inner = [c.reflex for c in corners]
+    tips = [i for i in range(12) if not inner[i] and (inner[i - 1] or inner[(i + 1) % 12])]
     x0, bottom, x1, top = box = box_around(points)
     middle = (top + bottom) / 2
     upper = [points[i][1] for i in (*reflex, *tips) if points[i][1] > middle]
@@ -167,10 +168,6 @@ def _reaches(points: Sequence[Point], middle: float) -> list[tuple[float, float]
     """Least and greatest Z of the points above the middle, and of those below it."""
     halves = [p[0] for p in points if p[1] > middle], [p[0] for p in points if p[1] <= middle]
     return [(min(half), max(half)) for half in halves]
-
-
-def _beside_inner(corners: tuple[Corner, ...], i: int) -> bool:
-    return corners[i - 1].reflex or corners[(i + 1) % len(corners)].reflex
 
 
 def _channel(

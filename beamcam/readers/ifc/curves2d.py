@@ -148,44 +148,39 @@ def _trimmed(model: Model, entity: Entity) -> Curve:
     basis = entity.values[0]
     ends = [_trim(model, entity, trim) for trim in (entity.values[1], entity.values[2])]
     if basis.is_a("IfcLine"):
-        return Line(*(_on_line(model, basis, end) for end in ends))
+        x, y, _ = model.point(basis.Pnt)
+        dx, dy = basis.Dir.Orientation[:2]
+        by = basis.Dir.Magnitude * model.mm / hypot(dx, dy)
+        start, end = (
+            (x + dx * by * one, y + dy * by * one) if isinstance(one, float) else one
+            for one in ends
+        )
+        return Line(start, end)
     if not basis.is_a("IfcCircle"):
         raise Unreadable(f"an outline by a trimmed {basis.is_a()}")
     frame = model.axes(basis.values[0])
-    radius = basis.values[1] * model.mm
-    angles = []
-    for end in ends:
-        if isinstance(end, float):
-            angles.append(end * model.radians)
-            continue
-        dx, dy = end[0] - frame.o[0], end[1] - frame.o[1]
-        angles.append(atan2(dx * frame.y[0] + dy * frame.y[1], dx * frame.x[0] + dy * frame.x[1]))
-    start, end = angles
-    sense = entity.values[3]
-    turn = (end - start) % (2 * pi) if sense else -((start - end) % (2 * pi))
-    if abs(turn) < 1e-9:
-        turn = 2 * pi if sense else -2 * pi
-    tilt = atan2(frame.x[1], frame.x[0])
-    return Arc((frame.o[0], frame.o[1]), radius, degrees(start + tilt), degrees(turn))
+    (ox, oy, _), (ax, ay, _), (bx, by, _) = frame.o, frame.x, frame.y
+    start_rad, end_rad = (
+        one * model.radians if isinstance(one, float)
+        else atan2(
+            (one[0] - ox) * bx + (one[1] - oy) * by, (one[0] - ox) * ax + (one[1] - oy) * ay
+        )
+        for one in ends
+    )  # fmt: skip
+    way = 1 if entity.values[3] else -1
+    turn = way * (end_rad - start_rad) % (2 * pi)
+    if turn < 1e-9:
+        turn = 2 * pi
+    start_deg = degrees(start_rad + atan2(ay, ax))
+    return Arc((ox, oy), basis.values[1] * model.mm, start_deg, degrees(way * turn))
 
 
 def _trim(model: Model, entity: Entity, trim: tuple[Any, ...]) -> Point | float:
     """Trimming point of a curve: a parameter, or a point if the file has one."""
-    points = [t for t in trim if isinstance(t, tuple)]
+    points = [model.point(t)[:2] for t in trim if isinstance(t, tuple)]
     values = [float(t.value) for t in trim if isinstance(t, Typed)]
     if values and (entity.MasterRepresentation != "CARTESIAN" or not points):
         return values[0]
-    if points:
-        x, y, _ = model.point(points[0])
-        return x, y
-    raise Unreadable("a trimmed curve without trims")
-
-
-def _on_line(model: Model, basis: Entity, at: Point | float) -> Point:
-    if not isinstance(at, float):
-        return at
-    x, y, _ = model.point(basis.Pnt)
-    vector = basis.Dir
-    dx, dy = vector.Orientation[:2]
-    by = vector.Magnitude * model.mm * at / hypot(dx, dy)
-    return x + dx * by, y + dy * by
+    if not points:
+        raise Unreadable("a trimmed curve without trims")
+    return points[0]

@@ -126,7 +126,6 @@ def fitted_end(side: int, levels: Sequence[Level]) -> End | None:
 
 def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
     """The border edges of a region that nothing hides from an observer beyond the end."""
-    found = []
     raw: list[tuple[float, float, float, float]] = []
     for piece in pieces_of(shape):
         points = [(float(x), float(y)) for x, y in piece.exterior.coords]
@@ -136,19 +135,16 @@ def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
             # Counter-clockwise, the outward normal is (dq, -dx).
             if side * (q1 - q0) > 0.1 * hypot(x1 - x0, q1 - q0):
                 raw.append((x0, q0, x1, q1))
+    found = []
     for x0, q0, x1, q1 in raw:
-        low, high = min(q0, q1), max(q0, q1)
-        if high - low < MIN_EDGE:
-            continue
-        middle = (low + high) / 2
-        x = (x0 + x1) / 2
-        if any(
+        x, middle, wide = (x0 + x1) / 2, (q0 + q1) / 2, abs(q1 - q0)
+        hidden = (
             min(a, b) < middle < max(a, b)
             and side * (u + (middle - a) * (v - u) / (b - a)) > side * x + 0.01
             for u, a, v, b in raw
-        ):
-            continue
-        found.append(_Edge(wall, c, x, middle, (x1 - x0) / (q1 - q0), high - low))
+        )
+        if wide >= MIN_EDGE and not any(hidden):
+            found.append(_Edge(wall, c, x, middle, (x1 - x0) / (q1 - q0), wide))
     return found
 
 
@@ -231,7 +227,11 @@ def bevels_of(outer: Chain, wall: Wall, levels: Sequence[tuple[float, Shape]]) -
         behind = [(wall.thickness - depth, back) for depth, back in reversed(run)]
         sides = [_bevel(i, one, wall.thickness, way) for one, way in ((run, 1.0), (behind, -1.0))]
         told = [bevel for bevel in sides if bevel is not None]
-        found += told or [_leans_through(i, run)]
+        if not told:  # from surface to surface, of an edge of another form
+            (top, near), (deepest, far) = run[0], run[-1]
+            angle = degrees(atan2(max(near, far), deepest - top))
+            told = [Bevel(i, angle if near > far else -angle, 0.0)]
+        found += told
     return tuple(found)
 
 
@@ -251,10 +251,3 @@ def _bevel(curve: int, run: Run, thickness: float, way: float) -> Bevel | None:
     if land < MIN_LAND * thickness:
         land = 0.0
     return Bevel(curve, way * degrees(atan(grade)), land)
-
-
-def _leans_through(curve: int, run: Run) -> Bevel:
-    """The bevel from surface to surface of an edge of another form."""
-    near, far = run[0][1], run[-1][1]
-    angle = degrees(atan2(max(near, far), run[-1][0] - run[0][0]))
-    return Bevel(curve, angle if near > far else -angle, 0.0)

@@ -8,6 +8,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
@@ -263,7 +264,7 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import Polygon, get_coordinates, union_all
+    from shapely import MultiPolygon, Polygon, get_coordinates
 
     at = 0 if wall.normal == "y" else 1
     crossed = [
@@ -274,7 +275,7 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
     if len(crossed) < 2:
         return shape
     low, high, near = min(crossed), max(crossed), EDGE + STEEPEST * stock.rise
-    found = []
+    found: list[Any] = []
     for piece in pieces_of(shape):
         points = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1]
         x, q = points.T
@@ -286,8 +287,9 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
                 if to[j] != to[i] and abs(q[j] - q[i]) > EDGE:
                     moved[i, 0] += (x[i] - x[j]) / (q[i] - q[j]) * (to[i] - q[i])
                     break
-        found.append(Polygon(moved, piece.interiors).buffer(0))
-    return union_all(found)
+        made = Polygon(moved, piece.interiors)
+        found += pieces_of(made if made.is_valid else made.buffer(0))
+    return MultiPolygon(found)
 
 
 def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:

@@ -70,12 +70,6 @@ class Entity(Struct, eq=False, gc=False):
         """The entity's class; or whether it is of a class, be it as a subtype."""
         return self.type.name if name is None else name in self.type.kinds
 
-    def __getitem__(self, index: int) -> Any:
-        return self.values[index]
-
-    def __len__(self) -> int:
-        return len(self.values)
-
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":

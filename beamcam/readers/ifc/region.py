@@ -232,7 +232,6 @@ def _angle(centre: Point, radius: float, p: Point) -> float | None:
 
 GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
 MIN_CELL = 1e-3  #: mm2
-MIN_STEP = 1e-5  #: mm between two corners of a ring
 
 Segments = NDArray[np.float64]  #: (n, 2, 2): start and end, each by its two coordinates
 
@@ -272,19 +271,6 @@ def _within(segments: Segments, point: Any) -> bool:
     crossed = segments[(segments[:, 0, 1] > y) != (segments[:, 1, 1] > y)]
     (ax, ay), (bx, by) = crossed[:, 0].T, crossed[:, 1].T
     return bool(np.count_nonzero(ax + (y - ay) * (bx - ax) / (by - ay) > x) % 2)
-
-
-def hollows(shape: Shape) -> int:
-    """How many hollows the pieces of a region have, without those that are no more than a line."""
-    return sum(_has_room(ring) for piece in pieces_of(shape) for ring in piece.interiors)
-
-
-def _has_room(ring: Any) -> bool:
-    """Whether a ring has three corners that stand apart."""
-    from shapely import get_coordinates
-
-    steps = np.diff(get_coordinates(ring), axis=0)
-    return int(np.count_nonzero(np.hypot(*steps.T) > MIN_STEP)) >= 3
 
 
 def with_circles(shape: Shape, circles: Circles, exact: Sequence[Circle] = ()) -> Shape:

@@ -244,11 +244,15 @@ def longest_direction(shell: Shell) -> Vec:
     edges = shell.points - shell.points[shell.rings.before]
     length = lengths(edges)
     real = length >= MIN_EDGE
+    ways = edges[real] * (1 / length[real])[:, None]
+    counted = np.ones(len(ways), bool)
     if len(shell.points) == 3 * shell.count:
-        real &= _creased(shell, shell.rings.before)
-    length = length[real]
-    ways = edges[real] * (1 / length)[:, None]
-    return heaviest(ways, length, 1 - 1e-7, MOST_WAYS) or ALONG
+        counted = _creased(shell, shell.rings.before)[real]
+    found = heaviest(ways[counted], length[real][counted], 1 - 1e-7, MOST_WAYS)
+    if found is None:
+        return ALONG
+    along = coordinates(ways, found)  # which way it runs, the first of all says
+    return scale(found, float(np.sign(along[np.abs(along) > 1 - 1e-7][0])))
 
 
 def kinked(shell: Shell) -> float | None:

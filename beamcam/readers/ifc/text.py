@@ -107,9 +107,11 @@ def escaped(text: str) -> str:
     """A plain text with escapes for the letters that are not ASCII; ifcopenshell drops them."""
     if text.isascii():
         return text
-    return _LETTERS.sub(
-        lambda found: f"\\X4\\{found[0].encode('utf-32-be').hex().upper()}\\X0\\", text
-    )
+
+    def hexed(found: re.Match[str]) -> str:
+        return f"\\X4\\{found[0].encode('utf-32-be').hex().upper()}\\X0\\"
+
+    return _LETTERS.sub(hexed, text)
 
 
 def look_over(text: str) -> Looked:
