@@ -36,6 +36,8 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         )
     if coper.corners and "M" not in coper.profiles:
         yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
+    if coper.corner and "M" not in coper.profiles:
+        yield "coper.corner", coper.corner, "none where coper.profiles has no M"
     yield from _reach_faults(machine, coper)
     if coper.tcp == bool(coper.pivot):
         expected = "0 where tcp is true, and above 0 where it is false"

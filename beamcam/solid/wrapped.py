@@ -138,7 +138,7 @@ def wrapped(shape: Shape, skin: Skin, low: float, high: float) -> "Manifold":
 
 
 def unrolled(body: "Manifold", skin: Skin, deep: float) -> Shape:
-    """What of a body's wall is seen square to the surface, `deep` at most, in (x, u) of one turn."""
+    """A wall `deep` at most as it is seen square to the surface, in (x, u) of one turn."""
     from shapely import Polygon, box, union_all
 
     low, high = body.bounding_box()[0] - FREE, body.bounding_box()[3] + FREE

@@ -73,9 +73,15 @@ NO_PIPE = error("plan-coping-no-pipe",
     "Name and width of an unrolled pipe contradict each other, and only one can be right.")
 NO_RADIUS = error("plan-coping-radius",
     "found corners of {found} mm on {name}; expected their outer radius, {least} to {most} mm, in "
-    "the header of the part or by a row of coper.corners",
+    "the header of the part, by a row of coper.corners or by --corner",
     "The torch goes round the corners of a tube by their outer radius. Line 14 of a DSTV header "
-    "has it, or the machine file by the thickness of the wall; it is not guessed.")
+    "has it, or the machine file by the thickness of the wall, or else --corner (`corner` of "
+    "beamcam.toml); it is not guessed.")
+GIVEN_RADIUS = note("plan-coping-given-radius",
+    "found no radius of the corners of {name} in the file; taken as {found} mm outside, as {by} "
+    "has it",
+    "Measure a corner of the bar: the torch follows it by this radius. What a file says itself "
+    "goes before the machine file, and that before --corner.")
 CORNER = error("plan-coping-corner",
     "found {found} at the corner between faces {a} and {b}; expected contours of both faces that "
     "go over it and meet at its edge",
@@ -92,4 +98,4 @@ SLOW = warning("plan-coping-slow",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, TEE, PIECE, NO_RADIUS, CORNER, SLANT, SLOW)
+    BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, CORNER, SLANT, SLOW)

@@ -34,7 +34,7 @@ def verify_coping(
     from beamcam.verify.coping.section import Section, lying
     from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
-    from beamcam.verify.coping.tube import cut_square, tube_faults, unrolled_pipe
+    from beamcam.verify.coping.tube import cut_square, tube_faults, tube_section, unrolled_pipe
     from beamcam.verify.coping.wanted import may_be_left, wanted_on
 
     coper = machine.needed(machine.coper, "coper")
@@ -49,6 +49,14 @@ def verify_coping(
     if code not in codes:
         expected = ", ".join(codes)
         return (*said, rules.SECTION.at(Source(name), found=code, expected=expected))
+    if code == "M":
+        size, wall = part.profile, tube_section(part, coper)
+        most = min(size.height, size.width) / 2
+        if not wall.wall <= wall.radius <= most:
+            return (*said, rules.RADIUS.at(
+                part.source, found=f"{wall.radius:g}", name=size.name or "a tube",
+                least=f"{wall.wall:g}", most=f"{most:g}",
+            ))  # fmt: skip
     part = lying(part)
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]

@@ -7,13 +7,17 @@ from math import atan2, cos, degrees, dist, hypot, pi, radians, sin, tan
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+import beamcam
+from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine.coper import TubeCorner
+from beamcam.machine.overlay import with_corner
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
@@ -21,11 +25,11 @@ from beamcam.report.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.part_solid import part_solid
 from benchmarks import coping_faults
-from tests.conftest import THIRD_PARTY, examples
+from tests.conftest import SAMPLES, THIRD_PARTY, examples
 from tests.random_boxes import mitred, over_corner, random_box
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.coping import samples
-from tests.unit.coping.samples import AT, job_of
+from tests.unit.coping.samples import AT, COPER, job_of
 from tests.unit.coping.test_tubes import TUBE, found, planned, program_of
 
 SHS = Profile("M", "SHS100*6", 100.0, 100.0, 6.0, 6.0, 10.0)
@@ -187,6 +191,45 @@ def test_corners_that_the_file_does_not_say_are_those_of_the_machine() -> None:
     assert found(text, bare, with_corners(TubeCorner(6.0, 2.0)))
     with pytest.raises(PlanError, match="plan-coping-radius"):
         planned(tube(profile=replace(SHS, flange_thickness=12.0, radius=0.0)), machine)
+
+
+def test_corners_that_neither_says_are_those_of_the_job() -> None:
+    bare = tube(HOLE, profile=replace(SHS, radius=0.0))
+    machine = with_corner(TUBE, 10.0)
+    plan = planned(bare, machine)
+    assert plan.operations == planned(tube(HOLE)).operations
+    (said,) = [d for d in plan.remarks if d.code == "plan-coping-given-radius"]
+    assert "taken as 10 mm outside, as --corner" in said.message
+    text = program_of(bare, machine)
+    assert not found(text, bare, machine)
+    assert {d.code for d in found(text, bare)} == {"verify-coping-radius"}
+    assert {d.code for d in found(text, bare, with_corner(TUBE, 12.0))} == {"verify-coping-square"}
+    # The file goes before the machine's table, and that before the job.
+    both = with_corner(with_corners(TubeCorner(6.0, 10.0 / 6.0)), 14.0)
+    assert planned(bare, both).operations == plan.operations
+    assert "as coper.corners has it" in str(planned(bare, both).remarks[0])
+    assert planned(tube(HOLE), both).operations == plan.operations
+    assert with_corner(COPER, 10.0) is COPER
+
+
+def test_the_option_and_the_configuration(tmp_path: Path) -> None:
+    part = SAMPLES / "coping" / "bare.nc1"
+    program = tmp_path / "b.ngc"
+
+    def run(*words: object) -> tuple[int, str]:
+        done = CliRunner().invoke(main, [str(word) for word in words])
+        return done.exit_code, done.stderr
+
+    post = ("post", part, "--machine", "tube-linuxcnc", "-o", program)
+    assert "plan-coping-radius" in run(*post)[1]
+    code, said = run(*post, "--corner", "12")
+    assert (code, "plan-coping-given-radius" in said) == (0, True)
+    assert run("verify", program, "--against", part, "--corner", "12")[0] == 0
+    assert "verify-coping-radius" in run("verify", program, "--against", part)[1]
+    (tmp_path / "beamcam.toml").write_text("corner = 12\n")
+    assert run("verify", program, "--against", part, "--config", tmp_path / "beamcam.toml")[0] == 0
+    machine = beamcam.load("tube-linuxcnc", corner=12)
+    assert beamcam.post(beamcam.read(part).parts, machine).text == program.read_text()
 
 
 def test_what_the_file_says_of_its_corners_comes_before_the_machine() -> None:
