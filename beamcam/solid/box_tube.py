@@ -42,7 +42,8 @@ def square_to_surface(
     shape = unrolled(most, skin, wall + FREE)
     slack = -narrow.end
     gone = []
-    for first, last, steel, middle in _leaning(part, skin):
+    leaning = _leaning(part, skin) if part.profile.code == "M" else ()
+    for first, last, steel, middle in leaning:
         band = box(middle[0], first, middle[1], last)
         grown = steel.buffer(slack, join_style="mitre").intersection(band)
         shape = shape.difference(band).union(grown)
@@ -54,7 +55,8 @@ def square_to_surface(
 
 def skew_ends(part: Part) -> int:
     """How many ends are skew through a wall."""
-    return sum(bool(n[1] or n[2]) for _, n in end_planes(part, drawn=True))
+    drawn = part.profile.code == "M"  # the outline of a round one is that of its surface
+    return sum(bool(n[1] or n[2]) for _, n in end_planes(part, drawn=drawn))
 
 
 def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tuple[float, float]]]:

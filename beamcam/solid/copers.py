@@ -135,7 +135,7 @@ def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
     plain = found.most
     most = (part_solid(as_cut, narrow) if square else plain) + corners
     least = found.least
-    if part.profile.code == "M":
+    if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(whole)):
         least, most = square_to_surface(least, most, whole, narrow)
     found = replace(found, least=least, most=most)
     return Asked(found, plain, corners, count, coper.corner_radius, square)
@@ -172,7 +172,7 @@ def _cut_square(part: Part) -> tuple[Part, str]:
             feature = Contour("v", "inner", tuple(_drilled(feature, part)), feature.source)
         features.append(feature)
     said = [f"{bevels} edge(s) with a bevel"] if bevels else []
-    skew = skew_ends(part) if part.profile.code == "M" else 0
+    skew = skew_ends(part) if part.profile.code in ("M", "RO") else 0
     said += [f"{skew} end(s) skew through the wall"] if skew else []
     said += [f"{holes} hole(s) round its axis"] if holes else []
     return replace(part, features=tuple(features)), ", ".join(said)

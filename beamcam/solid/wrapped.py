@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 STRIP_RAD = radians(6.0)
+SEAM_NOISE = 2.5  #: mm that the long sides of an outline may lie off the seam
 LAP = 1e-3  #: mm by which strips of one shape lie over each other, so that none comes apart
 
 
@@ -161,7 +162,8 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
     outlines = [one for one in part.contours if one.kind == "outer" and is_cut(one)]
     gone = box(-FREE, 0.0, part.length + FREE, turn) if outlines else Polygon()
     for one in outlines:
-        steel = transform(shape_of(one.curves), partial(_on_seam, one.curves, turn))
+        on_seam = partial(_on_seam, one.curves, turn, part.length / 2)
+        steel = transform(shape_of(one.curves), on_seam)
         gone = gone.difference(steel.buffer(0))
     if margin and outlines:
         gone = all_round(gone, turn).buffer(margin, join_style="mitre")
@@ -169,15 +171,17 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
     return gone
 
 
-def _on_seam(curves: Sequence[Curve], turn: float, points: Any) -> Any:
-    """Corners of an outline, the ends of its sides along the seam on it."""
+def _on_seam(curves: Sequence[Curve], turn: float, long: float, points: Any) -> Any:
+    """Corners of an outline, the ends of its sides along the seam on it; those of long sides may be
+    off by more."""
     points = points.copy()
     for side in curves:
         if isinstance(side, Line):
             for seam in (0.0, turn):
                 ends = np.array([side.start, side.end])
                 rise, run = np.ptp(ends[:, 1]), np.ptp(ends[:, 0])
-                if abs(ends[:, 1] - seam).max() <= OUTLINE_NOISE and rise <= 0.02 * run:
+                most = SEAM_NOISE if run >= long else OUTLINE_NOISE
+                if abs(ends[:, 1] - seam).max() <= most and rise <= 0.02 * run:
                     for end in ends:
                         points[np.hypot(*(points - end).T) < CHORD, 1] = seam
     return points

@@ -56,9 +56,6 @@ def plan_coping(
         raise PlanError(refusals)
     (part,) = parts
     if coper.turns == "bar":
-        ends = [] if part.profile.code == "M" else [*_end_faults(part)]
-        if ends:
-            raise PlanError(ends)
         plan = plan_tube(part, machine, coper, skips)
         return replace(plan, remarks=(*told, *plan.remarks))
     given, part = part, laid(part)

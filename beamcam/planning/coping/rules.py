@@ -82,6 +82,10 @@ GIVEN_RADIUS = note("plan-coping-given-radius",
     "has it",
     "Measure a corner of the bar: the torch follows it by this radius. What a file says itself "
     "goes before the machine file, and that before --corner.")
+SEAM = note("plan-coping-seam",
+    "found the seam of a tube's outline {found} mm off its place; taken as closed",
+    "The outline of an unrolled tube has two long sides along one line of its surface. Some draw "
+    "them from the last place of one end to the first of the other.")
 CORNER = error("plan-coping-corner",
     "found {found} at the corner between faces {a} and {b}; expected contours of both faces that "
     "go over it and meet at its edge",
@@ -92,10 +96,14 @@ SLANT = warning("plan-coping-slant",
     "the inside of the walls {faces}",
     "The torch stands square to the wall. It cuts a skew end where the wall reaches farthest, so "
     "that no steel is missing; what is too much has to be ground off.")
+WEDGE = warning("plan-coping-wedge",
+    "found bevelled edges cut square through {wall} mm; up to {found} mm left outside or inside",
+    "An edge with an angle leans through the wall as the surface does that it is to fit, which a "
+    "torch square to the wall does not. The wedges stand on the list of manual work, by edge.")
 SLOW = warning("plan-coping-slow",
     "found axis {axis} too slow for the corners, which are cut at {found} mm/min; expected "
     "{expected} mm/min as on the faces",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, CORNER, SLANT, SLOW)
+    BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, SLANT, WEDGE, SLOW)
