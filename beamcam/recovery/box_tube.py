@@ -28,6 +28,7 @@ Shape = Any  #: of shapely
 
 LEVELS = 65  #: places across a corner; a planner's 33 are every second of them
 FAR = 1e5
+SEAM = 1e-5  #: mm by which shapes of a face and of the corner beside it lie over each other
 STEADY_DEG = 1e-3  #: of a face that is on top
 LEAST_DEG = 0.2  #: of an end; less is square
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
@@ -92,7 +93,7 @@ def faces_of(surface: Shape, profile: Profile, within: float) -> Faces:
                 continue
             middle = (one.bounds[1] + one.bounds[3]) / 2
             face = a if at_a or (not at_b and middle < first + arc / 2) else b
-            gone[face].append(_mapped(one, seen[face]))
+            gone[face].append(_mapped(one, seen[face]).buffer(SEAM, join_style="mitre"))
             steel = union_all([steel, one.buffer(PLACE)])
         lines = _lines(steel, first, arc)
         if lines is None:
@@ -102,7 +103,7 @@ def faces_of(surface: Shape, profile: Profile, within: float) -> Faces:
             shapes[face].append(_band(bands, profile.face_width(face), at_high))
     found: dict[Face, Shape] = {}
     for face in FACES:
-        shape = union_all([one.buffer(1e-6, join_style="mitre") for one in shapes[face]])
+        shape = union_all([one.buffer(SEAM / 10, join_style="mitre") for one in shapes[face]])
         shape = shape.difference(union_all(gone[face])) if gone[face] else shape
         strip = box(-FAR, 0.0, FAR, profile.face_width(face))
         found[face] = areas_of(shape.intersection(strip))

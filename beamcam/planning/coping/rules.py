@@ -91,6 +91,11 @@ CORNER = error("plan-coping-corner",
     "go over it and meet at its edge",
     "What is cut over a corner has to be drawn on both faces beside it, up to the edge at which "
     "they meet; holes and slots lie beside the corner.")
+REACHES = warning("plan-coping-reaches",
+    "found a cut-out of face {face} that reaches {into} mm into a corner; cut square to its round, "
+    "up to {found} mm narrower at the inside of the wall",
+    "It is as wide as drawn where it is seen square to its face. Beyond the middle of the corner, "
+    "where the other face begins, a cut-out has to be drawn on both.")
 SLANT = warning("plan-coping-slant",
     "found ends or sides skew through the wall, cut square to the surface; up to {found} mm off at "
     "the inside of the walls {faces}",
@@ -106,4 +111,4 @@ SLOW = warning("plan-coping-slow",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, SLANT, WEDGE, SLOW)
+    BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES, SLANT, WEDGE, SLOW)

@@ -3,7 +3,7 @@
 import random
 import re
 from itertools import pairwise
-from math import atan2, cos, degrees, dist, hypot, pi, radians, sin, tan
+from math import asin, atan2, cos, degrees, dist, hypot, pi, radians, sin, tan
 from pathlib import Path
 
 import pytest
@@ -18,11 +18,14 @@ from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine.coper import TubeCorner
 from beamcam.machine.overlay import with_corner
-from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile, Slot
+from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
+from beamcam.recovery import recover
 from beamcam.report.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
+from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from benchmarks import coping_faults
 from tests.conftest import SAMPLES, THIRD_PARTY, examples
@@ -154,6 +157,59 @@ def test_a_window_over_each_corner_is_cut_once(corner: int) -> None:
     assert not found(program_of(part), part)
 
 
+# --- into a corner --------------------------------------------------------------------------------
+
+
+def test_a_hole_that_reaches_into_a_corner_worked_by_hand() -> None:
+    """A hole of 26 whose lowest place is 7 mm above the edge, 3 of them in a corner of 10: there it
+    lies at arcsin 0.3 of the round; 3 / 10 of the wall of 6 are what it is narrower inside."""
+    plan = planned(tube(Hole("v", 200.0, 20.0, 26.0, AT)))
+    (said,) = [d for d in plan.remarks if d.code == "plan-coping-reaches"]
+    assert "of face v that reaches 3.00 mm into a corner" in said.message
+    assert "up to 1.80 mm narrower" in said.message
+    border = around(SHS).on_face("v").begin  # half a face and a corner from the middle of u
+    assert border == pytest.approx(40.0 + ARC)
+    lowest = min(s for _, s in plan.operations[0].path[1:])
+    assert lowest == pytest.approx(border - 10.0 * asin(0.3) + 1.0, abs=0.02)
+
+
+REACHING = st.tuples(
+    st.sampled_from(["v", "h", "o", "u"]), st.booleans(), st.floats(0.2, 6.5), st.booleans()
+)
+
+
+@given(st.lists(REACHING, min_size=1, max_size=3))
+@settings(max_examples=examples(15))
+def test_holes_and_slots_into_corners_are_read_back(
+    drawn: list[tuple[Face, bool, float, bool]],
+) -> None:
+    features: list[Feature] = []
+    for k, (face, high, into, is_slot) in enumerate(drawn):
+        y = 10.0 + 12.0 - into
+        y = SHS.face_width(face) - y if high else y
+        x = 100.0 + 90.0 * k
+        features.append(
+            Slot(face, x, y, 24.0, 20.0, 0.0, 0.0, AT) if is_slot else Hole(face, x, y, 24.0, AT)
+        )
+    part = tube(*features)
+    text = program_of(part)
+    assert not found(text, part)
+    moved = replace(features[0], x=features[0].x + 1.0)  # type: ignore[call-arg, union-attr]
+    assert found(text, tube(moved, *features[1:]))
+
+
+@pytest.mark.parametrize("face", ["v", "h", "o", "u"])
+def test_the_solid_and_the_recovery_agree_with_a_hole_in_a_corner(face: Face) -> None:
+    part = tube(Hole(face, 200.0, 82.0, 26.0, AT), Hole(face, 300.0, 50.0, 26.0, AT))
+    text = program_of(part)
+    assert not solid_faults(text, Request((part,), TUBE))
+    other = tube(Hole(face, 200.0, 80.0, 26.0, AT), Hole(face, 300.0, 50.0, 26.0, AT))
+    assert solid_faults(text, Request((other,), TUBE))
+    (back,) = recover(text, TUBE).parts
+    holes = sorted((h.face, h.x, h.y, h.diameter) for h in back.holes)
+    assert holes == [(face, 200.0, 82.0, 26.0), (face, 300.0, 50.0, 26.0)]
+
+
 # --- refused --------------------------------------------------------------------------------------
 
 REFUSED = [
@@ -163,7 +219,7 @@ REFUSED = [
     ("plan-section", tube(profile=Profile("M", "RHS400*200*8", 400.0, 200.0, 8.0, 8.0, 16.0))),
     ("plan-section-shape", tube(profile=Profile("M", "SHS", 100.0, 100.0, 60.0, 6.0, 60.0))),
     ("plan-coping-corner", tube(Hole("v", 200.0, 15.0, 26.0, AT))),
-    ("plan-coping-corner", tube(Slot("o", 200.0, 85.0, 18.0, 30.0, 0.0, 0.0, AT))),
+    ("plan-coping-corner", tube(Slot("o", 200.0, 89.0, 18.0, 30.0, 0.0, 0.0, AT))),
     ("plan-coping-corner", tube(*over_corner(SHS, 1, 200.0, 40.0, 0.0)[:1])),
     ("plan-coping-corner", tube(*over_corner(SHS, 1, 200.0, 40.0, 0.0)[:1],
                                 *over_corner(SHS, 1, 205.0, 40.0, 0.0)[1:])),
