@@ -29,6 +29,8 @@ class Coper(Keys, frozen=True):
     max_width: Positive  #: of the section, along Z
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
     turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a tube
+    #: what A counts: degrees, or mm of the surface of a round tube, from its lowest line towards v
+    a_unit: Literal["deg", "mm"] = "deg"
     #: DSTV codes that it takes: I, U, L and T, or RO and M where the bar turns
     profiles: tuple[Literal["I", "U", "L", "T", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are

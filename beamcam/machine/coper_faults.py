@@ -34,6 +34,8 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
             list(coper.profiles),
             "RO and M where the bar turns, else I, U and L",
         )
+    if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
+        yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
     if coper.corners and "M" not in coper.profiles:
         yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
     if coper.corner and "M" not in coper.profiles:

@@ -21,6 +21,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
@@ -78,6 +79,7 @@ def coper_faults(
         return [PIECES.at(source, found="1 piece", expected=f"{len(parts)}, one for each part")]
     part = _as_tube(parts[0], coper) if coper.turns == "bar" else parts[0]
     events, _ = cell_events(text, machine, name)
+    events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))
     pieces = pieces_of(stock_of(part, coper, bar), burns, coper, part)
     one = _asked(part, machine, coper)
@@ -125,7 +127,8 @@ def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
     slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
     if coper.turns == "bar":
         reach = hypot(part.profile.height, part.profile.width) / 2
-        slack += reach * radians(10.0**-form.angle_decimals)
+        step = 10.0**-form.angle_decimals
+        slack += step if coper.a_unit == "mm" else reach * radians(step)
     whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
     wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN)
     narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)

@@ -9,6 +9,7 @@ nothing is shared with planning and motion, nor is the map of surfaces that they
 from collections.abc import Collection, Sequence
 
 from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.materials import is_row_for, material_said
@@ -44,7 +45,8 @@ def verify_coping(
     if len(parts) > 1:
         return (*said, rules.PARTS.at(Source(name), found=len(parts)))
     part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
-    codes = ("RO", "M") if coper.turns == "bar" else ("I", "U", "L", "T")
+    codes = ["RO", "M"] if coper.turns == "bar" else ["I", "U", "L", "T"]
+    codes = ["RO"] if coper.a_unit == "mm" else codes
     code = part.profile.code
     if code not in codes:
         expected = ", ".join(codes)
@@ -62,6 +64,7 @@ def verify_coping(
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     left = may_be_left(part, machine, coper, skips)
     if coper.turns == "bar":
+        events = in_degrees(events, coper, part.profile.height)
         said += tube_faults(events, part, machine, coper, rows, left, name)
         if errors_in(said):
             return tuple(said)

@@ -56,6 +56,12 @@ class TubeTorch(Torch):
         #: mm that a way may be off as its ends are written
         self._written = 2 * written_step(machine, section)
 
+    def _as_written(self, a_deg: float) -> float:
+        """A in the unit of the program: mm of the surface are those of a round tube."""
+        if self._coper.a_unit == "mm":
+            return self._section.radius * radians(90.0 - a_deg)
+        return a_deg
+
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         source, place = Source(self._name, line), self._section.place
         x, y, z = moves[0].start
@@ -116,8 +122,11 @@ def _on_way(move: Move[Place], share: float) -> tuple[float, float, float]:
 
 def written_step(machine: Machine, section: TubeSection) -> float:
     """mm on the surface that figures are rounded to."""
-    form = machine.format
-    return form.resolution + section.reach * radians(10.0**-form.angle_decimals)
+    form, coper = machine.format, machine.coper
+    step = 10.0**-form.angle_decimals
+    if coper is not None and coper.a_unit == "mm":
+        return form.resolution + step
+    return form.resolution + section.reach * radians(step)
 
 
 def tube_section(part: Part, coper: Coper) -> TubeSection:
