@@ -111,22 +111,24 @@ def rounded(
     sides of a corner it ends at radius / tan(angle / 2), which at 60 degrees is 1.73 times the
     radius; what reaches farther belongs to a sharper corner or to a notch that is too narrow.
     """
-    from shapely import MultiPoint, segmentize, union_all
+    import numpy as np
+    from shapely import MultiPoint, distance, get_coordinates, points, segmentize, union_all
 
     if not corners:
         return Region(wall, shape, 0), said
     radius, places = coper.corner_radius, MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
+    each = np.array(places.geoms)
     added, count = [], 0
     for piece in _polygons(closed.difference(shape)):
         if piece.distance(places) > CHORD:
             continue
-        mine = [p for p in places.geoms if piece.distance(p) <= CHORD]
+        mine = each[distance(piece, each) <= CHORD].tolist()
         # Along a side that is nearly straight a sliver may hang on it, which reaches farther.
         round_it = piece.buffer(-SLIVER).buffer(SLIVER)
         round_it = max(_polygons(round_it), key=lambda one: one.area, default=piece)
-        places_round = MultiPoint(segmentize(round_it.exterior, radius / 4).coords).geoms
-        deep = max(MultiPoint(mine).distance(place) for place in places_round)
+        places_round = points(get_coordinates(segmentize(round_it.exterior, radius / 4)))
+        deep = float(distance(MultiPoint(mine), places_round).max())
         if deep <= 2 * CHORD:
             continue
         if deep > MOST_ROUNDED * radius:

@@ -208,7 +208,7 @@ class TubeSection:
         from shapely import Point, box
 
         if not (self.flat_y or self.flat_z):
-            return Point(0.0, 0.0).buffer(self.radius, 256)
+            return Point(0.0, 0.0).buffer(self.radius, FILLET_STEPS)
         inner = box(-self.flat_y, -self.flat_z, self.flat_y, self.flat_z)
         return inner.buffer(self.radius, FILLET_STEPS)
 
