@@ -77,7 +77,7 @@ def coper_faults(
     coper = machine.needed(machine.coper, "coper")
     if len({*parts}) > 1:
         return [PIECES.at(source, found="1 piece", expected=f"{len(parts)}, one for each part")]
-    part = _as_tube(parts[0], coper) if coper.turns == "bar" else parts[0]
+    part = as_tube(parts[0], coper) if coper.turns == "bar" else parts[0]
     events, _ = cell_events(text, machine, name)
     events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))
@@ -99,7 +99,7 @@ def coper_faults(
     return [*told, *differences(best, mirror, one.bodies, "the piece", source)]
 
 
-def _as_tube(part: Part, coper: Coper) -> Part:
+def as_tube(part: Part, coper: Coper) -> Part:
     """A tube as it is turned: with the radius of its corners, and both of its webs outlined.
 
     A plate that is called a pipe is the tube that it is the unrolled surface of. DSTV, 7th edition,
