@@ -20,6 +20,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, read_file
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
+from tests.random_boxes import random_box
 from tests.random_copes import random_cope
 from tests.random_tubes import random_tube
 
@@ -93,7 +94,7 @@ def machines_for(part: Part) -> Iterator[Machine]:
     names = SHEETS if part.profile.code == "B" else BARS
     if part.profile.code in ("I", "U", "L"):
         names += MACHINES["profiles"]
-    elif part.profile.code == "RO" or part.profile.name.startswith(PIPE):
+    elif part.profile.code in ("RO", "M") or part.profile.name.startswith(PIPE):
         names += MACHINES["tubes"]
     for machine in map(load, names):
         torch = machine.torch
@@ -224,5 +225,5 @@ def random_part(stock: str, rng: Random) -> Part:
     if stock == "profiles":
         return random_cope(rng.randrange(10**6))
     if stock == "tubes":
-        return random_tube(rng.randrange(10**6))
+        return rng.choice((random_tube, random_box))(rng.randrange(10**6))
     return random_bar(rng) if stock == "bars" else random_plate(rng)

@@ -28,6 +28,7 @@ from beamcam.errors import Diagnostic, PlanError, ReadError, Source
 from beamcam.machine import Machine
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.names import DEFAULT_MACHINE
+from beamcam.machine.overlay import with_corner
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS
 from beamcam.model.description import MarkFrom, marked
@@ -101,25 +102,28 @@ def load(
     *,
     map: Mapping[str, Process | Mapping[str, object]] | None = None,
     tolerances: Mapping[str, float] | None = None,
+    corner: float | None = None,
     **sheet: Unpack[SheetOptions],
 ) -> Machine:
     """A machine as a job wants it, for every function that takes one.
 
     `map` says what is done with a colour or layer, `tolerances` are those of a drill (merge,
-    duplicate, sink, path, twin), `sheet` how a sheet is cut; all as in `beamcam.toml`, over what
-    the machine's file says. Raises MachineError; AskError for a name or value that cannot be
-    meant; ConfigError and PlanError for what this machine cannot do.
+    duplicate, sink, path, twin), `corner` is the outer radius of a rectangular tube's corners where
+    neither its file nor the machine's has one, `sheet` how a sheet is cut; all as in
+    `beamcam.toml`, over what the machine's file says. Raises MachineError; AskError for a name or
+    value that cannot be meant; ConfigError and PlanError for what this machine cannot do.
     """
     from beamcam.config.values import Config, ConfigFile
 
     loaded = machine_of(machine)
     tables: dict[str, Any] = {"sheet": sheet, "map": map or {}, "tolerances": tolerances or {}}
-    asked = converted(tables, ConfigFile)
+    asked = converted({**tables, "corner": corner}, ConfigFile)
     config = Config(loaded.name, sheet=asked.sheet, map=asked.map, tolerances=asked.tolerances)
     if config.tolerances:
         from beamcam.config.values import with_tolerances
 
         loaded = with_tolerances(loaded, config)
+    loaded = with_corner(loaded, asked.corner)
     if not (config.map or sheet):
         return loaded
     from beamcam.machine.overlay import with_torch

@@ -18,6 +18,7 @@ from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, So
 from beamcam.files import FilesRead
 from beamcam.machine import Machine
 from beamcam.machine.names import default_machines, is_of_sheets
+from beamcam.machine.overlay import with_corner
 from beamcam.machine.rules import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.machine_proof import load_proved
@@ -29,7 +30,7 @@ from beamcam.readers.content import Reading
 _OPTIONS = {
     "machine": "machine", "by": "by", "machines": "split", "skips": "allow_skips",
     "strict": "strict", "job": "job", "jobs": "jobs", "name": "name", "quantity": "quantity",
-    "flat": "flat", "colours": "map",
+    "flat": "flat", "colours": "map", "corner": "corner",
 }  # fmt: skip
 #: Options that are rows of the table `[sheet]`.
 SAME_THICKNESS = 0.01  #: mm that two statements may differ by
@@ -341,6 +342,7 @@ def _as_asked(machine: Machine, config: Config, is_one_of_two: bool) -> Machine:
         from beamcam.config.values import with_tolerances
 
         machine = with_tolerances(machine, config)
+    machine = with_corner(machine, config.corner)
     if not (config.sheet.given() or config.map) or (machine.torch is None and is_one_of_two):
         return machine
     return _with_sheet(machine, config)

@@ -29,10 +29,14 @@ class Coper(Keys, frozen=True):
     max_width: Positive  #: of the section, along Z
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
     turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a tube
+    #: what A counts: degrees, or mm of the surface of a round tube, from its lowest line towards v
+    a_unit: Literal["deg", "mm"] = "deg"
     #: DSTV codes that it takes: I, U, L and T, or RO and M where the bar turns
     profiles: tuple[Literal["I", "U", "L", "T", "RO", "M"], ...] = ("I", "U", "L")
     #: of rectangular tubes whose file does not say how round their corners are
     corners: tuple[TubeCorner, ...] = ()
+    #: outer radius of those corners where `corners` does not say it either, mm; 0 for none
+    corner: NotNegative = 0.0
     length: Positive = 12000.0  #: of the bar
     material: str = ""  #: of a part that does not say
     chuck: NotNegative = 0.0  #: of a bar that turns, held behind what is cut
@@ -60,11 +64,11 @@ class Coper(Keys, frozen=True):
     def outer_radius(self, radius: float, wall: float) -> float:
         """That of the corners of a rectangular tube: its own, or by the table if that is 0.
 
-        0 if the table has no row for so thick a wall.
+        If the table has no row for so thick a wall it is `corner`, which may be 0.
         """
         rows = sorted(self.corners, key=lambda row: row.up_to)
         share = next((row.share for row in rows if wall <= row.up_to), 0.0)
-        return radius if radius > 0.0 else share * wall
+        return radius if radius > 0.0 else share * wall or self.corner
 
     def reach_beside(self, radius: float, cut_height: float) -> float:
         """How near to a flange's inner surface the middle of the torch comes over the web, in mm.

@@ -15,6 +15,15 @@ Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
 
 
+def with_corner(machine: Machine, radius: float | None) -> Machine:
+    """A machine that turns rectangular tubes, with the outer radius of their corners where neither
+    their file nor its own table has one; any other machine as it is."""
+    coper = machine.coper
+    if not radius or coper is None or "M" not in coper.profiles:
+        return machine
+    return replace(machine, coper=replace(coper, corner=radius))
+
+
 def with_torch(
     machine: Machine,
     colours: Mapping[str, Meaning] | None = None,

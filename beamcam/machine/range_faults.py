@@ -180,8 +180,12 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
             list(coper.profiles),
             "RO and M where the bar turns, else I, U and L",
         )
+    if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
+        yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
     if coper.corners and "M" not in coper.profiles:
         yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
+    if coper.corner and "M" not in coper.profiles:
+        yield "coper.corner", coper.corner, "none where coper.profiles has no M"
     yield from _reach_faults(machine, coper)
     if coper.tcp == bool(coper.pivot):
         expected = "0 where tcp is true, and above 0 where it is false"

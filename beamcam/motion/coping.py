@@ -180,6 +180,8 @@ class _Bar:
 
         def at(place: tuple[float, float], height: float) -> tuple[float, float, float, float]:
             a_deg, y, z = self._way.pose(place[1])
+            if self._coper.a_unit == "mm":
+                a_deg = place[1]
             return place[0] + self._start, y, z + height, a_deg
 
         x, y, z, a_deg = at(cut.path[0], row.pierce_height)

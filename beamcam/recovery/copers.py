@@ -4,11 +4,10 @@
            '             '             that reach an end of the bar are trims, and those in which
          kerf          kerf            a cut begins scrap, (o); the others are the part.
 
-Of an I, a U or an L the web goes on below its flanges where it stands on them.
+Of an I, a U or an L the web goes on below its flanges where it stands on them, and the stem of a T.
 """
 
 from collections.abc import Iterator, Sequence
-from math import pi
 from typing import Any
 
 from msgspec import Struct
@@ -18,8 +17,9 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Slot
 from beamcam.recovery import rules
+from beamcam.recovery.box_tube import Faces, corner_radius, faces_of
 from beamcam.recovery.found import Recovered, Stock, plain
 from beamcam.recovery.rings import (
     DECIMALS,
@@ -34,9 +34,9 @@ from beamcam.verify.coping import rules as coping_rules
 from beamcam.verify.coping import verify_coping
 from beamcam.verify.coping.compare import taken_of
 from beamcam.verify.coping.program import head_part, head_profile, strokes_of
-from beamcam.verify.coping.section import Section, kerf_of, pieces_of
+from beamcam.verify.coping.section import Section, as_drawn, kerf_of, lying, pieces_of
 from beamcam.verify.coping.strokes import Stroke
-from beamcam.verify.coping.tube import unrolled_pipe
+from beamcam.verify.coping.tube import tube_section, unrolled_pipe
 from beamcam.verify.head import head_of
 
 Shape = Any  #: of shapely
@@ -76,7 +76,12 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     bare = head_part(head, profile, name)
     bare = replace(bare, grade=stock.grade or bare.grade)
     is_tube, within = coper.turns == "bar", coper.tolerance * REFIT_SHARE
-    code, codes = unrolled_pipe(bare).profile.code, ("RO",) if is_tube else ("I", "U", "L")
+    if profile.code == "M" and not profile.radius:
+        turned = replace(profile, radius=corner_radius(text, machine, profile))
+        bare = replace(bare, profile=turned)
+    bare = lying(bare)
+    code = unrolled_pipe(bare).profile.code
+    codes = ("RO", "M") if is_tube else ("I", "U", "L", "T")
     if code not in codes:
         expected = ", ".join(codes)
         return Recovered((), (coping_rules.SECTION.at(source, found=code, expected=expected),))
@@ -90,11 +95,20 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
         return Recovered((), tuple(said))
     end = max(wall.shape.bounds[2] for wall in walls)
     length = bare.length if abs(end - bare.length) <= AS_SAID else plain(end, PLACE, DECIMALS)
-    radius = unrolled_pipe(bare).profile.height / 2 if is_tube else None
-    find = _Features(bare, length, radius, coper.corner_radius, within)
-    features = [feature for wall in walls for feature in find.on(wall)]
     mark = bare.mark or name.rpartition("/")[2].partition(".")[0] or "part"
-    part = replace(bare, mark=mark, length=length, features=tuple(features))
+    part = replace(bare, mark=mark, length=length)
+    if code == "M":
+        faces = faces_of(walls[0].shape, bare.profile, within)
+        if faces.lost:
+            return Recovered((), (*said, rules.CORNER.at(source, found=faces.lost)))
+        part = replace(part, cuts=faces.cuts)
+        find = _Features(part, None, coper.corner_radius, within)
+        features = [*find.of_box(faces, walls[0].line)]
+    else:
+        radius = unrolled_pipe(bare).profile.height / 2 if is_tube else None
+        find = _Features(part, radius, coper.corner_radius, within)
+        features = [feature for wall in walls for feature in find.on(wall)]
+    part = as_drawn(replace(part, features=tuple(features)))
     said += [d for d in verify_coping(text, (part,), machine, name=name) if d not in said]
     return Recovered((part,), (*said, *_remarks(part, coper, within)), bool(bare.mark))
 
@@ -112,7 +126,7 @@ def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
 
 
 def _walls(part: Part, strokes: Sequence[Stroke], coper: Coper) -> Iterator[_Wall]:
-    """The walls of an I, a U or an L."""
+    """The walls of an I, a U or an L, or of a T on its side."""
     from shapely import box, union_all
 
     section = Section(part.profile)
@@ -136,7 +150,7 @@ def _below_flanges(web: Shape, section: Section) -> Iterator[Shape]:
     if web.is_empty:
         return
     low, high = section.extent("v")
-    ends = [(low, 0.0)] if section.code == "L" else [(low, 0.0), (high, section.high)]
+    ends = [(low, 0.0)] if section.code in ("L", "T") else [(low, 0.0), (high, section.high)]
     for inner, outer in ends:
         left, _, right, _ = web.bounds
         for one in pieces_of(web.intersection(LineString([(left, inner), (right, inner)]))):
@@ -150,7 +164,7 @@ def _surface(part: Part, strokes: Sequence[Stroke], coper: Coper) -> _Wall:
     from shapely import box, union_all
     from shapely.affinity import translate
 
-    turn = pi * unrolled_pipe(part).profile.height
+    turn = tube_section(unrolled_pipe(part), coper).turn
     far = max((x for stroke in strokes for x, _ in stroke.points), default=0.0) + coper.trim
     kerfs, begins = [], []
     for stroke in strokes:
@@ -193,10 +207,9 @@ class _Features:
     """Finds the features of a part of some length on its walls."""
 
     def __init__(
-        self, part: Part, length: float, tube_radius: float | None, corner_radius: float,
-        within: float,
-    ) -> None:  # fmt: skip
-        self._part, self._length, self._tube_radius = part, length, tube_radius
+        self, part: Part, tube_radius: float | None, corner_radius: float, within: float
+    ) -> None:
+        self._part, self._length, self._tube_radius = part, part.length, tube_radius
         self._corner_radius, self._within = corner_radius, within
 
     def on(self, wall: _Wall) -> Iterator[Feature]:
@@ -223,6 +236,43 @@ class _Features:
                 _, low, _, high = hole.bounds
                 if not is_tube or 0.0 <= (low + high) / 2 < wall.wide:
                     yield self._cut_out(wall.face, _ring(hole), source)
+
+    def of_box(self, faces: Faces, line: int) -> Iterator[Feature]:
+        """The outlines of a rectangular tube's faces where one is no whole one, and its cut-outs.
+
+        What opens to an edge of a face goes on over the corner, as a cut-out of both.
+        """
+        from shapely import box, union_all
+        from shapely.geometry.polygon import orient
+
+        source = Source(self._part.source.file, line)
+        skew = faces.cuts != EndCuts()
+        outlines: list[Contour] = []
+        inner: list[Feature] = []
+        whole = True
+        for face, steel in faces.steel.items():
+            wide = self._part.profile.face_width(face)
+            low, _, high, _ = steel.bounds
+            gone = pieces_of(box(low - 1.0, 0.0, high + 1.0, wide).difference(steel))
+            within = [one for one in gone if low <= one.bounds[0] and one.bounds[2] <= high]
+            within = [one for one in within if one.buffer(-self._within).area > 0.0]
+            outline = union_all([steel, *(one.buffer(PLACE) for one in within)])
+            outline = outline.intersection(box(low, 0.0, high, wide))
+            same = outline.hausdorff_distance(box(0.0, 0.0, self._length, wide)) <= self._within
+            whole = whole and (same or skew)
+            for one in pieces_of(outline):
+                curves = curves_of(_ring(orient(one).exterior), self._within, (0.0, wide))
+                outlines.append(Contour(face, "outer", curves, source))
+            for one in within:
+                ring = _ring(orient(one, -1.0).exterior)
+                edges = (0.0, wide)
+                if any(abs(y - edge) <= PLACE for _, y in ring for edge in edges):
+                    curves = curves_of(ring, self._within, edges)
+                    inner.append(Contour(face, "inner", curves, source))
+                else:
+                    inner.append(self._cut_out(face, ring, source))
+        yield from outlines if not whole else ()
+        yield from inner
 
     def _cut_out(self, face: Face, ring: Sequence[Point], source: Source) -> Feature:
         """A hole, a slot, or a contour.

@@ -70,8 +70,14 @@ ROUNDED = note("recover-rounded",
     "have been drawn sharp",
     "The torch cuts a corner that is drawn sharp with coper.corner_radius; a radius that is drawn "
     "looks the same.")
+CORNER = error("recover-corner",
+    "found a line that ends or turns back in the corner between faces {found}; expected lines that "
+    "go over it, or a cut-out that reaches into it from one face",
+    "What is cut round a corner of a rectangular tube is given as contours of the faces beside it, "
+    "which have to go on over it.")
 
 RULES = (
     NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, CROWDED, BY_HAND, LEFT_OUT,
     UNNAMED, COMES_CUT, NOT_PARTED, REFITTED, ROUNDED,
+    CORNER,
 )

@@ -27,10 +27,11 @@ from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.torch import material_said
 from beamcam.model.part import Part, Profile
 from beamcam.pictures.bar import BarMade
-from beamcam.pictures.program import ReadProgram
+from beamcam.pictures.coper import part_of
+from beamcam.pictures.program import ReadProgram, coper_program
 from beamcam.pictures.table import TableMade
 from beamcam.solid.kernel import facets
-from beamcam.solid.mesh import Mesh, bar_meshes, sheet_meshes
+from beamcam.solid.mesh import Mesh, bar_meshes, coper_meshes, sheet_meshes
 from beamcam.solid.plates import thickness_of
 from beamcam.solid.sheet_solid import Stroke, rows_for, strokes_of
 
@@ -54,6 +55,8 @@ class Solids(Struct, frozen=True):
 def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
     """The pieces of a program as a solid. Circles have as many sides as there is room for."""
     faces = "vouh" if isinstance(made, BarMade) else "v"
+    if program.machine.stock == "profile":
+        faces = "v" if part_of(coper_program(program)).profile.code in ("RO", "B") else "vouh"
     without = _too_much(program, made)
     if without:
         return Solids((), faces, without=without)
@@ -63,16 +66,12 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
             found = (
                 _bar(program, made, chord)
                 if isinstance(made, BarMade)
-                else (
-                    [
-                        ("part", f"piece {k}", mesh)
-                        for k, mesh in enumerate(_sheet(program, made, chord), 1)
-                    ]
-                )
+                else [("part", name, mesh) for name, mesh in _torched(program, made, chord)]
             )
             pieces = tuple(_packed(*one) for one in found)
             if len(json.dumps(pieces)) <= LIMIT:
-                without = "" if pieces else "nothing comes free of the sheet"
+                stock = "bar" if program.machine.stock == "profile" else "sheet"
+                without = "" if pieces else f"nothing comes free of the {stock}"
                 return Solids(pieces, faces, chord, without)
     except BeamcamError as error:
         return Solids((), faces, without="; ".join(d.message for d in error.diagnostics))
@@ -95,13 +94,9 @@ def _too_much(program: ReadProgram, made: BarMade | TableMade) -> str:
     """Why a program is not machined as a solid; blank where it is."""
     if isinstance(made, BarMade):
         count = len(made.made.order)
-    elif program.machine.stock == "profile":
-        return (
-            "the page shows none of what a torch leaves of a profile or tube; `verify --solid` "
-            "looks at it"
-        )
     else:
         count = sum(last - first for first, last, process in made.strokes if process == "cut")
+    if program.machine.stock == "sheet":
         torch = program.machine.torch
         if torch is None or not (torch.thickness or any(_walls(p) for p in program.parts)):
             return "the thickness of the sheet is not known"
@@ -125,6 +120,17 @@ def _bar(program: ReadProgram, made: BarMade, chord: float) -> Iterator[tuple[st
         middle = (mesh.points[:, 0].min() + mesh.points[:, 0].max()) / 2
         piece = known[int(np.argmin([abs(m - middle) for m in middles]))]
         yield piece.kind, piece.mark, mesh
+
+
+def _torched(program: ReadProgram, made: TableMade, chord: float) -> Iterator[tuple[str, Mesh]]:
+    """What a torch leaves of a sheet, a profile or a tube, each piece with a name."""
+    if program.machine.stock == "profile":
+        part = program.parts[0] if program.parts else part_of(coper_program(program))
+        for mesh in coper_meshes(program.text, program.machine, part, program.name, chord):
+            yield part.mark or "part", mesh
+    else:
+        for k, mesh in enumerate(_sheet(program, made, chord), 1):
+            yield f"piece {k}", mesh
 
 
 def _sheet(program: ReadProgram, made: TableMade, chord: float) -> list[Mesh]:

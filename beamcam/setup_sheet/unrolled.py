@@ -40,6 +40,9 @@ def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     """Where the torch is round the bar at each knot, mm."""
     profile = part.profile
     _, y, z, a_deg = positions.T
+    if coper.a_unit == "mm":
+        around: Floats = a_deg.copy()
+        return around
     if coper.turns == "bar":
         place = tube_section(part, coper).place
         found: Floats = np.array([place(*row)[0] for row in positions[:, 1:].tolist()])

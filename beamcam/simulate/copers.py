@@ -29,8 +29,9 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
     if not {*LETTERS} <= axes.keys():
         raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
     used = [axes[letter] for letter in LETTERS]  # type: ignore[index]
+    turned = machine.needed(machine.coper, "coper").a_unit
     rows = tuple(
-        TraceAxis(axis.name, "deg" if letter == "A" else "mm", axis.min, axis.max)
+        TraceAxis(axis.name, turned if letter == "A" else "mm", axis.min, axis.max)
         for letter, axis in zip(LETTERS, used, strict=True)
     )
     on, off = (

@@ -21,12 +21,12 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
-from beamcam.solid.kernel import Frame, facets, minus, outline, prism
+from beamcam.solid.kernel import CHORD, Frame, facets, minus, outline, prism
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.rules import NO_SOLID
 from beamcam.solid.sheet_solid import starting_words
 from beamcam.solid.stock_solid import ALONG
-from beamcam.solid.wrapped import wrapped
+from beamcam.solid.wrapped import Skin, skin_of, wrapped
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -59,11 +59,9 @@ def burns_of(
 ) -> Iterator[Burn]:
     """The cuts of a program.
 
-    Raises BeamcamError for a rectangular tube, and where one begins nowhere, has the speed of no
-    row, or where the torch turns on the way, or stands beside the axis of its tube.
+    Raises BeamcamError where one begins nowhere, has the speed of no row, or where the torch turns
+    on the way, or does not stand square to the surface of its tube.
     """
-    if part.profile.code == "M":
-        raise BeamcamError(NO_SOLID.at(Source(name), found="a rectangular tube that turns"))
     known = [one for one in starting_words(machine) if one.process == "cut"]
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
@@ -85,10 +83,13 @@ def _burn(
     places = [(moves[0].start, moves[0].a_deg[0]), *((m.end, m.a_deg[1]) for m in moves)]
     if not all(isfinite(a_deg) and all(map(isfinite, place)) for place, a_deg in places):
         raise BeamcamError(NO_SOLID.at(source, found="a cut from or to nowhere"))
-    where = _round_tube if coper.turns == "bar" else _across_bar
-    turned = [where(place, a_deg, places[0][1], coper, part) for place, a_deg in places]
+    if coper.turns == "bar":
+        skin = skin_of(part)[0]
+        turned = [_over_tube(place, a_deg, coper, skin) for place, a_deg in places]
+    else:
+        turned = [_across_bar(place, a_deg, places[0][1], coper) for place, a_deg in places]
     if any(one is None for one in turned):
-        what = "a torch beside the axis of its tube" if coper.turns == "bar" else (
+        what = "a torch that is not square to its tube" if coper.turns == "bar" else (
             "a torch that turns as it cuts")  # fmt: skip
         raise BeamcamError(NO_SOLID.at(source, found=what))
     seen = [one for one in turned if one is not None]
@@ -106,7 +107,7 @@ def _burn(
     return Burn(source.line or 0, row, places[0][1], path, heights)
 
 
-def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper, part: Part) -> Any:
+def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper) -> Any:
     """x, the way across and the height of the tip of a torch that goes round; None if it turns."""
     x, y, z = place
     if abs(a_deg - first_deg) > STEADY_DEG:
@@ -115,13 +116,11 @@ def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper, part
     return x - coper.trim, y * cos(a) + z * sin(a), z * cos(a) - y * sin(a) - coper.pivot
 
 
-def _round_tube(place: Place, a_deg: float, first_deg: float, coper: Coper, part: Part) -> Any:
-    """x, the arc and the height of the tip over a tube; None if it stands beside its axis."""
+def _over_tube(place: Place, a_deg: float, coper: Coper, skin: Skin) -> Any:
+    """x, the way round and the height of the tip over a tube; None if it is not square to it."""
     x, y, z = place
-    if abs(y) > coper.tolerance / 2:
-        return None
-    radius = part.profile.height / 2
-    return x - coper.trim, radius * radians(90.0 - a_deg), z - radius
+    u, high, beside = skin.place(y, z, a_deg)
+    return None if abs(beside) > coper.tolerance / 2 else (x - coper.trim, u, high)
 
 
 def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
@@ -137,8 +136,8 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
     ])  # fmt: skip
     tips = burn.heights[1:] or burn.heights
     high, low = max(tips), min(tips) - row.cut_height - row.up_to
-    if coper.turns == "bar":
-        return wrapped(shape, part.profile.height / 2, -high, -low)
+    if coper.turns == "bar":  # beyond its depth by what chords lie within a circle
+        return wrapped(shape, skin_of(part)[0], -high, CHORD - low)
     a = radians(burn.a_deg)
     y, z = (0.0, cos(a), -sin(a), 0.0), (0.0, sin(a), cos(a), 0.0)
     if part.profile.code == "T":  # on its side: Y is its z, Z its height less its y

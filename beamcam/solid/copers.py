@@ -5,7 +5,8 @@ off follows from the machine's file:
 
     slack     the tolerance of the cut, and the last decimals of X, Y, Z and A
     corners   a re-entrant corner that is drawn sharp keeps the round of `coper.corner_radius`
-    square    an edge with a bevel keeps its wedge, a hole of a tube what a drill takes inside
+    square    an edge with a bevel keeps its wedge, a hole of a tube what a drill takes inside, an
+              end that is skew through the wall of a rectangular tube its inside
 
 The last two are told, by how much steel they leave.
 """
@@ -13,20 +14,22 @@ The last two are told, by how much steel they leave.
 import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import asin, atan2, degrees, pi, radians, tan
+from math import asin, atan2, degrees, hypot, pi, radians, tan
 from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
 from beamcam.model.request import Request
+from beamcam.solid.box_tube import skew_ends, square_to_surface
 from beamcam.solid.compare import (
     ALIKE,
     Bodies,
@@ -44,7 +47,7 @@ from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, minu
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.rules import PIECES, ROUNDED, SQUARE
 from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
-from beamcam.solid.wrapped import all_round, outline_gone, round_wall, wrapped
+from beamcam.solid.wrapped import all_round, outline_gone, skin_of, wrapped
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -74,8 +77,9 @@ def coper_faults(
     coper = machine.needed(machine.coper, "coper")
     if len({*parts}) > 1:
         return [PIECES.at(source, found="1 piece", expected=f"{len(parts)}, one for each part")]
-    part = _as_pipe(parts[0]) if coper.turns == "bar" else parts[0]
+    part = as_tube(parts[0], coper) if coper.turns == "bar" else parts[0]
     events, _ = cell_events(text, machine, name)
+    events = in_degrees(events, coper, part.profile.height)
     burns = list(burns_of(events, machine, coper, part, name))
     pieces = pieces_of(stock_of(part, coper, bar), burns, coper, part)
     one = _asked(part, machine, coper)
@@ -95,16 +99,26 @@ def coper_faults(
     return [*told, *differences(best, mirror, one.bodies, "the piece", source)]
 
 
-def _as_pipe(part: Part) -> Part:
-    """A plate that is called a pipe as the tube that it is the unrolled surface of."""
-    plate = part.profile
-    if plate.code != "B" or not _CALLED_PIPE.match(plate.name):
-        return part
-    across = plate.height / pi
-    wall = plate.web_thickness or 0.0
-    return replace(
-        part, profile=replace(plate, code="RO", height=across, width=across, flange_thickness=wall)
-    )
+def as_tube(part: Part, coper: Coper) -> Part:
+    """A tube as it is turned: with the radius of its corners, and both of its webs outlined.
+
+    A plate that is called a pipe is the tube that it is the unrolled surface of. DSTV, 7th edition,
+    page 13: M has one contour of the web.
+    """
+    size = part.profile
+    wall = max(size.flange_thickness, size.web_thickness or 0.0)
+    if size.code == "B" and _CALLED_PIPE.match(size.name):
+        across = size.height / pi
+        size = replace(size, code="RO", height=across, width=across, flange_thickness=wall)
+    elif size.code == "M":
+        size = replace(size, radius=coper.outer_radius(size.radius, wall))
+        outer = [c for c in part.contours if c.kind == "outer" and is_cut(c)]
+        webs = {c.face for c in outer} & {"v", "h"}
+        if len(webs) == 1:
+            other: Face = "h" if "v" in webs else "v"
+            twins = (replace(c, face=other, bevels=()) for c in outer if c.face in webs)
+            part = replace(part, features=(*part.features, *twins))
+    return replace(part, profile=size)
 
 
 def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
@@ -112,15 +126,22 @@ def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
     form = machine.format
     slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
     if coper.turns == "bar":
-        slack += part.profile.height / 2 * radians(10.0**-form.angle_decimals)
+        reach = hypot(part.profile.height, part.profile.width) / 2
+        step = 10.0**-form.angle_decimals
+        slack += step if coper.a_unit == "mm" else reach * radians(step)
     whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
     wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN)
     narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
     found = bodies_of(whole, wide, narrow, 2 * slack, slack)
     as_cut, square = _cut_square(whole)
     corners, count = _corners(whole, narrow, coper.corner_radius)
-    most = (part_solid(as_cut, narrow) if square else found.most) + corners
-    return Asked(replace(found, most=most), found.most, corners, count, coper.corner_radius, square)
+    plain = found.most
+    most = (part_solid(as_cut, narrow) if square else plain) + corners
+    least = found.least
+    if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(whole)):
+        least, most = square_to_surface(least, most, whole, narrow)
+    found = replace(found, least=least, most=most)
+    return Asked(found, plain, corners, count, coper.corner_radius, square)
 
 
 def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Iterator[Diagnostic]:
@@ -154,8 +175,10 @@ def _cut_square(part: Part) -> tuple[Part, str]:
             feature = Contour("v", "inner", tuple(_drilled(feature, part)), feature.source)
         features.append(feature)
     said = [f"{bevels} edge(s) with a bevel"] if bevels else []
+    skew = skew_ends(part) if part.profile.code in ("M", "RO") else 0
+    said += [f"{skew} end(s) skew through the wall"] if skew else []
     said += [f"{holes} hole(s) round its axis"] if holes else []
-    return replace(part, features=tuple(features)), " and ".join(said)
+    return replace(part, features=tuple(features)), ", ".join(said)
 
 
 def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
@@ -181,13 +204,13 @@ def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, in
     taken: list[Manifold] = []
     found: set[tuple[str, float, float]] = set()
     if part.profile.code == "RO":
-        tube, wall = round_wall(part)
-        turn = 2 * pi * tube
+        skin, wall = skin_of(part)
+        turn = skin.turn
         for (x, u), one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
-            taken.append(wrapped(one, tube, -FREE, wall + FREE))
+            taken.append(wrapped(one, skin, -FREE, wall + FREE))
             found.add(("v", round(x, 2), round(u % turn, 2) % round(turn, 2)))
     sides = walls(part.profile)
-    for face in ("v", "o", "u") if part.profile.code != "RO" else ():
+    for face in ("v", "o", "u", "h") if part.profile.code != "RO" else ():
         if face in sides:
             own = [c for c in part.contours if _wall_of(c.face, part) == face]
             for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
@@ -198,7 +221,9 @@ def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, in
 
 
 def _wall_of(face: str, part: Part) -> str:
-    """The face of a wall, seen from either side: a T has two of them."""
+    """The face of a wall, seen from either side: a T has two of them, a rectangular tube four."""
+    if part.profile.code == "M":
+        return face
     return {"h": "v", "o": "u" if part.profile.code == "T" else "o"}.get(face, face)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from msgspec import Struct
 
 from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
@@ -17,13 +18,17 @@ from beamcam.solid.bar_solid import (
     said_of_section,
     work_of,
 )
-from beamcam.solid.kernel import Frame, prism
-from beamcam.solid.sheet_solid import Stroke, left_of, taken_by
+from beamcam.solid.coper_solid import burns_of, stock_of, taken_by
+from beamcam.solid.copers import as_tube
+from beamcam.solid.kernel import Frame, minus, prism
+from beamcam.solid.sheet_solid import Stroke, left_of
+from beamcam.solid.sheet_solid import taken_by as taken_of_sheet
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
 AS_DRAWN: Frame = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0))
+ENDS = 1.0  #: mm off the ends of a bar; what comes nearer is a trim
 STEEP = 0.5  #: share of a wall's height that the normal of a flat has at least
 
 
@@ -51,6 +56,33 @@ def bar_meshes(
     return [_mesh(piece, lines) for piece in pieces]
 
 
+def coper_meshes(text: str, machine: Machine, part: Part, name: str, chord: float) -> list[Mesh]:
+    """The piece that a coper's program cuts out of its bar or tube, and no scrap; none if none
+    comes free.
+
+    It keeps within `chord` of what the jet leaves. Raises BeamcamError where there is no solid.
+    """
+    coper = machine.needed(machine.coper, "coper")
+    part = as_tube(part, coper) if coper.turns == "bar" else part
+    events, _ = cell_events(text, machine, name)
+    turned = in_degrees(events, coper, part.profile.height)
+    stock = stock_of(part, coper, None)
+    taken = [
+        (burn.line, taken_by(burn, coper, part).simplify(chord / 4).as_original())
+        for burn in burns_of(turned, machine, coper, part, name)
+    ]
+    lines = {one.original_id(): line for line, one in taken}
+    first, last = stock.bounding_box()[0], stock.bounding_box()[3]
+    free = []
+    for one in minus(stock, [body for _, body in taken]).decompose():
+        low, high = one.bounding_box()[0], one.bounding_box()[3]
+        is_parted = part.made is not None or (first + ENDS < low and high < last - ENDS)
+        if is_parted and high - low > part.length / 2:  # else what falls out of it
+            free.append(one)
+    piece = max(free, key=lambda one: float(one.volume()), default=None)
+    return [] if piece is None else [_mesh(piece.simplify(chord / 4), lines)]
+
+
 def _mesh(body: "Manifold", lines: Mapping[int, int]) -> Mesh:
     mesh = body.to_mesh()
     runs = np.asarray(mesh.run_index, dtype=np.int64) // 3
@@ -72,7 +104,7 @@ def sheet_meshes(
     from shapely import Polygon, STRtree, points
 
     cuts = [(s.moves[0].line, one) for s in strokes if s.process == "cut" and s.moves
-            for one in taken_by(s, kerf)]  # fmt: skip
+            for one in taken_of_sheet(s, kerf)]  # fmt: skip
     free = left_of([one for _, one in cuts])
     whole = [Polygon(one.exterior) for one in free]
     pieces = [

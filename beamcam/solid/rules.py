@@ -11,8 +11,8 @@ NO_KERNEL = error("solid-kernel",
 NO_SOLID = error("solid-none",
     "found {found}; expected what a solid can be made of",
     "Without the figures of the section, or with features on planes of their own, the solid of the "
-    "part is not known; nor is what a torch cuts that turns on its way, or at a speed of no row. "
-    "The read-back without --solid still counts.")
+    "part is not known; nor is what a torch cuts that turns on its way, that is not square to its "
+    "tube, or at a speed of no row. The read-back without --solid still counts.")
 NO_MACHINE = error("solid-machine",
     "found {found}; expected a saw and drilling line, a coper, or a table whose torch runs G-code",
     "What is machined as a solid is bars, profiles, tubes and plates; tables of steps and triggers "
@@ -48,8 +48,9 @@ ROUNDED = note("solid-rounded",
 SQUARE = note("solid-square",
     "found {found} mm3 left on {mark} as {what} are cut square to the wall; expected so, the torch "
     "does not tilt",
-    "Wedges of bevels stand on the list of manual work. A hole of a tube is as wide as a drill "
-    "through the axis makes it outside, and narrower inside. Wedges of tubes are not computed.")
+    "Wedges of bevels and of ends that are skew through a wall stand on the list of manual work. A "
+    "hole of a round tube is as wide as a drill through the axis makes it outside, and narrower "
+    "inside. Wedges of a tube's bevels are not computed.")
 RULES = (
     NO_KERNEL, NO_SOLID, NO_MACHINE, PIECES, SIZE, MISSING, EXTRA, HAND, LEFT_OUT, ROUNDED, SQUARE,
 )

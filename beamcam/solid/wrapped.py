@@ -1,15 +1,16 @@
-"""Shapes on the unrolled outside of a round section, as solids that go into its wall.
+"""Shapes on the unrolled outside of a tube, as solids that go into its wall, and the way back.
 
-   _____              u is the arc from the lowest line towards v, x runs along the axis;
- /       \\     v      depth counts inwards from the surface, square to it.
-|    +    |
- \\ _____ /
+   _____              u is the way round from the middle of the lowest line towards v, x runs along
+ /       \\     v      the axis; depth counts inwards from the surface, square to it. A tube is a
+|    +    |           rectangle with a round of one radius about it, of a round tube no more than
+ \\ _____ /            the axis.
      u = 0
 """
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from math import acos, ceil, pi, radians
+from itertools import pairwise
+from math import acos, ceil, cos, floor, pi, radians, sin
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,49 +26,131 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 STRIP_RAD = radians(6.0)
+SEAM_NOISE = 2.5  #: mm that the long sides of an outline may lie off the seam
 LAP = 1e-3  #: mm by which strips of one shape lie over each other, so that none comes apart
 
 
-def round_wall(part: Part) -> tuple[float, float]:
-    """Radius and wall of a round tube. Raises BeamcamError where it is none."""
+class Skin:
+    """The outside of a tube, by its section's height and width and the radius of its corners."""
+
+    def __init__(self, height: float, width: float, radius: float) -> None:
+        self.radius = radius
+        self.half_y, self.half_z = height / 2, width / 2
+        y, z = self._inner = max(0.0, height / 2 - radius), max(0.0, width / 2 - radius)
+        arc = radius * pi / 2
+        #: where faces and corners begin, from the middle of the lowest line on, and where all ends
+        self.borders = np.cumsum([0.0, z, arc, 2 * y, arc, 2 * z, arc, 2 * y, arc, z])
+        self.turn = float(self.borders[-1])
+        self._turned = np.array([0, 0, 1, 1, 2, 2, 3, 3, 4, 4]) * pi / 2
+        self._y = np.array([-y, -y, -y, y, y, y, y, -y, -y, -y])
+        self._z = np.array([0.0, z, z, z, z, -z, -z, -z, -z, 0.0])
+
+    def bent(self, points: Any) -> Floats:
+        """Rows of (x, u, outwards) in the section's axes (x, Y, Z)."""
+        x, u, out = points.T
+        u = np.mod(u, self.turn)
+        turned, from_inner = np.interp(u, self.borders, self._turned), self.radius + out
+        y = np.interp(u, self.borders, self._y) - from_inner * np.cos(turned)
+        z = np.interp(u, self.borders, self._z) + from_inner * np.sin(turned)
+        return np.column_stack((x, y + self.half_y, z + self.half_z))
+
+    def unbent(self, points: Any, first: float, last: float) -> Floats:
+        """Rows of (x, Y, Z) as (x, u, outwards) of a strip from one u to another."""
+        x, y, z = points.T
+        middle = (first + last) / 2 % self.turn
+        at_y = np.interp(middle, self.borders, self._y)
+        at_z = np.interp(middle, self.borders, self._z)
+        turned = float(np.interp(middle, self.borders, self._turned))
+        y, z = y - self.half_y - at_y, z - self.half_z - at_z
+        # along the surface and out of it, by the normal in the middle of the strip
+        along, away = y * sin(turned) + z * cos(turned), z * sin(turned) - y * cos(turned)
+        if self.is_flat(first, last):
+            return np.column_stack((x, (first + last) / 2 + along, away - self.radius))
+        u = (first + last) / 2 + self.radius * np.arctan2(along, away)
+        return np.column_stack((x, u, np.hypot(along, away) - self.radius))
+
+    def is_flat(self, first: float, last: float) -> bool:
+        middle = (first + last) / 2 % self.turn
+        k = int(np.searchsorted(self.borders, middle)) - 1
+        return bool(self._turned[k] == self._turned[k + 1])
+
+    def place(self, y: float, z: float, a_deg: float) -> tuple[float, float, float]:
+        """u below a tip at Y and Z from the axis while the tube has turned by A, its height over
+        the surface, and how far it stands beside the normal there."""
+        c, s = cos(radians(a_deg)), sin(radians(a_deg))
+        y, z = c * y - s * z, s * y + c * z
+        at_y, at_z = (min(max(v, -most), most) for v, most in zip((y, z), self._inner, strict=True))
+        away, beside = (z - at_z) * c - (y - at_y) * s, (z - at_z) * s + (y - at_y) * c
+        quarter = round((90.0 - a_deg) / 90.0)
+        flats = quarter * sum(self._inner) + (at_z, at_y, -at_z, -at_y)[quarter % 4]
+        return flats + self.radius * radians(90.0 - a_deg), away - self.radius, beside
+
+    def strips(self, low: float, high: float, most_rad: float) -> Iterator[tuple[float, float]]:
+        """Stretches of u, on corners so short that they turn by an angle at most."""
+        turns = range(floor(low / self.turn), ceil(high / self.turn) + 1)
+        inner = [
+            at for k in turns for at in (self.borders[:-1] + k * self.turn).tolist()
+            if low + LAP < at < high - LAP
+        ]  # fmt: skip
+        for first, last in pairwise([low, *inner, high]):
+            if last - first < LAP:
+                continue
+            flat = self.is_flat(first, last)
+            count = 1 if flat else ceil((last - first) / (self.radius * most_rad) - 1e-9)
+            for k in range(count):
+                yield tuple(first + (last - first) * (k + one) / count for one in (0, 1))
+
+
+def skin_of(part: Part) -> tuple[Skin, float]:
+    """The outside of a round or rectangular tube, and its wall.
+
+    Raises BeamcamError where it is none, or is a rectangular one whose corners have no radius.
+    """
     profile = part.profile
-    wall = profile.flange_thickness or profile.web_thickness or 0.0
-    if profile.code != "RO" or not 0.0 < wall <= profile.height / 2:
-        raise no_solid(part, f"a contour or slot round {profile.name}")
-    return profile.height / 2, wall
+    wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
+    high, wide, radius = profile.height, profile.width, profile.radius
+    if profile.code == "RO":
+        wide, radius = high, high / 2
+    if profile.code not in ("RO", "M") or not 0.0 < wall <= min(high, wide) / 2 or radius <= 0.0:
+        raise no_solid(part, f"a surface to go round of {profile.name}")
+    return Skin(high, wide, min(radius, high / 2, wide / 2)), wall
 
 
-def wrapped(shape: Shape, radius: float, low: float, high: float) -> "Manifold":
+def wrapped(shape: Shape, skin: Skin, low: float, high: float) -> "Manifold":
     """A shape in (x, u) of the surface as a solid from one depth to another.
 
     It is made of strips along x, whose sides lie where they should; between them an edge is off by
     their angle's third power, 0.003 mm at 136 mm. They begin in the air in front of the surface, so
-    that their chords do not come below it.
+    that their chords do not come below it. At a corner they go no deeper than its middle.
     """
     from shapely import clip_by_rect
 
-    m = kernel()
+    m, radius = kernel(), skin.radius
     if shape.is_empty:
         return m.Manifold()
     x0, u0, x1, u1 = shape.bounds
     air = acos(min(1.0, (radius + FREE / 2) / max(radius - low, radius + FREE / 2)))
-    step = radius * min(STRIP_RAD, 2 * max(air, STRIP_RAD / 10))
-    count = max(1, ceil((u1 - u0) / step))
-
-    def bent(points: Any) -> Floats:
-        x, u, out = points.T
-        at = u / radius
-        from_axis = radius + out
-        return np.column_stack(
-            (x, radius - from_axis * np.cos(at), radius + from_axis * np.sin(at))
-        )
-
     strips = []
-    for k in range(count):
-        first, last = (u0 + (u1 - u0) * (k + one) / count for one in (0, 1))
+    for first, last in skin.strips(u0, u1, min(STRIP_RAD, 2 * max(air, STRIP_RAD / 10))):
         strip = clip_by_rect(shape, x0 - 1.0, first - LAP, x1 + 1.0, last + LAP)
-        strips.append(extruded(strip, -high, -low).warp_batch(bent))
+        deep = high if skin.is_flat(first, last) else min(high, 0.999 * radius)
+        strips.append(extruded(strip, -deep, -low).warp_batch(skin.bent))
     return m.Manifold.batch_boolean(strips, m.OpType.Add)
+
+
+def unrolled(body: "Manifold", skin: Skin, deep: float) -> Shape:
+    """A wall `deep` at most as it is seen square to the surface, in (x, u) of one turn."""
+    from shapely import Polygon, box, union_all
+
+    low, high = body.bounding_box()[0] - FREE, body.bounding_box()[3] + FREE
+    seen = []
+    for first, last in skin.strips(0.0, skin.turn, STRIP_RAD):
+        region = wrapped(box(low, first, high, last), skin, -FREE, deep)
+        flat = (body ^ region).warp_batch(partial(skin.unbent, first=first, last=last))
+        for one in flat.project().decompose():
+            outer, *holes = (ring for ring in one.to_polygons() if len(ring) > 2)
+            seen.append(Polygon(outer, holes).buffer(0))
+    return union_all(seen)
 
 
 def outline_gone(part: Part, margin: float = 0.0) -> Shape:
@@ -75,12 +158,12 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
     without one."""
     from shapely import Polygon, box, transform
 
-    radius, _ = round_wall(part)
-    turn = 2 * pi * radius
+    turn = skin_of(part)[0].turn
     outlines = [one for one in part.contours if one.kind == "outer" and is_cut(one)]
     gone = box(-FREE, 0.0, part.length + FREE, turn) if outlines else Polygon()
     for one in outlines:
-        steel = transform(shape_of(one.curves), partial(_on_seam, one.curves, turn))
+        on_seam = partial(_on_seam, one.curves, turn, part.length / 2)
+        steel = transform(shape_of(one.curves), on_seam)
         gone = gone.difference(steel.buffer(0))
     if margin and outlines:
         gone = all_round(gone, turn).buffer(margin, join_style="mitre")
@@ -88,15 +171,17 @@ def outline_gone(part: Part, margin: float = 0.0) -> Shape:
     return gone
 
 
-def _on_seam(curves: Sequence[Curve], turn: float, points: Any) -> Any:
-    """Corners of an outline, the ends of its sides along the seam on it."""
+def _on_seam(curves: Sequence[Curve], turn: float, long: float, points: Any) -> Any:
+    """Corners of an outline, the ends of its sides along the seam on it; those of long sides may be
+    off by more."""
     points = points.copy()
     for side in curves:
         if isinstance(side, Line):
             for seam in (0.0, turn):
                 ends = np.array([side.start, side.end])
                 rise, run = np.ptp(ends[:, 1]), np.ptp(ends[:, 0])
-                if abs(ends[:, 1] - seam).max() <= OUTLINE_NOISE and rise <= 0.02 * run:
+                most = SEAM_NOISE if run >= long else OUTLINE_NOISE
+                if abs(ends[:, 1] - seam).max() <= most and rise <= 0.02 * run:
                     for end in ends:
                         points[np.hypot(*(points - end).T) < CHORD, 1] = seam
     return points
@@ -114,7 +199,7 @@ def round_cutters(feature: Slot | Contour, part: Part, margins: Margins) -> Iter
     """What a slot or a contour takes of a tube, square to its surface; bevels are not there."""
     if feature.face != "v":
         raise no_solid(part, f"a {type(feature).__name__.lower()} on face {feature.face}")
-    radius, wall = round_wall(part)
+    skin, wall = skin_of(part)
     depth = wall + FREE
     if isinstance(feature, Slot):
         shape = slot_shape(feature, margins.radius(feature.diameter))
@@ -125,4 +210,4 @@ def round_cutters(feature: Slot | Contour, part: Part, margins: Margins) -> Iter
         shape = outline_gone(part, margins.outline)
     else:
         shape = shape_of(feature.curves).buffer(margins.outline, join_style="mitre")
-    yield wrapped(shape, radius, -FREE, min(depth, 0.999 * radius))
+    yield wrapped(shape, skin, -FREE, depth)

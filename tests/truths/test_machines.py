@@ -10,6 +10,7 @@ ran. Facts of the tables: the stepper's lead of 2 mm in 200 steps, 800 x 500; th
 from math import nan
 
 import pytest
+from msgspec.structs import replace
 
 from beamcam.machine import Machine, load, shipped
 
@@ -382,7 +383,8 @@ COLOURS = {
 
 
 def test_every_machine_stands_here() -> None:
-    assert {*BARS, *COLOURS, "coper-linuxcnc", "tube-linuxcnc"} == set(shipped())
+    copers = {"coper-linuxcnc", "tube-linuxcnc", "tube-surface"}
+    assert {*BARS, *COLOURS, *copers} == set(shipped())
     for name, colours in COLOURS.items():
         torch = load(name).torch
         assert torch is not None
@@ -473,3 +475,5 @@ def test_the_tube_machine_has_the_torch_of_the_coper() -> None:
     assert coper is not None
     assert tube.rows == coper.rows
     assert (tube.turns, tube.profiles, tube.chuck, tube.seam) == ("bar", ("RO", "M"), 250, 0)
+    surface = load("tube-surface").coper
+    assert surface == replace(tube, profiles=("RO",), a_unit="mm")

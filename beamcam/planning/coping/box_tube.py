@@ -111,6 +111,13 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
                 said.append(rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}"))
             shape = shape.difference(gone)
         faces[face] = _Face(one.leg, one.size, shape, one.drawn)
+        r, wall = way.legs[1].patch.radius, part.profile.thickness(face)
+        reaches = [into for high in (True, False) for _, into in _ending(faces[face], high, r)[1]]
+        if reaches:
+            into = max(reaches)
+            source = next(f.source for f in own if f.face == face)
+            said.append(rules.REACHES.at(source, face=face, into=f"{into:.2f}",
+                                         found=f"{wall * into / r:.2f}"))  # fmt: skip
     shapes = []
     for one in faces.values():
         leg, (x0, _, x1, _) = one.leg, one.shape.bounds
@@ -267,6 +274,14 @@ def _corner(
     (a, a_high), (b, b_high) = BESIDE[corner.patch.name]
     r, wall = corner.patch.radius, corner.patch.thickness
     turns = np.linspace(0.0, pi / 2, LEVELS)
+    gone: list[Shape] = []
+    faces = dict(faces)
+    for face, high, at, way in (
+        (a, a_high, corner.begin, 1),
+        (b, b_high, corner.begin + r * pi / 2, -1),
+    ):
+        faces[face], ending = _ending(faces[face], high, r)
+        gone += [_on_corner(void, faces[face].size, high, r, at, way) for void, _ in ending]
     of_a = [faces[a].crossings(min(r * (1 - sin(t)), r - EDGE), a_high) for t in turns]
     of_b = [faces[b].crossings(min(r * (1 - cos(t)), r - EDGE), b_high) for t in turns]
     source = next(
@@ -305,7 +320,46 @@ def _corner(
         if len(inside) == len(free):
             off = np.abs(inside - (edge_a if other == a else edge_b))[free]
             left[face] = float(off.max(initial=0.0))
-    return union_all(shapes), left, []
+    return union_all(shapes).difference(union_all(gone)), left, []
+
+
+def _ending(one: _Face, high: bool, r: float) -> tuple[_Face, list[tuple[Shape, float]]]:
+    """A face without the cut-outs that end in a corner, and these, each with how far into it.
+
+    A face sees the corner beside it up to its middle, where the other one begins.
+    """
+    from shapely import box, union_all
+
+    x0, _, x1, _ = one.shape.bounds
+    low, top = (one.size - r, one.size) if high else (0.0, r)
+    within = box(x0 - 1.0, low, x1 + 1.0, top).difference(one.shape)
+    found = []
+    for void in getattr(within, "geoms", (within,)):
+        _, y0, _, y1 = void.bounds if not void.is_empty else (0.0, 0.0, 0.0, one.size)
+        into = y1 - low if high else top - y0
+        if EDGE < into <= r * sin(pi / 4) and void.area > 0.0:
+            found.append((void, into))
+    if not found:
+        return one, found
+    filled = union_all([one.shape, *(void.buffer(OVERLAP) for void, _ in found)])
+    filled = filled.intersection(box(x0, 0.0, x1, one.size))
+    return _Face(one.leg, one.size, filled, one.drawn), found
+
+
+def _on_corner(void: Shape, size: float, high: bool, r: float, at: float, way: int) -> Shape:
+    """A cut-out that ends in a corner, seen square to its face, on the surface.
+
+    `at` is where the corner begins for the face, from where the surface goes `way` into it.
+    """
+    from shapely import transform
+
+    def laid(places: Floats) -> Floats:
+        into = places[:, 1] - (size - r) if high else r - places[:, 1]
+        turned = np.arcsin(np.clip(into / r, 0.0, 1.0))
+        s = np.where(into <= EDGE, at - way * OVERLAP, at + way * r * turned)
+        return np.column_stack((places[:, 0], s))
+
+    return transform(void.segmentize(CHORD * 20), laid)
 
 
 def _through(plane: Plane, corner: Leg, turns: Floats, wall: float) -> tuple[Floats, Floats]:

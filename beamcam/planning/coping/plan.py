@@ -46,8 +46,9 @@ def plan_coping(
     told: tuple[Diagnostic, ...] = ()
     if coper.turns == "bar":
         pipes = [as_pipe(part) for part in parts]
-        parts = [_with_corners(part, coper) for part, _ in pipes]
-        told = tuple(said for _, said in pipes if said)
+        turned = [_with_corners(part, coper) for part, _ in pipes]
+        parts = [part for part, _ in turned]
+        told = tuple(said for _, said in (*pipes, *turned) if said)
         if errors_in(told):
             raise PlanError(told)
     refusals = [*_stock_faults(parts, machine, coper, bar)]
@@ -55,9 +56,6 @@ def plan_coping(
         raise PlanError(refusals)
     (part,) = parts
     if coper.turns == "bar":
-        ends = [] if part.profile.code == "M" else [*_end_faults(part)]
-        if ends:
-            raise PlanError(ends)
         plan = plan_tube(part, machine, coper, skips)
         return replace(plan, remarks=(*told, *plan.remarks))
     given, part = part, laid(part)
@@ -103,14 +101,17 @@ def plan_coping(
     return plan
 
 
-def _with_corners(part: Part, coper: Coper) -> Part:
-    """A rectangular tube whose corners are as round as the machine has them, if it does not say."""
+def _with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
+    """A rectangular tube whose corners are as round as the machine has them, if it does not say;
+    that is told."""
     profile = part.profile
-    if profile.code != "M":
-        return part
     wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
     radius = coper.outer_radius(profile.radius, wall)
-    return replace(part, profile=replace(profile, radius=radius))
+    if profile.code != "M" or radius == profile.radius:
+        return part, None
+    by = "coper.corners" if radius != coper.corner else "--corner or coper.corner"
+    said = rules.GIVEN_RADIUS.at(part.source, name=profile.name, found=f"{radius:g}", by=by)
+    return replace(part, profile=replace(profile, radius=radius)), said
 
 
 def _stock_faults(

@@ -4,7 +4,7 @@ Regions are polygons; their chords lie within CHORD of the curves of the part.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from math import atan2, degrees
+from math import atan2, degrees, inf
 from typing import Any
 
 from msgspec import Struct
@@ -26,6 +26,7 @@ CHORD = 0.01  #: mm between a curve and its chords
 SLIVER = CHORD / 10  #: mm; what is thinner is nothing
 ROUND = 32  #: sides of a quarter of a rounded corner
 OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files differ by 0.7
+SEAM_NOISE = 2.5  #: mm that the seam of a tube may be drawn off; about a kerf
 ALONG = 0.02  #: slope of a side that is an edge of its wall, at most
 MOST_ROUNDED = 1.75  #: radii that the rounding of a corner reaches along its sides
 CORNER_DEG = 20.0  #: a smaller turn belongs to a curve that is drawn by lines
@@ -110,22 +111,24 @@ def rounded(
     sides of a corner it ends at radius / tan(angle / 2), which at 60 degrees is 1.73 times the
     radius; what reaches farther belongs to a sharper corner or to a notch that is too narrow.
     """
-    from shapely import MultiPoint, segmentize, union_all
+    import numpy as np
+    from shapely import MultiPoint, distance, get_coordinates, points, segmentize, union_all
 
     if not corners:
         return Region(wall, shape, 0), said
     radius, places = coper.corner_radius, MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
+    each = np.array(places.geoms)
     added, count = [], 0
     for piece in _polygons(closed.difference(shape)):
         if piece.distance(places) > CHORD:
             continue
-        mine = [p for p in places.geoms if piece.distance(p) <= CHORD]
+        mine = each[distance(piece, each) <= CHORD].tolist()
         # Along a side that is nearly straight a sliver may hang on it, which reaches farther.
         round_it = piece.buffer(-SLIVER).buffer(SLIVER)
         round_it = max(_polygons(round_it), key=lambda one: one.area, default=piece)
-        places_round = MultiPoint(segmentize(round_it.exterior, radius / 4).coords).geoms
-        deep = max(MultiPoint(mine).distance(place) for place in places_round)
+        places_round = points(get_coordinates(segmentize(round_it.exterior, radius / 4)))
+        deep = float(distance(MultiPoint(mine), places_round).max())
         if deep <= 2 * CHORD:
             continue
         if deep > MOST_ROUNDED * radius:
@@ -149,16 +152,17 @@ def _polygons(shape: Shape) -> Iterator[Shape]:
             yield one
 
 
-def outline_on(wall: Wall, curves: Sequence[Curve]) -> Shape:
+def outline_on(wall: Wall, curves: Sequence[Curve], seam_from: float = inf) -> Shape:
     """The inside of an outline whose sides near an edge of its wall, or an end, lie on that.
 
+    Of a tube a side that is so long is its seam, which writers close worse than they draw edges.
     Places of an arc stay where they are: one that runs into an edge is not flattened by it.
     """
 
     def moved(place: Point, sides: Sequence[Line]) -> Point:
         x, y = place
         for edge in (0.0, wall.width):
-            if any(_lies_along(side, edge) for side in sides):
+            if any(off_edge(side, edge, seam_from) is not None for side in sides):
                 y = edge
         for end in wall.ends or ():
             if sides and abs(x - end.x(y)) <= OUTLINE_NOISE + end.play:
@@ -168,11 +172,12 @@ def outline_on(wall: Wall, curves: Sequence[Curve]) -> Shape:
     return shape_of(curves, moved)
 
 
-def _lies_along(side: Line, edge: float) -> bool:
-    """Whether a side is an edge of its wall, but for what an outline may be off."""
+def off_edge(side: Line, edge: float, seam_from: float = inf) -> float | None:
+    """How far a side is off an edge of its wall that it means; None where it means none."""
     (x0, y0), (x1, y1) = side.start, side.end
-    off = max(abs(y0 - edge), abs(y1 - edge))
-    return off <= OUTLINE_NOISE and abs(y1 - y0) <= ALONG * abs(x1 - x0)
+    off, run = max(abs(y0 - edge), abs(y1 - edge)), abs(x1 - x0)
+    most = SEAM_NOISE if run >= seam_from else OUTLINE_NOISE
+    return off if off <= most and abs(y1 - y0) <= ALONG * run else None
 
 
 def shape_of(

@@ -73,23 +73,42 @@ NO_PIPE = error("plan-coping-no-pipe",
     "Name and width of an unrolled pipe contradict each other, and only one can be right.")
 NO_RADIUS = error("plan-coping-radius",
     "found corners of {found} mm on {name}; expected their outer radius, {least} to {most} mm, in "
-    "the header of the part or by a row of coper.corners",
+    "the header of the part, by a row of coper.corners or by --corner",
     "The torch goes round the corners of a tube by their outer radius. Line 14 of a DSTV header "
-    "has it, or the machine file by the thickness of the wall; it is not guessed.")
+    "has it, or the machine file by the thickness of the wall, or else --corner (`corner` of "
+    "beamcam.toml); it is not guessed.")
+GIVEN_RADIUS = note("plan-coping-given-radius",
+    "found no radius of the corners of {name} in the file; taken as {found} mm outside, as {by} "
+    "has it",
+    "Measure a corner of the bar: the torch follows it by this radius. What a file says itself "
+    "goes before the machine file, and that before --corner.")
+SEAM = note("plan-coping-seam",
+    "found the seam of a tube's outline {found} mm off its place; taken as closed",
+    "The outline of an unrolled tube has two long sides along one line of its surface. Some draw "
+    "them from the last place of one end to the first of the other.")
 CORNER = error("plan-coping-corner",
     "found {found} at the corner between faces {a} and {b}; expected contours of both faces that "
     "go over it and meet at its edge",
     "What is cut over a corner has to be drawn on both faces beside it, up to the edge at which "
     "they meet; holes and slots lie beside the corner.")
+REACHES = warning("plan-coping-reaches",
+    "found a cut-out of face {face} that reaches {into} mm into a corner; cut square to its round, "
+    "up to {found} mm narrower at the inside of the wall",
+    "It is as wide as drawn where it is seen square to its face. Beyond the middle of the corner, "
+    "where the other face begins, a cut-out has to be drawn on both.")
 SLANT = warning("plan-coping-slant",
     "found ends or sides skew through the wall, cut square to the surface; up to {found} mm off at "
     "the inside of the walls {faces}",
     "The torch stands square to the wall. It cuts a skew end where the wall reaches farthest, so "
     "that no steel is missing; what is too much has to be ground off.")
+WEDGE = warning("plan-coping-wedge",
+    "found bevelled edges cut square through {wall} mm; up to {found} mm left outside or inside",
+    "An edge with an angle leans through the wall as the surface does that it is to fit, which a "
+    "torch square to the wall does not. The wedges stand on the list of manual work, by edge.")
 SLOW = warning("plan-coping-slow",
     "found axis {axis} too slow for the corners, which are cut at {found} mm/min; expected "
     "{expected} mm/min as on the faces",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
 RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, TEE, PIECE, NO_RADIUS, CORNER, SLANT, SLOW)
+    BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES, SLANT, WEDGE, SLOW)

@@ -12,7 +12,7 @@ from math import asin, cos, degrees, hypot, inf, pi, sin
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.geometry.curves import Point
+from beamcam.geometry.curves import Line, Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
@@ -27,15 +27,18 @@ from beamcam.planning.coping.cuts import ROUND, Chain, borders_of, chains_of, le
 from beamcam.planning.coping.features import Sorted, sorted_features
 from beamcam.planning.coping.regions import (
     CHORD,
+    OUTLINE_NOISE,
     Cut,
     Region,
     Shape,
     curves_of,
+    off_edge,
     outline_on,
     rounded,
     shape_of,
     sharp_corners,
 )
+from beamcam.planning.coping.tube_end import between_ends, denied_ends, skew_of, wedge_of
 from beamcam.planning.coping.walls import Wall
 from beamcam.planning.left_out import BEVEL
 
@@ -73,9 +76,16 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
                 part.source, count=region.rounded // 3, face="v", radius=f"{coper.corner_radius:g}"
             )
         )
+    skew = skew_of(part) if profile.code == "RO" else 0.0
+    if skew >= LEAST_SLANT:
+        slant = {**slant, "v": skew}
     if slant:
         said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
                                    faces=", ".join(slant)))  # fmt: skip
+    wedges = [(wedge_of(c, wall, coper.min_bevel), c.source) for c in part.contours]
+    deepest, source = max(wedges, key=lambda one: one[0], default=(0.0, part.source))
+    if deepest >= LEAST_SLANT:
+        said.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
     said += _slow_axes(part, machine, row, way)
     needed = part.length + 2 * coper.trim + coper.chuck
     said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
@@ -157,14 +167,24 @@ def _region(
     round_it = surface.width
     own = [f for f in map(part.features.__getitem__, found.cut) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
-    whole: Shape = box(0.0, 0.0, part.length, round_it)
+    whole: Shape = between_ends(part)
+    said: list[Diagnostic] = []
     if outer:
         strip = box(-part.length, 0.0, 2 * part.length, round_it)
-        drawn = [outline_on(surface, c.curves) for c in outer]
+        drawn = [outline_on(surface, c.curves, part.length / 2) for c in outer]
+        open_seams = [
+            off
+            for contour in outer for side in contour.curves for edge in (0.0, round_it)
+            if isinstance(side, Line)
+            and (off := off_edge(side, edge, part.length / 2)) is not None
+            and off > OUTLINE_NOISE
+        ]  # fmt: skip
+        if open_seams:
+            said.append(rules.SEAM.at(outer[0].source, found=f"{max(open_seams):.2f}"))
         whole = union_all(drawn).intersection(strip)
+        said += denied_ends(part, whole)
     turns = [k * round_it for k in range(3)]
     shape = union_all([translate(whole, 0.0, turn) for turn in turns])
-    said: list[Diagnostic] = []
     corners: list[Point] = []
     for feature in own:
         if isinstance(feature, Contour):

@@ -9,6 +9,7 @@ nothing is shared with planning and motion, nor is the map of surfaces that they
 from collections.abc import Collection, Sequence
 
 from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import is_row_for, material_said
@@ -34,7 +35,7 @@ def verify_coping(
     from beamcam.verify.coping.section import Section, lying
     from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
-    from beamcam.verify.coping.tube import cut_square, tube_faults, unrolled_pipe
+    from beamcam.verify.coping.tube import cut_square, tube_faults, tube_section, unrolled_pipe
     from beamcam.verify.coping.wanted import may_be_left, wanted_on
 
     coper = machine.needed(machine.coper, "coper")
@@ -44,16 +45,26 @@ def verify_coping(
     if len(parts) > 1:
         return (*said, rules.PARTS.at(Source(name), found=len(parts)))
     part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
-    codes = ("RO", "M") if coper.turns == "bar" else ("I", "U", "L", "T")
+    codes = ["RO", "M"] if coper.turns == "bar" else ["I", "U", "L", "T"]
+    codes = ["RO"] if coper.a_unit == "mm" else codes
     code = part.profile.code
     if code not in codes:
         expected = ", ".join(codes)
         return (*said, rules.SECTION.at(Source(name), found=code, expected=expected))
+    if code == "M":
+        size, wall = part.profile, tube_section(part, coper)
+        most = min(size.height, size.width) / 2
+        if not wall.wall <= wall.radius <= most:
+            return (*said, rules.RADIUS.at(
+                part.source, found=f"{wall.radius:g}", name=size.name or "a tube",
+                least=f"{wall.wall:g}", most=f"{most:g}",
+            ))  # fmt: skip
     part = lying(part)
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     left = may_be_left(part, machine, coper, skips)
     if coper.turns == "bar":
+        events = in_degrees(events, coper, part.profile.height)
         said += tube_faults(events, part, machine, coper, rows, left, name)
         if errors_in(said):
             return tuple(said)

@@ -7,7 +7,7 @@ plane is cut where the wall reaches farthest, at its outside or at its inside.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import hypot, pi, radians, tan
+from math import hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
@@ -60,12 +60,17 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     ends = [_end(part, walls, section, side) for side in (-1, 1)]
     off = {face: max(_skew(end, section, face) for end in ends) for face in walls}
     shapes, corners = [], list[Point]()
+    ending: dict[str, list[Shape]] = {face: [] for face in walls}
     for face, wall in walls.items():
         steel = _ended(wall, part, ends, section)
         for feature in features:
             if getattr(feature, "face", "") != face:
                 continue
-            steel = steel.difference(_void(feature))
+            void = _void(feature)
+            if _into_corner(void, wall.wide, section.radius):
+                ending[face].append(void)
+            else:
+                steel = steel.difference(void)
             if isinstance(feature, Contour):
                 corners += [
                     (x, section.around(face, y))
@@ -73,12 +78,18 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
                     if section.radius - INSIDE <= y <= wall.wide - section.radius + INSIDE
                 ]
         walls[face] = _Wall(face, wall.wide, steel, wall.is_drawn)
-        shapes.append(_flat(walls[face], section))
+        flat = steel.difference(union_all(ending[face])) if ending[face] else steel
+        shapes.append(_flat(_Wall(face, wall.wide, flat, wall.is_drawn), section))
     for k, corner in enumerate(CORNERS):
         shape = _rounded(k, walls, ends, section, off)
         if shape is None:
             return BoxWanted(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
-        shapes.append(shape)
+        seen = [
+            _in_corner(void, walls[face].wide, at_high, is_first, k, section)
+            for face, at_high, is_first in ((*corner[:2], True), (*corner[2:], False))
+            for void in ending[face]
+        ]
+        shapes.append(shape.difference(union_all(seen)) if seen else shape)
     one, turn = union_all(shapes), section.turn
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
     everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
@@ -232,6 +243,40 @@ def _ended(wall: _Wall, part: Part, ends: Sequence[End | None], section: TubeSec
         whole = union_all([steel, quad(deep)]) if wall.is_drawn else steel
         steel = whole.intersection(quad(-side * FAR))
     return steel
+
+
+def _into_corner(void: Shape, wide: float, radius: float) -> float:
+    """How far a cut-out goes beyond the flat of its face, where it ends before the middle of the
+    corner; 0 of any other."""
+    if void.is_empty:
+        return 0.0
+    _, low, _, high = void.bounds
+    into = max(high - wide, -low) + radius
+    return into if INSIDE < into <= radius * sin(pi / 4) else 0.0
+
+
+def _in_corner(
+    void: Shape, wide: float, at_high: bool, is_first: bool, k: int, section: TubeSection
+) -> Shape:
+    """A cut-out seen square to its face, where it lies on the corner behind or before that."""
+    from shapely import Polygon, box, transform
+
+    r, first = section.radius, section.corner(k)
+    zone = box(-FAR, wide - r, FAR, wide) if at_high else box(-FAR, 0.0, FAR, r)
+    part = void.intersection(zone)
+    if part.area <= 0.0:
+        return Polygon()
+
+    def laid(places: Any) -> Any:
+        import numpy as np
+
+        beyond = places[:, 1] - (wide - r) if at_high else r - places[:, 1]
+        turned = r * np.arcsin(np.clip(beyond / r, 0.0, 1.0))
+        turned = np.where(beyond < INSIDE, -1e-4, turned)  # over the seam with the flat
+        return np.column_stack((places[:, 0], first + turned if is_first
+                                else first + r * pi / 2 - turned))  # fmt: skip
+
+    return transform(part.segmentize(0.2), laid)
 
 
 # --- round ----------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 import re
 
 from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import is_row_for, material_said
@@ -61,6 +62,7 @@ def strokes_of(
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     if coper.turns == "bar":
         section = tube_section(unrolled_pipe(part), coper)
+        events = in_degrees(events, coper, 2 * section.half_y)
         torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, section, rows, name)
     else:
         torch = ProfileTorch(machine, coper, Section(part.profile), rows, name)

@@ -1,7 +1,7 @@
 """What is drawn as rings of points, for the read-back alone."""
 
 from collections.abc import Callable, Iterator, Sequence
-from math import ceil, cos, pi, radians, sin
+from math import ceil, cos, inf, pi, radians, sin
 
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
@@ -10,6 +10,7 @@ from beamcam.model.part import Slot
 FINE = 0.02  #: mm between a curve and its chords, at most
 STEPS = 256  #: of a curve that is no arc
 EDGE_NOISE = 1.0  #: mm that a side of an outline may lie off the edge of its wall and mean it
+SEAM_NOISE = 2.5  #: likewise of a tube's seam, which is a long side
 EDGE_SLOPE = 0.02  #: of such a side, at most
 
 
@@ -19,9 +20,12 @@ def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
 
 
 def outline_ring(
-    curves: tuple[Curve, ...], edges: Sequence[float], at_end: Callable[[Point], Point]
-) -> list[Point]:
+    curves: tuple[Curve, ...], edges: Sequence[float], at_end: Callable[[Point], Point],
+    seam_from: float = inf,
+) -> list[Point]:  # fmt: skip
     """Points along an outline, its sides near one of some edges on that edge.
+
+    A side of a tube that is as long as `seam_from` may be its seam.
 
     Only ends of straight sides are moved, to an edge and then by `at_end`; those of an arc that
     runs into an edge are steel that is asked for.
@@ -31,17 +35,18 @@ def outline_ring(
         first, *rest = _places(curve)
         sides = [one for one in (curves[k - 1], curve) if isinstance(one, Line)]
         x, y = first
-        on = [edge for edge in edges if any(_is_edge(side, edge) for side in sides)]
+        on = [edge for edge in edges if any(_is_edge(side, edge, seam_from) for side in sides)]
         first = (x, on[0] if on else y)
         found += [at_end(first) if sides else first, *rest]
     return found
 
 
-def _is_edge(side: Line, edge: float) -> bool:
+def _is_edge(side: Line, edge: float, seam_from: float) -> bool:
     """Whether a side of an outline means an edge of its wall."""
     off, run = abs(side.start[1] - edge), side.end[0] - side.start[0]
     rise = side.end[1] - side.start[1]
-    return max(off, abs(side.end[1] - edge)) <= EDGE_NOISE and abs(rise) <= EDGE_SLOPE * abs(run)
+    most = SEAM_NOISE if abs(run) >= seam_from else EDGE_NOISE
+    return max(off, abs(side.end[1] - edge)) <= most and abs(rise) <= EDGE_SLOPE * abs(run)
 
 
 def _places(curve: Curve) -> list[Point]:

@@ -22,6 +22,11 @@ SQUARE = error("verify-coping-square",
     "{expected} mm",
     "Over a tube the torch stands upright, square to the wall on faces and corners alike, all the "
     "way of a cut.")
+RADIUS = error("verify-coping-radius",
+    "found corners of {found} mm on {name}; expected their outer radius, {least} to {most} mm, in "
+    "the part, by a row of coper.corners or by --corner",
+    "Where the torch has to be over a corner follows from its radius. A program that was made "
+    "with --corner is read back with the same.")
 LOST = error("verify-coping-corner",
     "found contours that end at the corner between faces {found}; expected them to go over it and "
     "meet",
@@ -74,6 +79,6 @@ ORDER = error("verify-coping-order",
     "found a cut on face {face} behind the first one of the far end; expected those last",
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
 RULES = (
-    PARTS, SECTION, TORCH, ANGLE, SQUARE, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE,
-    HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER,
+    PARTS, SECTION, TORCH, ANGLE, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT,
+    PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER,
 )  # fmt: skip

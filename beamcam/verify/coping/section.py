@@ -75,6 +75,14 @@ def lying(part: Part) -> Part:
     return replace(turned, features=tuple(map(_seen, turned.features)), made=made)
 
 
+def as_drawn(part: Part) -> Part:
+    """A part that lies under the torch in the axes of its section; of a T on faces h and u."""
+    if part.profile.code != "T":
+        return part
+    back: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+    return rotated(part, back)
+
+
 def _seen(feature: Feature) -> Feature:
     """A feature of a T on its side, on the face of its plate that the torch looks at."""
     match getattr(feature, "face", ""):
@@ -200,7 +208,7 @@ class TubeSection:
         from shapely import Point, box
 
         if not (self.flat_y or self.flat_z):
-            return Point(0.0, 0.0).buffer(self.radius, 256)
+            return Point(0.0, 0.0).buffer(self.radius, FILLET_STEPS)
         inner = box(-self.flat_y, -self.flat_z, self.flat_y, self.flat_z)
         return inner.buffer(self.radius, FILLET_STEPS)
 

@@ -159,8 +159,12 @@ class Torch(ABC):
         a, pivot = radians(a_deg), self._coper.pivot
         return x, y + pivot * sin(a), z - pivot * cos(a)
 
+    def _as_written(self, a_deg: float) -> float:
+        """A in the unit of the program and of its axis."""
+        return a_deg
+
     def _limits(self, move: Move[Place]) -> None:
-        values = dict(zip("XYZA", (*move.end, move.a_deg[1]), strict=True))
+        values = dict(zip("XYZA", (*move.end, self._as_written(move.a_deg[1])), strict=True))
         for axis in self._machine.axes:
             least, most = axis.limits
             found = values.get(axis.moves, least)

@@ -8,7 +8,7 @@ surface is straight; of a round tube a place on top at A lies at u = R (90 - A) 
 import re
 from collections.abc import Collection, Iterator, Sequence
 from itertools import pairwise
-from math import asin, dist, pi, radians, sin
+from math import asin, cos, dist, hypot, pi, radians, sin, tan
 from typing import Any
 
 from msgspec.structs import replace
@@ -22,11 +22,11 @@ from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, Feature, Hole, Part, Slot
 from beamcam.verify.asked import by_hand
 from beamcam.verify.coping import rules
-from beamcam.verify.coping.box_tube import box_wanted
+from beamcam.verify.coping.box_tube import LEAST_OFF, box_wanted
 from beamcam.verify.coping.collisions import strike_faults
 from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
-from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch
+from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
 
 Shape = Any  #: of shapely
@@ -36,6 +36,8 @@ MIDDLE_SLACK = 0.05  #: mm there, as on a corner the tip goes straight between t
 SPECK = 0.05  #: mm2 that is nothing
 SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
 HOLE_STEPS = 120
+END_STEPS = 1440  #: of a skew end
+SQUARE_DEG = 0.2  #: of an end; less is noise
 _CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 
@@ -53,6 +55,12 @@ class TubeTorch(Torch):
         self._section = section
         #: mm that a way may be off as its ends are written
         self._written = 2 * written_step(machine, section)
+
+    def _as_written(self, a_deg: float) -> float:
+        """A in the unit of the program: mm of the surface are those of a round tube."""
+        if self._coper.a_unit == "mm":
+            return self._section.radius * radians(90.0 - a_deg)
+        return a_deg
 
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         source, place = Source(self._name, line), self._section.place
@@ -114,8 +122,11 @@ def _on_way(move: Move[Place], share: float) -> tuple[float, float, float]:
 
 def written_step(machine: Machine, section: TubeSection) -> float:
     """mm on the surface that figures are rounded to."""
-    form = machine.format
-    return form.resolution + section.reach * radians(10.0**-form.angle_decimals)
+    form, coper = machine.format, machine.coper
+    step = 10.0**-form.angle_decimals
+    if coper is not None and coper.a_unit == "mm":
+        return form.resolution + step
+    return form.resolution + section.reach * radians(step)
 
 
 def tube_section(part: Part, coper: Coper) -> TubeSection:
@@ -158,7 +169,10 @@ def tube_faults(
     section = tube_section(part, coper)
     torch = TubeTorch(machine, coper, section, rows, name)
     torch.follow(events)
-    said = [*torch.said, *strike_faults(torch.ways, section, coper, name)]
+    ways: Sequence[Way] = torch.ways
+    if part.profile.code == "RO":  # which looks alike from everywhere round it
+        ways = [replace(way, a_deg=(0.0, 0.0)) for way in ways]
+    said = [*torch.said, *strike_faults(ways, section, coper, name)]
     if errors_in(said):
         return said
     slack = coper.tolerance + 2 * written_step(machine, section) + FINE
@@ -170,6 +184,12 @@ def tube_faults(
         drawn, wanted, off = box.drawn, box.cut, box.off
     else:
         drawn, wanted = _wanted(part, coper, left, section.turn)
+        cuts = part.cuts
+        leans = [
+            hypot(*(tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in pair))
+            for pair in ((cuts.web_start, cuts.flange_start), (cuts.web_end, cuts.flange_end))
+        ]
+        off = {"v": deep} if (deep := section.wall * max(leans)) >= LEAST_OFF else {}
     found = [
         *said,
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
@@ -271,11 +291,15 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
     from shapely import Polygon, box, make_valid, union_all
     from shapely.affinity import translate
 
+    # An outline says more of an end than the header.
     features = [f for k, f in enumerate(part.features) if k not in left]
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
-    one: Shape = box(0.0, 0.0, part.length, turn)
+    one: Shape = _between_planes(part)
     if outlines:
-        rings = [outline_ring(c.curves, (0.0, turn), lambda place: place) for c in outlines]
+        rings = [
+            outline_ring(c.curves, (0.0, turn), lambda place: place, part.length / 2)
+            for c in outlines
+        ]
         one = union_all([make_valid(Polygon(ring)) for ring in rings])
         one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
@@ -299,6 +323,33 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
     drawn = areas_of(drawn)
     everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
     return drawn, with_round_corners(drawn, everywhere, coper.corner_radius)
+
+
+def _between_planes(part: Part) -> Shape:
+    """A tube without an outline on one turn, its ends where their planes meet the wall farthest."""
+    from shapely import Polygon
+
+    radius = part.profile.height / 2
+    inner = radius - max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
+    steps = [2 * pi * k / END_STEPS for k in range(END_STEPS + 1)]
+    ends = []
+    for side, web, flange in (
+        (-1, part.cuts.web_start, part.cuts.flange_start),
+        (1, part.cuts.web_end, part.cuts.flange_end),
+    ):
+        rise, lean = (tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in (web, flange))
+        # The plane touches x 0 or the length at the outside; Y is -cos, Z sin of the way round.
+        if not (rise or lean):
+            x = part.length if side > 0 else 0.0
+            ends.append([(x, 0.0), (x, 2 * pi * radius)])
+            continue
+        middle = (part.length if side > 0 else 0.0) - side * radius * hypot(rise, lean)
+        xs = [[r * (rise * cos(t) - lean * sin(t)) for r in (radius, inner)] for t in steps]
+        ends.append([
+            (middle + (max(pair) if side > 0 else min(pair)), radius * t)
+            for pair, t in zip(xs, steps, strict=True)
+        ])  # fmt: skip
+    return Polygon([*ends[0], *reversed(ends[1])])
 
 
 def _drilled(hole: Hole, radius: float) -> Iterator[Point]:

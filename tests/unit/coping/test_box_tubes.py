@@ -3,29 +3,36 @@
 import random
 import re
 from itertools import pairwise
-from math import atan2, cos, degrees, dist, hypot, pi, radians, sin, tan
+from math import asin, atan2, cos, degrees, dist, hypot, pi, radians, sin, tan
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+import beamcam
+from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine.coper import TubeCorner
-from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
+from beamcam.machine.overlay import with_corner
+from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Profile, Slot
+from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
+from beamcam.recovery import recover
 from beamcam.report.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
+from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from benchmarks import coping_faults
-from tests.conftest import THIRD_PARTY, examples
+from tests.conftest import SAMPLES, THIRD_PARTY, examples
 from tests.random_boxes import mitred, over_corner, random_box
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.coping import samples
-from tests.unit.coping.samples import AT, job_of
+from tests.unit.coping.samples import AT, COPER, job_of
 from tests.unit.coping.test_tubes import TUBE, found, planned, program_of
 
 SHS = Profile("M", "SHS100*6", 100.0, 100.0, 6.0, 6.0, 10.0)
@@ -150,6 +157,59 @@ def test_a_window_over_each_corner_is_cut_once(corner: int) -> None:
     assert not found(program_of(part), part)
 
 
+# --- into a corner --------------------------------------------------------------------------------
+
+
+def test_a_hole_that_reaches_into_a_corner_worked_by_hand() -> None:
+    """A hole of 26 whose lowest place is 7 mm above the edge, 3 of them in a corner of 10: there it
+    lies at arcsin 0.3 of the round; 3 / 10 of the wall of 6 are what it is narrower inside."""
+    plan = planned(tube(Hole("v", 200.0, 20.0, 26.0, AT)))
+    (said,) = [d for d in plan.remarks if d.code == "plan-coping-reaches"]
+    assert "of face v that reaches 3.00 mm into a corner" in said.message
+    assert "up to 1.80 mm narrower" in said.message
+    border = around(SHS).on_face("v").begin  # half a face and a corner from the middle of u
+    assert border == pytest.approx(40.0 + ARC)
+    lowest = min(s for _, s in plan.operations[0].path[1:])
+    assert lowest == pytest.approx(border - 10.0 * asin(0.3) + 1.0, abs=0.02)
+
+
+REACHING = st.tuples(
+    st.sampled_from(["v", "h", "o", "u"]), st.booleans(), st.floats(0.2, 6.5), st.booleans()
+)
+
+
+@given(st.lists(REACHING, min_size=1, max_size=3))
+@settings(max_examples=examples(15))
+def test_holes_and_slots_into_corners_are_read_back(
+    drawn: list[tuple[Face, bool, float, bool]],
+) -> None:
+    features: list[Feature] = []
+    for k, (face, high, into, is_slot) in enumerate(drawn):
+        y = 10.0 + 12.0 - into
+        y = SHS.face_width(face) - y if high else y
+        x = 100.0 + 90.0 * k
+        features.append(
+            Slot(face, x, y, 24.0, 20.0, 0.0, 0.0, AT) if is_slot else Hole(face, x, y, 24.0, AT)
+        )
+    part = tube(*features)
+    text = program_of(part)
+    assert not found(text, part)
+    moved = replace(features[0], x=features[0].x + 1.0)  # type: ignore[call-arg, union-attr]
+    assert found(text, tube(moved, *features[1:]))
+
+
+@pytest.mark.parametrize("face", ["v", "h", "o", "u"])
+def test_the_solid_and_the_recovery_agree_with_a_hole_in_a_corner(face: Face) -> None:
+    part = tube(Hole(face, 200.0, 82.0, 26.0, AT), Hole(face, 300.0, 50.0, 26.0, AT))
+    text = program_of(part)
+    assert not solid_faults(text, Request((part,), TUBE))
+    other = tube(Hole(face, 200.0, 80.0, 26.0, AT), Hole(face, 300.0, 50.0, 26.0, AT))
+    assert solid_faults(text, Request((other,), TUBE))
+    (back,) = recover(text, TUBE).parts
+    holes = sorted((h.face, h.x, h.y, h.diameter) for h in back.holes)
+    assert holes == [(face, 200.0, 82.0, 26.0), (face, 300.0, 50.0, 26.0)]
+
+
 # --- refused --------------------------------------------------------------------------------------
 
 REFUSED = [
@@ -159,7 +219,7 @@ REFUSED = [
     ("plan-section", tube(profile=Profile("M", "RHS400*200*8", 400.0, 200.0, 8.0, 8.0, 16.0))),
     ("plan-section-shape", tube(profile=Profile("M", "SHS", 100.0, 100.0, 60.0, 6.0, 60.0))),
     ("plan-coping-corner", tube(Hole("v", 200.0, 15.0, 26.0, AT))),
-    ("plan-coping-corner", tube(Slot("o", 200.0, 85.0, 18.0, 30.0, 0.0, 0.0, AT))),
+    ("plan-coping-corner", tube(Slot("o", 200.0, 89.0, 18.0, 30.0, 0.0, 0.0, AT))),
     ("plan-coping-corner", tube(*over_corner(SHS, 1, 200.0, 40.0, 0.0)[:1])),
     ("plan-coping-corner", tube(*over_corner(SHS, 1, 200.0, 40.0, 0.0)[:1],
                                 *over_corner(SHS, 1, 205.0, 40.0, 0.0)[1:])),
@@ -187,6 +247,45 @@ def test_corners_that_the_file_does_not_say_are_those_of_the_machine() -> None:
     assert found(text, bare, with_corners(TubeCorner(6.0, 2.0)))
     with pytest.raises(PlanError, match="plan-coping-radius"):
         planned(tube(profile=replace(SHS, flange_thickness=12.0, radius=0.0)), machine)
+
+
+def test_corners_that_neither_says_are_those_of_the_job() -> None:
+    bare = tube(HOLE, profile=replace(SHS, radius=0.0))
+    machine = with_corner(TUBE, 10.0)
+    plan = planned(bare, machine)
+    assert plan.operations == planned(tube(HOLE)).operations
+    (said,) = [d for d in plan.remarks if d.code == "plan-coping-given-radius"]
+    assert "taken as 10 mm outside, as --corner" in said.message
+    text = program_of(bare, machine)
+    assert not found(text, bare, machine)
+    assert {d.code for d in found(text, bare)} == {"verify-coping-radius"}
+    assert {d.code for d in found(text, bare, with_corner(TUBE, 12.0))} == {"verify-coping-square"}
+    # The file goes before the machine's table, and that before the job.
+    both = with_corner(with_corners(TubeCorner(6.0, 10.0 / 6.0)), 14.0)
+    assert planned(bare, both).operations == plan.operations
+    assert "as coper.corners has it" in str(planned(bare, both).remarks[0])
+    assert planned(tube(HOLE), both).operations == plan.operations
+    assert with_corner(COPER, 10.0) is COPER
+
+
+def test_the_option_and_the_configuration(tmp_path: Path) -> None:
+    part = SAMPLES / "coping" / "bare.nc1"
+    program = tmp_path / "b.ngc"
+
+    def run(*words: object) -> tuple[int, str]:
+        done = CliRunner().invoke(main, [str(word) for word in words])
+        return done.exit_code, done.stderr
+
+    post = ("post", part, "--machine", "tube-linuxcnc", "-o", program)
+    assert "plan-coping-radius" in run(*post)[1]
+    code, said = run(*post, "--corner", "12")
+    assert (code, "plan-coping-given-radius" in said) == (0, True)
+    assert run("verify", program, "--against", part, "--corner", "12")[0] == 0
+    assert "verify-coping-radius" in run("verify", program, "--against", part)[1]
+    (tmp_path / "beamcam.toml").write_text("corner = 12\n")
+    assert run("verify", program, "--against", part, "--config", tmp_path / "beamcam.toml")[0] == 0
+    machine = beamcam.load("tube-linuxcnc", corner=12)
+    assert beamcam.post(beamcam.read(part).parts, machine).text == program.read_text()
 
 
 def test_what_the_file_says_of_its_corners_comes_before_the_machine() -> None:

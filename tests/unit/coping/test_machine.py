@@ -148,3 +148,11 @@ def test_a_tube_machine_comes_to_the_corners_of_its_tubes(tmp_path: Path) -> Non
     assert _faults(path) == {"axes.2.max"}
     path.write_text('base = "tube-linuxcnc"\n[coper]\nprofiles = ["RO"]\nclearance = 100\n')
     assert _faults(path) == set()
+
+
+def test_only_round_tubes_turn_by_mm_of_their_surface(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text('base = "tube-linuxcnc"\n[coper]\na_unit = "mm"\n')
+    assert _faults(path) == {"coper.a_unit"}
+    path.write_text('base = "tube-linuxcnc"\n[coper]\nprofiles = ["RO"]\ncorner = 10\n')
+    assert _faults(path) == {"coper.corner"}

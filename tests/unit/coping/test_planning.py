@@ -275,9 +275,17 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"plan-coping-alone", "plan-coping-rounded", "plan-coping-bar"}
     tested |= {"plan-coping-piece", "plan-coping-open"}  # in test_pieces.py
     tested |= {"plan-coping-tee"}  # above
-    tested |= {"plan-coping-pipe", "plan-coping-no-pipe"}  # in test_tubes.py
-    of_boxes = ("radius", "corner", "slant", "slow")  # in test_box_tubes.py
+    tested |= {"plan-coping-pipe", "plan-coping-no-pipe", "plan-coping-seam"}  # in test_tubes.py
+    of_boxes = (
+        "radius",
+        "given-radius",
+        "corner",
+        "reaches",
+        "slant",
+        "slow",
+    )  # in test_box_tubes.py
     tested |= {f"plan-coping-{name}" for name in of_boxes}
+    tested |= {"plan-coping-wedge"}  # in test_tube_ends.py
     assert {rule.code for rule in RULES} <= tested
 
 

@@ -213,7 +213,11 @@ def test_scrap_that_a_flange_holds() -> None:
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in WRONG} | {"verify-coping-parts", "verify-coping-holds"}
     tested |= {"verify-coping-short"}  # in test_pieces.py
-    tested |= {"verify-coping-square", "verify-coping-corner"}  # in test_box_tubes.py
+    tested |= {
+        "verify-coping-square",
+        "verify-coping-corner",
+        "verify-coping-radius",
+    }  # in test_box_tubes.py
     assert {rule.code for rule in RULES} == tested
 
 

@@ -15,9 +15,12 @@ from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Bevel, EndCuts, Feature, Hole, Part, Profile
 from beamcam.model.plan import CopePlan
+from beamcam.model.request import Request
+from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.report.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
+from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
 from beamcam.verify.coping import verify_coping
 from benchmarks import coping_faults
@@ -121,6 +124,7 @@ def test_what_cannot_be_made_is_refused(code: str, part: Part) -> None:
     assert {d.code for d in caught.value.diagnostics} == {code}
 
 
+KNOWN = ("solid-rounded", "solid-square")
 PLATE = Profile("B", "PIPE168.3*8", TURN, 0.0, 0.0, 8.0)
 
 
@@ -144,6 +148,42 @@ def test_a_pipe_whose_name_has_another_diameter_is_refused() -> None:
         planned(tube(profile=replace(PLATE, name="PIPE218.9*8")))
     with pytest.raises(PlanError, match="plan-stock"):
         planned(tube(profile=replace(PLATE, name="PL8")))
+
+
+@pytest.mark.parametrize(
+    ("name", "diameter"),
+    [("PIPE1-1/2SCH40", 48.26), ("PIPE1SCH40", 33.53), ("PIPE 3/4 STD", 26.67), ("CHS6", 168.3),
+     ("PIPE12X0.375", 323.85), ("TUBE2.5X.25", 63.5), ("PIPESTD", 60.0)],
+)  # fmt: skip
+def test_a_name_may_have_inches_or_a_nominal_size(name: str, diameter: float) -> None:
+    """Real files call pipes so; 33.53 mm are drawn for the 33.4 of ASME B36.10M."""
+    profile = replace(PLATE, name=name, height=pi * diameter)
+    pipe, said = as_pipe(tube(profile=profile))
+    assert said is not None
+    assert said.code == "plan-coping-pipe"
+    assert pipe.profile.height == pytest.approx(diameter)
+    _, said = as_pipe(tube(profile=replace(profile, height=profile.height + 5.0)))
+    assert name == "PIPESTD" or (said is not None and said.code == "plan-coping-no-pipe")
+
+
+@pytest.mark.parametrize(("off", "is_closed"), [(0.9, True), (2.0, True), (3.0, False)])
+def test_the_seam_of_an_outline_is_closed(off: float, is_closed: bool) -> None:
+    """A saddle drawn from the last place of one end to the first of the other."""
+    saddle = [(0.0, off), (495.0, -off), (500.0, 100.0), (500.0, 400.0), (495.0, TURN + off),
+              (0.0, TURN - off), (8.0, 400.0), (8.0, 100.0)]  # fmt: skip
+    part = tube(outline("v", saddle))
+    if not is_closed:
+        with pytest.raises(PlanError):
+            planned(part)
+        return
+    plan = planned(part)
+    assert [cut.kind for cut in plan.operations] == ["near", "far"]
+    told = [d.message for d in plan.remarks if d.code == "plan-coping-seam"]
+    assert told == ([f"found the seam of a tube's outline {off:.2f} mm off its place; taken as "
+                     "closed"] if off > 1.0 else [])  # fmt: skip
+    text = program_of(part)
+    assert not found(text, part)
+    assert not [d for d in solid_faults(text, Request((part,), TUBE)) if d.code not in KNOWN]
 
 
 def test_bevels_are_cut_square_and_on_the_list_of_manual_work() -> None:

@@ -1,6 +1,7 @@
 """The part of a program that copes a profile or turns a tube."""
 
 import re
+from collections.abc import Callable
 from math import pi
 from pathlib import Path
 
@@ -14,14 +15,17 @@ from beamcam.cli import main
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
-from beamcam.model.part import Feature, Hole, Part, Profile, Slot, TextMark
+from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.pipeline import post
 from beamcam.recovery import Recovered, Stock, recover, rules
+from beamcam.recovery.box_tube import faces_of
 from beamcam.verify.coping import verify_coping
-from beamcam.verify.coping.section import Section
+from beamcam.verify.coping.section import Section, TubeSection
 from beamcam.verify.coping.stock import stock_of
 from beamcam.verify.coping.wanted import wanted_on
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, sampled
+from tests.random_boxes import over_corner, random_box
+from tests.random_copes import random_tee
 from tests.random_tubes import window
 from tests.unit.coping.samples import (
     AT,
@@ -36,7 +40,10 @@ from tests.unit.coping.samples import (
 )
 
 TUBE = load("tube-linuxcnc")
-MACHINES = {"coped": COPER, "trimmer": COPER, "cleat": COPER, "brace": TUBE, "stub": TUBE}
+MACHINES = {
+    "coped": COPER, "trimmer": COPER, "cleat": COPER, "hanger": COPER, "brace": TUBE, "stub": TUBE,
+    "leg": TUBE,
+}  # fmt: skip
 CHS = Profile("RO", "CHS168.3*8", 168.3, 168.3, 8.0, 8.0)
 TOLD = [rules.REFITTED.code, rules.ROUNDED.code]
 
@@ -62,12 +69,16 @@ def of(part: Part, kind: type[Feature]) -> list[Feature]:
     return sorted(found, key=lambda f: (f.face, f.x, f.y))  # type: ignore[union-attr]
 
 
+#: Sections that no catalogue has by their name in the head.
+NAMED = {"hanger": sample("hanger").profile}
+
+
 @pytest.mark.parametrize("name", MACHINES)
 def test_each_program_makes_both_parts(name: str) -> None:
     """The law: the first program makes the part that comes back, and the second the first part."""
     part, machine = sample(name), MACHINES[name]
     text = made(part, machine)
-    back = recovered(text, machine)
+    back = recovered(text, machine, Stock(NAMED.get(name)))
     again = made(back, machine)
     assert not errors_in(verify_coping(text, (back,), machine))
     assert not errors_in(verify_coping(again, (part,), machine))
@@ -214,6 +225,75 @@ def test_a_piece_that_comes_cut_is_refused() -> None:
     (rest,) = beamcam.read(SAMPLES / "coping" / "header-rest.nc1").parts
     found = recover(made(rest), COPER, "p")
     assert (codes(found), found.parts) == ([rules.COMES_CUT.code], ())
+
+
+LAW = [(make, seed) for seed in range(5) for make in (random_box, random_tee)]
+
+
+@pytest.mark.parametrize(("make", "seed"), sampled(LAW, 4))
+def test_random_boxes_and_tees_keep_the_law(make: Callable[[int], Part], seed: int) -> None:
+    part = make(seed)
+    machine = TUBE if part.profile.code == "M" else COPER
+    text = made(part, machine)
+    back = recovered(text, machine, Stock(part.profile))
+    assert not errors_in(verify_coping(made(back, machine), (part,), machine))
+    assert (back.length, back.profile) == (part.length, part.profile)
+
+
+RHS = Profile("M", "RHS120*80*5", 120.0, 80.0, 5.0, 5.0, 10.0)
+
+
+def box_of(*features: Feature, cuts: EndCuts | None = None) -> Part:
+    return Part("R", RHS, 500.0, AT, features=features, grade="S235", cuts=cuts or EndCuts())
+
+
+def test_a_rectangular_tube_has_its_figures() -> None:
+    """The radius of its corners, which no name of a section says, is that of the program."""
+    part = box_of(
+        Hole("h", 100.0, 60.0, 22.0, AT),
+        Slot("o", 200.0, 40.0, 16.0, 20.0, 0.0, 0.0, AT),
+        *over_corner(RHS, 1, 300.0, 60.0, 0.0),
+        cuts=EndCuts(30.0, 0.0, 0.0, -20.0),
+    )
+    back = recovered(made(part, TUBE), TUBE)
+    assert back.profile.radius == 10.0
+    assert back.cuts == part.cuts
+    assert of(back, Hole) == of(part, Hole)
+    (slot,) = of(back, Slot)
+    assert isinstance(slot, Slot)
+    assert (slot.face, slot.x, slot.y, slot.diameter, slot.length) == ("o", 200.0, 40.0, 16.0, 20.0)
+    windows = {c.face: [p for curve in c.curves for p in curve.start] for c in back.contours}
+    assert {face: max(places) for face, places in windows.items()} == {"v": 360.0, "o": 360.0}
+
+
+def surface_of(*gone: object) -> object:
+    """Three turns of the surface of a tube without some polygons."""
+    from shapely import box, union_all
+
+    turn = TubeSection(RHS, 10.0).turn
+    return box(0.0, -turn, 500.0, 2 * turn).difference(union_all(gone))
+
+
+def test_lines_that_run_together_in_a_corner_are_refused() -> None:
+    """A window with two legs on u that are one on v: the corner lies from 30 to 30 + 5 pi."""
+    from shapely import Polygon
+
+    high = 30.0 + 5 * pi
+    legs = [(100.0, 20.0), (110.0, 20.0), (120.0, 36.0), (130.0, 20.0), (140.0, 20.0),
+            (140.0, high + 10.0), (100.0, high + 10.0)]  # fmt: skip
+    assert faces_of(surface_of(Polygon(legs)), RHS, 0.025).lost == "u and v"
+    assert faces_of(surface_of(), RHS, 0.025).lost == ""
+    assert "between faces u and v; expected lines" in str(rules.CORNER.at(AT, found="u and v"))
+
+
+def test_what_ends_in_a_corner_is_seen_from_its_face() -> None:
+    """A slit from u into the first half of the corner: 10 sin t of it beyond the flat."""
+    from shapely import box
+
+    faces = faces_of(surface_of(box(100.0, 20.0, 110.0, 30.0 + 10.0 * pi / 6)), RHS, 0.025)
+    gone = box(0.0, 0.0, 500.0, 80.0).difference(faces.steel["u"])
+    assert gone.bounds == pytest.approx((100.0, 60.0, 110.0, 75.0), abs=0.01)
+    assert faces.steel["v"].area == pytest.approx(500.0 * 120.0, abs=0.1)
 
 
 @pytest.mark.parametrize(("profile", "face"), [(IPE300, "o"), (L100, "u")])

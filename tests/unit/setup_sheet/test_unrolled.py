@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.model.request import Request
@@ -12,6 +13,9 @@ from beamcam.pipeline import post, read_back, read_file
 from beamcam.setup_sheet.content import Content, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
+from beamcam.setup_sheet.solid_data import solids_of
+from beamcam.solid.mesh import coper_meshes
+from beamcam.solid.part_solid import part_solid
 from tests.conftest import SAMPLES
 
 COPING = SAMPLES / "coping"
@@ -80,10 +84,50 @@ def test_a_rectangular_tube_has_the_face_of_each_cut_and_goes_once_round() -> No
     assert way.max() - way.min() == pytest.approx(2 * (100 + 60) + 20 * np.pi, abs=0.1)
 
 
-def test_page_and_paper_are_made_and_say_that_there_is_no_solid() -> None:
+SOLIDS = [
+    ("trimmer", "coper-linuxcnc", "vouh"), ("hanger", "coper-linuxcnc", "vouh"),
+    ("header-rest", "coper-linuxcnc", "vouh"), ("leg", "tube-linuxcnc", "vouh"),
+    ("stub", "tube-linuxcnc", "v"), ("stub", "tube-surface", "v"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "machine", "faces"), SOLIDS)
+def test_the_solid_is_the_part_and_its_cuts_have_their_lines(
+    name: str, machine: str, faces: str
+) -> None:
+    """As large as the part, its volume that of the part but for rounds and wedges."""
+    content, text = sheet(name, machine)
+    (part,) = content.program.parts
+    solids = solids_of(content.program, content.made)
+    (piece,) = solids.pieces
+    assert (solids.faces, piece["kind"], piece["mark"]) == (faces, "part", part.mark)
+    across = [part.profile.height, part.profile.width] if name != "stub" else [88.9, 88.9]
+    assert piece["box"] == pytest.approx([0.0, 0.0, 0.0, part.length, *across], abs=0.1)
+    (mesh,) = coper_meshes(text, content.program.machine, part, "p", 0.05)
+    a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
+    volume = float((np.cross(a, b) * c).sum() / 6.0)
+    whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
+    if name != "stub":  # a plate that is a pipe
+        assert volume == pytest.approx(part_solid(whole).volume(), rel=0.004)
+    starts = {k for k, line in enumerate(text.splitlines(), 1) if line.startswith("M3 ")}
+    lines = {line for line, _ in piece["lines"]}
+    assert lines - {0} == starts  # each cut leaves a surface of the part
+    assert sum(count for _, count in piece["lines"]) == piece["triangles"]
+
+
+def test_a_program_that_parts_nothing_has_no_solid_and_says_so() -> None:
+    content, text = sheet("stub", "tube-linuxcnc")
+    end = text.rindex("(far end")
+    data = (text[:end] + "M30\n%\n").encode()
+    program = replace(content.program, data=data)
+    solids = solids_of(program, content.made)
+    assert (solids.pieces, solids.without) == ((), "nothing comes free of the bar")
+
+
+def test_page_and_paper_are_made() -> None:
     content, text = sheet("trimmer", "coper-linuxcnc")
     page = setup_page(content)
-    assert "No solid: the page shows none of what a torch leaves of a profile or tube" in page
+    assert "No solid" not in page
     assert page == setup_page(content)
     assert setup_pdf(content).startswith(b"%PDF")
     assert len(content.operations) == text.count("M3 ")
