@@ -8,6 +8,8 @@ from beamcam.machine.faults import Fault
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 
+MOST_TILT_DEG = 60.0  #: farther over, the torch lies on the steel
+
 
 def coper_faults(machine: Machine) -> Iterator[Fault]:
     """Each key of a coper that contradicts another."""
@@ -34,6 +36,7 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
             list(coper.profiles),
             "RO and M where the bar turns, else I, U and L",
         )
+    yield from _tilt_faults(machine, coper)
     if coper.corners and "M" not in coper.profiles:
         yield "coper.corners", len(coper.corners), "none where coper.profiles has no M"
     yield from _reach_faults(machine, coper)
@@ -55,6 +58,22 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield "coper.tolerance", coper.tolerance, expected
     if coper.head_width < coper.torch_width:
         yield "coper.head_width", coper.head_width, "at least torch_width"
+
+
+def _tilt_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
+    """A torch that tilts without an axis or a word for it, or the other way round."""
+    if coper.tilt and (coper.turns == "bar" or coper.tilt > MOST_TILT_DEG):
+        expected = f"at most {MOST_TILT_DEG:g}, and 0 where coper.turns is bar"
+        yield "coper.tilt", coper.tilt, expected
+    if any("{b}" in line for line in machine.words.turn) != bool(coper.tilt):
+        expected = "{b} where coper.tilt is above 0, and nowhere else"
+        yield "words.turn", list(machine.words.turn), expected
+    axes = [(k, axis) for k, axis in enumerate(machine.axes) if axis.moves == "B"]
+    if bool(axes) != bool(coper.tilt):
+        yield "axes", len(machine.axes), "one that moves B where coper.tilt is above 0, else none"
+    for k, axis in axes:
+        if axis.limits[0] > -coper.tilt or axis.limits[1] < coper.tilt:
+            yield f"axes.{k}.max", axis.max, f"-{coper.tilt:g} to {coper.tilt:g} at least"
 
 
 def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:

@@ -60,6 +60,19 @@ def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
     return union_all([way.buffer(half_kerf, ARC) for way in ways])
 
 
+def narrowed(shape: Any, share: float) -> Any:
+    """A shape on a wall as a torch sees it that is tilted along x, or back again by 1 / share."""
+    from shapely.affinity import scale
+
+    return shape if share == 1.0 else scale(shape, share, 1.0, origin=(0.0, 0.0))
+
+
+def jet_of(points: Sequence[tuple[float, float]], half_kerf: float, share: float) -> Any:
+    """What a jet takes of a surface along a path, as wide as its kerf square to itself."""
+    seen = [(x * share, y) for x, y in points]
+    return narrowed(kerf_of(seen, half_kerf), 1.0 / share)
+
+
 #: Rotation of a T about X onto its side: Y is then what was Z, and Z what was -Y.
 _ON_ITS_SIDE: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0))
 

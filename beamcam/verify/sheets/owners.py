@@ -188,7 +188,7 @@ _EVENTS = (
         "verify-sheet-radius", "verify-sheet-order", "verify-sheet-turn")),
     Owner(("Move.feed_mm_min",), (), ("verify-sheet-feed",)),
     Owner(("Move.own_feed",), (), (), "only strokes of drills have a feed of their own"),
-    Owner(("Move.a_deg", "Move.minutes"), (), (), "no table has such an axis, or inverse time"),
+    Owner(("Move.a_deg", "Move.b_deg", "Move.minutes"), (), (), "no table has such an axis, or inverse time"),
     Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-sheet-tool",
         "verify-sheet-end", "verify-sheet-settings")),
     Owner(("Pause.seconds",), (), ("verify-sheet-tool",), _WAITS),
