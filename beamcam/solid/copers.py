@@ -5,7 +5,8 @@ off follows from the machine's file:
 
     slack     the tolerance of the cut, and the last decimals of X, Y, Z and A
     corners   a re-entrant corner that is drawn sharp keeps the round of `coper.corner_radius`
-    square    an edge with a bevel keeps its wedge, a hole of a tube what a drill takes inside
+    square    an edge with a bevel keeps its wedge, a skew end that no torch was tilted to what its
+              walls and roots have beyond it, a hole of a tube what a drill takes inside
 
 The last two are told, by how much steel they leave.
 """
@@ -38,12 +39,34 @@ from beamcam.solid.compare import (
     ways_to_lie,
     without_left_out,
 )
-from beamcam.solid.coper_solid import burns_of, pieces_of, stock_of
+from beamcam.solid.coper_solid import Burn, burns_of, pieces_of, stock_of
 from beamcam.solid.cutters import slot_shape, through_wall
-from beamcam.solid.kernel import CHORD, FREE, Wall, circle, facets, kernel, minus, walls
+from beamcam.solid.kernel import (
+    CHORD,
+    FREE,
+    Wall,
+    behind,
+    circle,
+    facets,
+    kernel,
+    minus,
+    prism,
+    walls,
+)
+from beamcam.solid.kernel import outline as section_of
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.rules import PIECES, ROUNDED, SQUARE
-from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
+from beamcam.solid.stock_solid import (
+    ALONG as ALONG_BAR,
+)
+from beamcam.solid.stock_solid import (
+    Margins,
+    Shape,
+    end_planes,
+    is_cut,
+    shape_of,
+    stock_solid,
+)
 from beamcam.solid.wrapped import all_round, outline_gone, round_wall, wrapped
 
 if TYPE_CHECKING:
@@ -78,7 +101,7 @@ def coper_faults(
     events, _ = cell_events(text, machine, name)
     burns = list(burns_of(events, machine, coper, part, name))
     pieces = pieces_of(stock_of(part, coper, bar), burns, coper, part)
-    one = _asked(part, machine, coper)
+    one = _asked(part, machine, coper, burns)
     costs = likely(pieces, one.bodies)
     if not costs:
         return [PIECES.at(source, found="no piece", expected=part.mark or "a part")]
@@ -107,7 +130,7 @@ def _as_pipe(part: Part) -> Part:
     )
 
 
-def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
+def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) -> Asked:
     """A part with the steel that a sound program leaves of it at least and at most."""
     form = machine.format
     slack = coper.tolerance + 2 * form.resolution + 3 * CHORD
@@ -120,7 +143,40 @@ def _asked(part: Part, machine: Machine, coper: Coper) -> Asked:
     as_cut, square = _cut_square(whole)
     corners, count = _corners(whole, narrow, coper.corner_radius)
     most = (part_solid(as_cut, narrow) if square else found.most) + corners
+    beyond = list(_square_ends(part, coper, burns, slack))
+    if beyond:
+        skew = f"{len(beyond)} skew end(s)"
+        square = f"{square} and {skew}" if square else skew
+        m = kernel()
+        most = m.Manifold.batch_boolean([most, *beyond], m.OpType.Add)
     return Asked(replace(found, most=most), found.most, corners, count, coper.corner_radius, square)
+
+
+def _square_ends(
+    part: Part, coper: Coper, burns: Sequence[Burn], slack: float
+) -> "Iterator[Manifold]":
+    """What may stay beyond each skew end of a bar to which no torch was tilted.
+
+    Square to a wall t thick it is t times the tangent of the angle at most; through a root a pass
+    goes square as deep as its row, and as wide as web and fillets are.
+    """
+    profile = part.profile
+    if part.made is not None or coper.turns == "bar":
+        return
+    deepest = max((burn.row.up_to for burn in burns), default=0.0) + slack
+    wide = (profile.web_thickness or 0.0) + 2 * profile.radius + slack
+    over = profile.height + profile.width + FREE
+    bar = prism(section_of(part), -over, part.length + over, ALONG_BAR)
+    for (x, y, z), (side, by_y, by_z) in end_planes(part, drawn=True):
+        near = [burn for burn in burns
+                if side * (max(side * p for p, _ in burn.path) - side * part.length / 2) > 0]
+        if not (by_y or by_z) or any(burn.b_deg for burn in near):
+            continue
+        # A T lies on its side: its flange is seen along its z.
+        across, along = (abs(by_z), abs(by_y)) if profile.code == "T" else (abs(by_y), abs(by_z))
+        most = across * deepest + along * wide
+        grown = behind(bar, (x + side * (most + slack), y, z), (side, by_y, by_z))
+        yield grown - behind(bar, (x - side * 2 * slack, y, z), (side, by_y, by_z))
 
 
 def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Iterator[Diagnostic]:
