@@ -151,6 +151,8 @@ def _turned(events: Sequence[BarEvent], decimals: int) -> Iterator[str]:
                 )
                 by = f" in {60 * minutes:.3f} s" if minutes else f" at {feed:g} mm/min"
                 around = "" if isnan(turn) else f" A {turn:.3f}"
+                tilt = event.b_deg[1]
+                around += "" if isnan(tilt) else f" B {tilt:.3f}"
                 yield f"{'rapid' if rapid else 'line'} to {to}{around}{'' if rapid else by}"
             case Switch():
                 yield str(event)

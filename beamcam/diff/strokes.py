@@ -45,6 +45,8 @@ def _changes(a: Stroke, b: Stroke, step: float) -> list[str]:
         for (p, q), (r, t) in zip(a.points, b.points, strict=True)
     ):
         changes.append("another course")
+    if a.b_deg != b.b_deg:
+        changes.append(f"tilt {a.b_deg:.6g} to {b.b_deg:.6g} degrees")
     if a.row.feed_mm_min != b.row.feed_mm_min:
         changes.append(f"feed {a.row.feed_mm_min:.6g} to {b.row.feed_mm_min:.6g} mm/min")
     return changes

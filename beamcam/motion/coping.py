@@ -130,9 +130,7 @@ class _Torch:
         x, y, z = place
         return (x, y, self._top) if face == "v" else (x, self._sides[face], z)
 
-    def _tip(
-        self, patch: Patch, place: tuple[float, float], height: float, cut: CopeCut
-    ) -> Place:
+    def _tip(self, patch: Patch, place: tuple[float, float], height: float, cut: CopeCut) -> Place:
         """The tip as it points at a place of a face, at a height of the row over it."""
         at = patch.point(place[0] + self._start, place[1])
         away = self._coper.standoff(height, cut.b_deg)

@@ -2,9 +2,9 @@
 
     stock of the section - what the jet sweeps, pierced holes among it -> pieces
 
-The jet goes from the tip along the torch, whose head is at X sin B, Y -sin A cos B, Z cos A cos B of
-its tip. How wide and how deep it cuts says the row of the cut chart whose speed the cut has. A tube turns below an
-upright torch, so that its wall is cut square to its surface.
+The jet goes from the tip along the torch, whose head is at X sin B, Y -sin A cos B, Z cos A cos B
+of its tip. How wide and how deep it cuts says the row of the cut chart whose speed the cut has. A
+tube turns below an upright torch, so that its wall is cut square to its surface.
 """
 
 from collections.abc import Iterator, Sequence

@@ -168,8 +168,7 @@ def _square_ends(
     over = profile.height + profile.width + FREE
     bar = prism(section_of(part), -over, part.length + over, ALONG_BAR)
     for (x, y, z), (side, by_y, by_z) in end_planes(part, drawn=True):
-        near = [burn for burn in burns
-                if side * (max(side * p for p, _ in burn.path) - side * part.length / 2) > 0]
+        near = [burn for burn in burns if side * (burn.path[-1][0] - part.length / 2) > 0.0]
         if not (by_y or by_z) or any(burn.b_deg for burn in near):
             continue
         # A T lies on its side: its flange is seen along its z.

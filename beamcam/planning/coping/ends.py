@@ -12,8 +12,9 @@ where the wall reaches farthest. Then web and flange are cut at one x where they
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from math import atan, cos, degrees, radians, sin, tan
-from typing import Literal
+from typing import Any, Literal
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -119,7 +120,7 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
     """A part whose header has the ends that its outlines have, and what is wrong with them.
 
     A header without an angle takes that of the web's outline, or of all flanges' outlines, where a
-    straight side goes from edge to edge there. Raises nothing.
+    straight side goes from edge to edge there.
     """
     said: list[Diagnostic] = []
     found: dict[str, float] = {}
@@ -127,23 +128,19 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
         ("web", ("v", "h")), ("flange", ("u",) if part.profile.code in ("L", "T") else ("o", "u"))
     )  # fmt: skip
     for kind, faces in kinds:
-        drawn = [_drawn(part, face) for face in faces]
+        drawn = [*map(partial(_drawn, part), faces)]
         for k, at in enumerate(AT):
-            angle = getattr(part.cuts, f"{kind}_{at}")
-            seen = [one[k] for one in drawn]
-            if kind == "web":
-                seen = [one for one in seen if one is not None][:1]
-            known = {one for one in seen if one is not None}
-            source = part.cut_source(kind, at)
+            angle, source = getattr(part.cuts, f"{kind}_{at}"), part.cut_source(kind, at)
+            seen = [one[k] for one in drawn if one[k] is not None]
+            needed = 1 if kind == "web" else len(faces)
             if abs(angle) <= NOISE_DEG:
-                angle = 0.0
-                if seen and None not in seen and max(known) - min(known) <= NOISE_DEG:
-                    angle = next(iter(known)) if abs(max(known, key=abs)) > NOISE_DEG else 0.0
+                same = len(seen) >= needed and max(seen) - min(seen) <= NOISE_DEG
+                angle = seen[0] if same and abs(seen[0]) > NOISE_DEG else 0.0
                 if angle:
                     said.append(bar_rules.CUT_FROM_CONTOUR.at(
                         source, kind=kind, found=f"{angle:.3f}", end=at))  # fmt: skip
             else:
-                denied = [one for one in known if abs(one - angle) > NOISE_DEG]
+                denied = [one for one in seen if abs(one - angle) > NOISE_DEG]
                 if denied:
                     said.append(bar_rules.CUT_DENIED.at(
                         source, kind=kind, found=f"{angle:g}", end=at,
@@ -152,8 +149,9 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
     return replace(part, cuts=EndCuts(**found)), said
 
 
-def _drawn(part: Part, face: Face) -> tuple[float | None, float | None]:
-    """The angles of the sides of a face's outline that go from edge to edge, at start and end."""
+def _drawn(part: Part, face: Face) -> list[Any]:
+    """The angles of the sides of a face's outline that go from edge to edge, at start and end; None
+    without one."""
     wide = part.profile.face_width(face)
     angles: list[float | None] = [None, None]
     for contour in part.contours:
@@ -164,7 +162,7 @@ def _drawn(part: Part, face: Face) -> tuple[float | None, float | None]:
             (xa, ya), (xb, yb) = sorted((curve.start, curve.end), key=lambda p: p[1])
             if isinstance(curve, Line) and ya <= OUTLINE_NOISE and yb >= wide - OUTLINE_NOISE:
                 angles[(xa + xb) / 2 > middle] = degrees(atan((xa - xb) / (yb - ya)))
-    return angles[0], angles[1]
+    return angles
 
 
 # --- how a skew end is cut ------------------------------------------------------------------------
@@ -263,9 +261,7 @@ def squared(
     return found, off
 
 
-def _stepped(
-    line: EndLine, band: tuple[float, float], x: float, side: float, wide: float
-) -> Shape:
+def _stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wide: float) -> Shape:
     """What a wall has more where it ends at x on a band of it.
 
     Off the band it goes on until it meets the line where that is steep and reaches farther.

@@ -93,8 +93,8 @@ def plan_coping(
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
         said += more
     if not errors_in(said):
-        depth = _depth(walls["u"].root_depth, regions, chart)
-        said += root_faults(regions, depth, coper, part.source)
+        depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
+        said += root_faults(regions, depths, coper, part.source)
     if errors_in(said):
         raise PlanError(errors_in(said))
     cuts, more = _cuts(part, regions, found, chart, coper)
@@ -225,17 +225,19 @@ def _skew(
     slant: dict[Face, float] = {}
     for k, plane in enumerate(planes):
         if plane.is_skew and not tilts[k] and not errors_in(said):
-            depth = _depth(walls["u"].root_depth, regions, chart)
-            regions, off = squared(regions, part, k, depth)
+            regions, off = squared(regions, part, k, chart.depth(walls["u"].root_depth))
             slant |= {face: max(mm, slant.get(face, 0.0)) for face, mm in off.items()}
     return regions, said, slant, tilts
 
 
-def _depth(root: float, regions: Mapping[Face, Region], chart: Chart) -> float:
-    """How deep a pass through a root cuts at most, square to the flange."""
-    tilts = {0.0, *(line.b_deg for one in regions.values() for line in one.wall.skew if line)}
-    shares = [cos(radians(b_deg)) for b_deg in tilts]
-    return max(share * chart.depth(root / share) for share in shares)
+def _depths(root: float, flange: Wall, chart: Chart) -> dict[int | None, float]:
+    """How deep a pass through a root cuts square to the flange, and at each end it is tilted to."""
+    found: dict[int | None, float] = {None: chart.depth(root)}
+    for k, line in enumerate(flange.skew):
+        if line is not None and line.b_deg:
+            share = cos(radians(line.b_deg))
+            found[k] = share * chart.depth(root / share)
+    return found
 
 
 def _regions(

@@ -32,17 +32,23 @@ class Crossing(Struct, frozen=True):
 
 
 def root_faults(
-    regions: Mapping[Face, Region], depth: float, coper: Coper, source: Source
-) -> Iterator[Diagnostic]:
+    regions: Mapping[Face, Region], depths: Mapping[int | None, float], coper: Coper,
+    source: Source,
+) -> Iterator[Diagnostic]:  # fmt: skip
     """What cannot be cut at the roots of a web.
 
-    `depth` is that to which a pass through a root may cut, from outside of the flange: what it
-    meets of the web has to be cut at that x anyway.
+    `depths` are those to which a pass through a root may cut, from outside of the flange: what it
+    meets of the web has to be cut at that x anyway, or in the plane of the end that it is tilted
+    to (0 at the start).
     """
     web = regions["v"]
     for root in web.wall.roots:
         flange = regions[root.face]
-        on_web, wrong = crossings(web, _band(root, depth, web.wall), coper)
+        on_web, wrong = crossings(web, _band(root, depths[None], web.wall), coper)
+        for end in {one.end for one in on_web} & depths.keys() - {None}:
+            deeper, _ = crossings(web, _band(root, depths[end], web.wall), coper)
+            if end not in {one.end for one in deeper}:
+                wrong += [one.x for one in on_web if one.end == end]
         yield from _said(wrong, web.wall, source)
         (behind,) = flange.wall.roots
         band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)

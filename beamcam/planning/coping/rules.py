@@ -10,8 +10,8 @@ ALONE = error("plan-coping-alone",
     "Post them one by one, with `batch` or with --quantity file.")
 END = error("plan-coping-end",
     "found a {kind} cut of {found} degrees at the {end}; expected none, the torch does not tilt",
-    "An end of a round tube that only the header has skew is not unrolled. Draw its outline, or have "
-    "a saw make it.")
+    "An end of a round tube that only the header has skew is not unrolled. Draw its outline, or "
+    "have a saw make it.")
 CROSSED = error("plan-coping-crossed",
     "found skew ends that cross on face {face}; expected some of the wall between them",
     "Lengths of a header go from the outermost corner of one end to that of the other.")
@@ -98,5 +98,5 @@ SLOW = warning("plan-coping-slow",
     "{expected} mm/min as on the faces",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
-RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, TEE, PIECE, NO_RADIUS, CORNER, SLANT, SLOW)
+RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP,
+    THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, CORNER, SLANT, SLOW)

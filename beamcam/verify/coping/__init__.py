@@ -29,13 +29,13 @@ def verify_coping(
     part only its blocks are read. Raises TypeError for a machine without a coper.
     """
     from beamcam.verify.coping import rules
+    from beamcam.verify.coping.asked import is_outline_of, walls_asked
     from beamcam.verify.coping.collisions import strike_faults
     from beamcam.verify.coping.compare import compare
     from beamcam.verify.coping.section import Section, lying
+    from beamcam.verify.coping.skew import own_bevels
     from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
-    from beamcam.verify.coping.asked import is_outline_of, walls_asked
-    from beamcam.verify.coping.skew import own_bevels
     from beamcam.verify.coping.tube import tube_faults, unrolled_pipe
     from beamcam.verify.coping.wanted import may_be_left
 

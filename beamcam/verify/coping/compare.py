@@ -323,7 +323,10 @@ def _off_contour(
     Its first stretch is the lead, and beyond the edges of the wall there is air.
     """
     share = stroke.share
-    near = narrowed(wanted.boundary, share).buffer(stroke.row.kerf / 2 + slack)
+    # A path goes straight on beyond the end of a slanting contour, where an edge of its wall is.
+    seen, off_it = narrowed(wanted, share).simplify(FINE / 2), stroke.row.kerf / 2 + slack
+    around = seen.buffer(off_it, join_style="mitre").difference(seen)
+    near = seen.boundary.buffer(off_it).union(around)
     run = narrowed(line_of(stroke.points[1:]).intersection(steel), share)
     off = run.difference(near)
     if off.length <= slack:

@@ -78,6 +78,6 @@ ORDER = error("verify-coping-order",
     "found a cut on face {face} behind the first one of the far end; expected those last",
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
 RULES = (
-    PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT, PLACE,
-    HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER,
+    PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT,
+    PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER,
 )  # fmt: skip

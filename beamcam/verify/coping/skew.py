@@ -125,7 +125,10 @@ class EndOnWall(Struct, frozen=True):
 
 
 def ends_on(
-    ends: Sequence[SkewEnd | None], tilted: Sequence[bool], face: str, section: Section,
+    ends: Sequence[SkewEnd | None],
+    tilted: Sequence[bool],
+    face: str,
+    section: Section,
     depth: float,
 ) -> list[EndOnWall]:
     """Where the skew ends meet a surface of a wall, those that are cut square the uppermost one."""
@@ -261,5 +264,3 @@ def own_bevels(feature: Feature, ends: Sequence[SkewEnd | None], least: float) -
             abs(abs(bevel.angle) - lean) > SQUARE_DEG for lean in leans
         ):
             yield bevel
-
-

@@ -157,6 +157,8 @@ class Torch(ABC):
         if not all(map(isfinite, (*move.end, a_deg, tilts[1]))):
             if is_on:
                 self._wrong(move.line, "a cut from or to nowhere", "X, Y, Z, A and B before")
+            elif self._tip is not None or all(map(isfinite, (*move.end, a_deg))):
+                self._wrong(move.line, "a move of a torch that may be tilted", "B before")
             self._a_deg = a_deg if isfinite(a_deg) else None
             return
         if is_on and not self.turning and move.a_deg[0] != a_deg:

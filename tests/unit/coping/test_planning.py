@@ -278,6 +278,7 @@ def test_every_rule_has_a_case() -> None:
     tested |= {"plan-coping-pipe", "plan-coping-no-pipe"}  # in test_tubes.py
     of_boxes = ("radius", "corner", "slant", "slow")  # in test_box_tubes.py
     tested |= {f"plan-coping-{name}" for name in of_boxes}
+    tested |= {"plan-coping-crossed", "plan-coping-beyond"}  # in test_skew.py
     assert {rule.code for rule in RULES} <= tested
 
 
