@@ -143,12 +143,13 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     as_cut, square = _cut_square(whole)
     corners, count = _corners(whole, narrow, coper.corner_radius)
     most = (part_solid(as_cut, narrow) if square else found.most) + corners
-    beyond = list(_square_ends(part, coper, burns, slack))
-    if beyond:
-        skew = f"{len(beyond)} skew end(s)"
-        square = f"{square} and {skew}" if square else skew
+    ends, ledges = list(_square_ends(part, coper, burns, slack)), list(_ledges(found, burns, slack))
+    for count, what in ((len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange")):
+        if count:
+            square = f"{square} and {count} {what}" if square else f"{count} {what}"
+    if ends or ledges:
         m = kernel()
-        most = m.Manifold.batch_boolean([most, *beyond], m.OpType.Add)
+        most = m.Manifold.batch_boolean([most, *ends, *ledges], m.OpType.Add)
     return Asked(replace(found, most=most), found.most, corners, count, coper.corner_radius, square)
 
 
@@ -191,6 +192,43 @@ def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Itera
         left = sum(lump.volume() for lump in lumps(more))
         if left or one.bodies.part.profile.code == "RO":  # else bevels that a skew end shows
             yield SQUARE.at(source, what=one.square, mark=mark, found=f"{left:.1f}")
+
+
+def _ledges(bodies: Bodies, burns: Sequence[Burn], slack: float) -> "Iterator[Manifold]":
+    """What may stay of a web along each flange where the part has a hole in it.
+
+    Over the web no torch comes to the flange; it is as high as a pass through the root is deep.
+    """
+    part, m = bodies.part, kernel()
+    profile, flange = part.profile, part.profile.flange_thickness
+    if profile.code not in ("I", "U", "L", "T") or part.made is not None or not burns:
+        return
+    rows = [burn.row for burn in burns if burn.a_deg]
+    # The round jet leaves a little more in the corner between the hole and what stays.
+    deep = max((row.up_to for row in rows), default=0.0) + 2 * slack
+    deep += max(burn.row.kerf for burn in burns)
+    high, wide = profile.height, profile.width
+    strips = [(0.0, flange, deep)]
+    if profile.code in ("I", "U"):
+        strips.append((high - flange, high - deep, high - flange))
+    for low, first, last in strips:
+        first, last = sorted((first, last))
+        slabs = [(low, low + flange), (first, last)]
+        boxes = [
+            m.Manifold.cube((2 * part.length, b - a, 2 * wide)).translate(
+                (-part.length / 2, a, -wide / 2)
+            )
+            if profile.code != "T"
+            else m.Manifold.cube((2 * part.length, 2 * high, b - a)).translate(
+                (-part.length / 2, -high / 2, a)
+            )
+            for a, b in slabs
+        ]
+        stays = (bodies.drawn ^ boxes[0]).bounding_box()
+        strip = prism(section_of(part), stays[0], stays[3], ALONG_BAR) ^ boxes[1]
+        ledge = strip - bodies.drawn
+        if ledge.volume() > 1.0:
+            yield ledge
 
 
 # --- cut square -----------------------------------------------------------------------------------

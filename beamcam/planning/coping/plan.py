@@ -12,11 +12,11 @@ from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Face, Part
+from beamcam.model.part import Contour, Face, Feature, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
 from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
-from beamcam.planning.by_hand import BEVEL
+from beamcam.planning.by_hand import BEVEL, ROOT
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, led, paths_of
@@ -33,6 +33,7 @@ from beamcam.planning.coping.ends import (
     with_skew,
 )
 from beamcam.planning.coping.features import Sorted, sorted_features
+from beamcam.planning.coping.ledges import with_ledges
 from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
 from beamcam.planning.coping.roots import root_faults
@@ -92,7 +93,14 @@ def plan_coping(
         part, said = agreed_ends(part)
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
         said += more
+    ledges: list[Diagnostic] = []
     if not errors_in(said):
+        over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
+        regions, ledges = with_ledges(
+            regions, chart.depth(walls["u"].root_depth), over_web.kerf if over_web else EDGE, coper,
+            part.source,
+        )  # fmt: skip
+        said += ledges
         depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
         said += root_faults(regions, depths, coper, part.source)
     if errors_in(said):
@@ -118,8 +126,8 @@ def plan_coping(
     if is_tee:
         said.append(rules.TEE.at(part.source))
     outcomes = tuple(
-        replace(o, left=BEVEL) if o.how == "made" and is_slanted(part.features[o.feature[1]], slant)
-        else o
+        replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
+        if o.how == "made" else o
         for o in outcomes_of(
             part, found, coper.min_bevel, shown_by_ends(part, tilts, coper.min_bevel)
         )
@@ -301,6 +309,15 @@ def _cuts(
         tuple(ORDER).index(cut.kind), ORDER[cut.kind].index(cut.face), cut.path[0],
     ))  # fmt: skip
     return cuts, [*dict.fromkeys(said)]
+
+
+def _left(feature: Feature, slant: Mapping[Face, float], ledges: bool) -> str:
+    """Why an outline is manual work though it is cut; "" if it is not."""
+    if is_slanted(feature, slant):
+        return BEVEL
+    if not ledges or not isinstance(feature, Contour) or feature.kind != "outer":
+        return ""
+    return ROOT if feature.face in ("v", "h") else ""
 
 
 class Seen(Struct, frozen=True):

@@ -66,8 +66,20 @@ def region_of(
     shape = make_valid(shape)
     if shape.is_empty:
         return Region(wall, shape, 0), said
-    corners = [p for c in (*outer, *taken) if isinstance(c, Contour) for p in sharp_corners(c)]
+    corners = [  # what is at a root is cut with it, or stays there
+        (x, y)
+        for c in (*outer, *taken) if isinstance(c, Contour)
+        for x, y in sharp_corners(c) if not _is_at_root(y, wall, part.profile.radius)
+    ]  # fmt: skip
     return rounded(wall, shape, corners, part, coper, said)
+
+
+def _is_at_root(y: float, wall: Wall, radius: float) -> bool:
+    """Whether a place of a web lies on a flange or its fillet."""
+    return wall.face == "v" and any(
+        y < root.inner + radius if root.low == 0.0 else y > root.inner - radius
+        for root in wall.roots
+    )
 
 
 def _between(wall: Wall, square: tuple[EndLine, EndLine]) -> Shape:

@@ -24,6 +24,11 @@ ROOT = error("plan-coping-root",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
     "The rest of a cut is made from outside of the flange, which takes web and flange at one x. "
     "What would be cut otherwise there has to be made by hand.")
+LEDGE = warning("plan-coping-ledge",
+    "found a hole of the web at x {x} right under face {face}; it is cut up to {found} mm off the "
+    "flange",
+    "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
+    "The steel that stays along the flange has to be taken by hand.")
 K_AREA = error("plan-coping-k-area",
     'found a cut through the root at x {x} on face {face}; expected none, coper.k_area is "refuse"',
     'With k_area = "pass" in the machine file the root is cut from outside of the flange, by a row '
@@ -98,5 +103,5 @@ SLOW = warning("plan-coping-slow",
     "{expected} mm/min as on the faces",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
-RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP,
-    THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, CORNER, SLANT, SLOW)
+RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, LEDGE, K_AREA, NARROW, OFF, SHORT, OPEN,
+    DEEP, THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, CORNER, SLANT, SLOW)

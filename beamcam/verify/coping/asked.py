@@ -7,6 +7,7 @@ from msgspec import Struct
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, Feature, Part
+from beamcam.verify.coping.ledges import ledges_of
 from beamcam.verify.coping.section import Section
 from beamcam.verify.coping.skew import (
     EndOnWall,
@@ -63,6 +64,9 @@ def walls_asked(
             for face in faces for depth in (0.0, section.thickness(face))
         }  # fmt: skip
     off: dict[str, float] = {}
+    if not stock.is_piece:
+        skew = [end is not None for end in ends]
+        off |= _with_ledges(wanted, section, rows, near, strokes, skew)
     widest = max((row.kerf for row in rows), default=0.0)
     for end, is_tilted_to in zip(ends, tilted, strict=True):
         if end is None or is_tilted_to:
@@ -88,6 +92,36 @@ def walls_asked(
     )  # fmt: skip
 
 
+def _with_ledges(
+    wanted: dict[tuple[str, float], Wanted],
+    section: Section,
+    rows: Sequence[TorchRow],
+    near: float,
+    strokes: Sequence[Stroke],
+    skew: Sequence[bool],
+) -> dict[str, float]:
+    """Adds the ledges of the web to what is wanted of it; how high they are, by wall."""
+    off: dict[str, float] = {}
+    widest = max((row.kerf for row in rows), default=0.0)
+    for face in section.faces[1:]:
+        deep = section.flange + near
+        for stroke in strokes:
+            back, front = section.root(face)
+            ys = [y for _, y in stroke.points]
+            if stroke.face == face and min(ys) <= back and max(ys) >= front:
+                deep = max(deep, stroke.row.up_to * stroke.share)
+        flange = wanted[face, 0.0].drawn
+        for (one, depth), asked in [*wanted.items()]:
+            found = ledges_of(asked.drawn, flange, face, section, deep, skew) if one == "v" else ()
+            for ledge, places in found:
+                asked = wanted[one, depth]
+                cut = asked.cut.union(ledge)
+                most = with_round_corners(asked.most.union(ledge), places, widest / 2)
+                wanted[one, depth] = Wanted(asked.drawn.union(ledge), cut, asked.short, most)
+                off["v"] = deep - section.flange
+    return off
+
+
 def _depth(face: str, end: SkewEnd, section: Section, strokes: Sequence[Stroke]) -> float:
     """How deep the passes through a root cut near an end, square to the flange."""
     back, front = section.root(face)
@@ -103,4 +137,5 @@ def _depth(face: str, end: SkewEnd, section: Section, strokes: Sequence[Stroke])
 
 def is_outline_of(feature: Feature, off: Mapping[str, float]) -> bool:
     """Whether a feature is an outline of a wall whose skew end is cut square."""
-    return isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off
+    face = {"h": "v"}.get(getattr(feature, "face", ""), getattr(feature, "face", ""))
+    return isinstance(feature, Contour) and feature.kind == "outer" and face in off

@@ -7,7 +7,7 @@ side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, s
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
-from math import cos, hypot, pi, radians, sin
+from math import cos, hypot, inf, pi, radians, sin
 from typing import Any, Literal
 
 from msgspec.structs import replace
@@ -182,6 +182,13 @@ class Section:
             return 0.0
         begin = line.interpolate(0.0)
         return float(min(pieces, key=lambda one: one.distance(begin)).length)
+
+    def root_reach(self, face: str) -> tuple[float, float]:
+        """The y of a wall between those at which a torch over it meets a root fillet."""
+        if face != "v":
+            return -inf, inf
+        low, high = self.web_ends
+        return low + self.radius, high - self.radius if self.has_upper else inf
 
     def root(self, face: str) -> tuple[float, float]:
         """The y of a flange below which the web and its fillets stand."""

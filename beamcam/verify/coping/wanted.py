@@ -88,6 +88,9 @@ def wanted_on(
         gone = make_valid(Polygon(ring))
         drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
     drawn = areas_of(drawn)
+    # What is at a root is cut with it, or stays there.
+    near = section.root_reach(face)
+    corners = [(x, y) for x, y in corners if near[0] <= y <= near[1]]
     cut = with_round_corners(drawn, corners, coper.corner_radius)
     return Wanted(drawn, cut, short if short > DRAWN else 0.0)
 
