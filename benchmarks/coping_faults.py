@@ -14,6 +14,7 @@ import random
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
+from math import radians, tan
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -33,7 +34,7 @@ from beamcam.posts import post_of
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS
 from benchmarks.script import arguments, at_least, start
 from tests.random_boxes import random_box
-from tests.random_copes import random_cope, random_mitre, random_tee
+from tests.random_copes import random_bevel, random_cope, random_mitre, random_tee
 from tests.random_tubes import random_tube
 
 OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
@@ -118,8 +119,8 @@ def on_the_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 
 def left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A cut that is missing."""
-    k = chance.randrange(len(plan.operations))
+    """A cut that is missing; a second pass that is, is told as manual work."""
+    k = chance.choice([k for k, cut in enumerate(plan.operations) if not cut.bevel])
     return replace(plan, operations=(*plan.operations[:k], *plan.operations[k + 1 :]))
 
 
@@ -278,12 +279,44 @@ TILTS: dict[str, OfPlan] = {
     ),
     "B dropped": lambda p, c: _changed(p, c, lambda cut: replace(cut, b_deg=0.0), _is_tilted),
     "B of another angle": lambda p, c: _changed(
-        p, c, lambda cut: replace(cut, b_deg=cut.b_deg + c.choice((-1.5, 1.5))), _is_tilted
+        p, c, lambda cut: replace(cut, b_deg=cut.b_deg + c.choice((-3.0, 3.0))), _is_tilted
     ),
     "B at all ends the other way": lambda p, c: replace(
         p, operations=tuple(replace(cut, b_deg=-cut.b_deg) for cut in p.operations)
     ) if any(map(_is_tilted, p.operations)) else None,
 }  # fmt: skip
+
+
+def wrong_land(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel whose land is another one by 1 mm."""
+
+    def change(cut: CopeCut) -> CopeCut:
+        off = chance.choice((-1.0, 1.0)) * tan(radians(abs(cut.b_deg)))
+        return replace(cut, path=(cut.path[0], *((x + off, y) for x, y in cut.path[1:])))
+
+    return _changed(plan, chance, change, lambda cut: cut.bevel)
+
+
+def bevel_first(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel before the square cut along its edge."""
+    which = [k for k, cut in enumerate(plan.operations) if cut.bevel]
+    if not which:
+        return None
+    k = chance.choice(which)
+    cut = plan.operations[k]
+    rest = [one for one in plan.operations if one is not cut]
+    at = next(j for j, one in enumerate(rest) if (one.kind, one.face) == (cut.kind, cut.face))
+    return replace(plan, operations=(*rest[:at], cut, *rest[at:]))
+
+
+def bevel_last(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel of the far end of a piece that is parted."""
+    which = [cut for cut in plan.operations if cut.bevel and cut.kind == "far"]
+    if not which:
+        return None
+    cut = chance.choice(which)
+    rest = [one for one in plan.operations if one is not cut]
+    return replace(plan, operations=(*rest, cut)) if plan.operations[-1] is not cut else None
 
 
 def plan_faults(machine: Machine) -> dict[str, OfPlan]:
@@ -306,7 +339,8 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
     return of_all | {
         "mirrored across": mirrored_across, "face left out": face_left_out,
         "other face": on_other_face, "pierced in the part": pierced_in_part,
-        **TILTS,
+        **TILTS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
+        "bevel behind the parting": bevel_last,
     }  # fmt: skip
 
 
@@ -330,7 +364,7 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
             yield name, "\n".join(lines)
     if part.made is not None:
         yield from piece_faults(part, machine)
-    if any(map(_is_tilted, plan.operations)):
+    if any(_is_tilted(cut) and not cut.bevel for cut in plan.operations):
         upright = replace(machine, coper=replace(coper, tilt=0.0))
         yield "cut square", program_of(planner.plan_coping((part,), upright), job)
     if any(said.code == "plan-coping-rounded" for said in plan.remarks):
@@ -373,7 +407,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
     kinds: tuple[tuple[str, Callable[[int], Part]], ...] = (
         ("coper", random_cope), ("tube", random_tube), ("coper", random_piece),
         ("tube", random_box), ("coper", random_tee), ("coper-tilt", random_mitre),
-        ("coper", random_mitre),
+        ("coper", random_mitre), ("coper-tilt", random_bevel),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

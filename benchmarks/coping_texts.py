@@ -137,7 +137,7 @@ TILT_TEXTS: dict[str, OfText] = {
     )},
     "B of a line the other way": _tilted(lambda b, c: -b),
     "B of a line 0": _tilted(lambda b, c: 0.0),
-    "B of a line askew": _tilted(lambda b, c: b + c.choice((-2, 2))),
+    "B of a line askew": _tilted(lambda b, c: b + c.choice((-3, 3))),
     "B beyond its reach": _tilted(lambda b, c: 58.0 if b > 0 else -58.0),
     "B missing": lambda lines, c: _without_tilt(lines, c),
     "B on the way": _line(r"(G1 .*)", lambda m, c: f"{m[1]} B{c.choice((-40, 40))}"),

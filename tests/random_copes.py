@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Profile, Slot
+from beamcam.model.part import Bevel, Contour, EndCuts, Feature, Hole, Part, Profile, Slot
 
 AT = Source("part.nc1")
 SECTIONS = (
@@ -78,6 +78,25 @@ def random_mitre(seed: int) -> Part:
     return Part(
         f"M{seed}", profile, length, AT, cuts=cuts, features=tuple(features), grade="S235JR"
     )
+
+
+def random_bevel(seed: int) -> Part:
+    """A part whose flanges, or legs, have bevels at their ends on the outside, with lands."""
+    random = Random(seed)
+    profile = random.choice(SECTIONS)
+    length = round(random.uniform(500.0, 1200.0), 1)
+    features: list[Feature] = []
+    for face in ("u",) if profile.code == "L" else ("o", "u"):
+        wide = profile.width
+        curves = polygon([(0.0, 0.0), (length, 0.0), (length, wide), (0.0, wide)])
+        if is_back := face == "o" and random.random() < 0.5:  # as files have it: clockwise
+            curves = polygon([(0.0, 0.0), (0.0, wide), (length, wide), (length, 0.0)])
+        land = round(random.uniform(0.0, 3.0), 1)
+        angle = round(random.uniform(25.0, 44.0), 1)
+        which = random.choice(((1,), (3,), (1, 3)))
+        bevels = tuple(Bevel((curve + 1) % 4 if is_back else curve, angle, land) for curve in which)
+        features.append(Contour(face, "outer", curves, AT, bevels=bevels))
+    return Part(f"W{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
 
 
 def _skew_web(profile: Profile, length: float, cuts: EndCuts) -> tuple[Curve, ...]:

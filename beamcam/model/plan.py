@@ -255,6 +255,7 @@ class CopeCut(Struct, frozen=True, gc=False):
     source: Source
     root: bool = False  #: whether it takes the root behind a flange
     b_deg: float = 0.0  #: tilt of the torch towards X
+    bevel: bool = False  #: whether it takes the wedge off an edge that is cut square before
 
 
 class CopePlan(Struct, frozen=True):

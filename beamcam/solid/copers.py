@@ -143,7 +143,11 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     as_cut, square = _cut_square(whole)
     corners, count = _corners(whole, narrow, coper.corner_radius)
     most = (part_solid(as_cut, narrow) if square else found.most) + corners
-    ends, ledges = list(_square_ends(part, coper, burns, slack)), list(_ledges(found, burns, slack))
+    drawn = part_solid(as_cut) if square else found.drawn
+    ends: list[Manifold] = list(_square_ends(part, coper, burns, slack))
+    ledges: list[Manifold] = []
+    if part.made is None:
+        ledges = list(_ledges(drawn, part, burns, slack))
     for count, what in ((len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange")):
         if count:
             square = f"{square} and {count} {what}" if square else f"{count} {what}"
@@ -194,14 +198,16 @@ def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Itera
             yield SQUARE.at(source, what=one.square, mark=mark, found=f"{left:.1f}")
 
 
-def _ledges(bodies: Bodies, burns: Sequence[Burn], slack: float) -> "Iterator[Manifold]":
-    """What may stay of a web along each flange where the part has a hole in it.
+def _ledges(
+    drawn: "Manifold", part: Part, burns: Sequence[Burn], slack: float
+) -> "Iterator[Manifold]":
+    """What may stay of a web along each flange where the part, without bevels, has a hole in it.
 
     Over the web no torch comes to the flange; it is as high as a pass through the root is deep.
     """
-    part, m = bodies.part, kernel()
+    m = kernel()
     profile, flange = part.profile, part.profile.flange_thickness
-    if profile.code not in ("I", "U", "L", "T") or part.made is not None or not burns:
+    if profile.code not in ("I", "U", "L", "T") or not burns:
         return
     rows = [burn.row for burn in burns if burn.a_deg]
     # The round jet leaves a little more in the corner between the hole and what stays.
@@ -224,9 +230,9 @@ def _ledges(bodies: Bodies, burns: Sequence[Burn], slack: float) -> "Iterator[Ma
             )
             for a, b in slabs
         ]
-        stays = (bodies.drawn ^ boxes[0]).bounding_box()
+        stays = (drawn ^ boxes[0]).bounding_box()
         strip = prism(section_of(part), stays[0], stays[3], ALONG_BAR) ^ boxes[1]
-        ledge = strip - bodies.drawn
+        ledge = strip - drawn
         if ledge.volume() > 1.0:
             yield ledge
 

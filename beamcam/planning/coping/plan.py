@@ -18,6 +18,7 @@ from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.by_hand import BEVEL, ROOT
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, led, paths_of
 from beamcam.planning.coping.ends import (
@@ -107,6 +108,8 @@ def plan_coping(
         raise PlanError(errors_in(said))
     cuts, more = _cuts(part, regions, found, chart, coper)
     said += more
+    passes, bevelled = bevel_cuts(part, regions, features_on(part, found.cut), chart, coper)
+    cuts = _in_order([*cuts, *passes])
     slant = {face: off for face, off in slant.items() if off >= LEAST_SLANT}
     if slant:
         said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
@@ -129,7 +132,8 @@ def plan_coping(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
         if o.how == "made" else o
         for o in outcomes_of(
-            part, found, coper.min_bevel, shown_by_ends(part, tilts, coper.min_bevel)
+            part, found, coper.min_bevel,
+            {*shown_by_ends(part, tilts, coper.min_bevel), *bevelled},
         )
     )  # fmt: skip
     plan = CopePlan(
@@ -305,10 +309,18 @@ def _cuts(
                     features, source, root, seen.b_deg,
                 )
             )  # fmt: skip
-    cuts.sort(key=lambda cut: (
-        tuple(ORDER).index(cut.kind), ORDER[cut.kind].index(cut.face), cut.path[0],
-    ))  # fmt: skip
     return cuts, [*dict.fromkeys(said)]
+
+
+def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:
+    """Cuts in order of work; a bevel follows its wall, and not the one that parts the piece."""
+    last = [*edges_of(cuts)]
+    order = dict(ORDER)
+    if last:
+        order["far"] = (*last, *sorted({*ORDER["far"]} - {*last}, key=ORDER["far"].index))
+    return sorted(cuts, key=lambda cut: (
+        tuple(order).index(cut.kind), order[cut.kind].index(cut.face), cut.bevel, cut.path[0],
+    ))  # fmt: skip
 
 
 def _left(feature: Feature, slant: Mapping[Face, float], ledges: bool) -> str:

@@ -33,7 +33,6 @@ def verify_coping(
     from beamcam.verify.coping.collisions import strike_faults
     from beamcam.verify.coping.compare import compare
     from beamcam.verify.coping.section import Section, lying
-    from beamcam.verify.coping.skew import own_bevels
     from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
     from beamcam.verify.coping.tube import tube_faults, unrolled_pipe
@@ -70,11 +69,19 @@ def verify_coping(
     asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
     step = machine.format.resolution
     said += compare(
-        torch.strokes, asked.wanted, asked.ends, stock, section, coper, rows, step, name
+        torch.strokes,
+        asked.wanted,
+        asked.ends,
+        asked.passes,
+        stock,
+        section,
+        coper,
+        rows,
+        step,
+        name,
     )
     hand = (
         by_hand(f, part, machine) for k, f in enumerate(part.features)
-        if k not in left and (any(own_bevels(f, asked.made, coper.min_bevel)) or
-                              is_outline_of(f, asked.off))
+        if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))
     )  # fmt: skip
     return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))

@@ -7,14 +7,16 @@ from msgspec import Struct
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, Feature, Part
+from beamcam.verify.coping.bevels import Pass, passes_of
 from beamcam.verify.coping.ledges import ledges_of
-from beamcam.verify.coping.section import Section
+from beamcam.verify.coping.section import Section, areas_of
 from beamcam.verify.coping.skew import (
     EndOnWall,
     SkewEnd,
     as_square,
     ends_on,
     is_tilted,
+    own_bevels,
     skew_ends,
 )
 from beamcam.verify.coping.stock import Stock
@@ -31,6 +33,12 @@ class WallsAsked(Struct, frozen=True):
     ends: Mapping[str, Sequence[EndOnWall]]  #: skew ends by the faces that they end
     made: Sequence[SkewEnd]  #: those that a tilted torch makes as they are
     off: Mapping[str, float]  #: mm too much by the walls that are cut square
+    passes: Sequence[Pass] = ()  #: bevels, with the strokes that make them
+
+    def has_bevels_left(self, k: int, feature: Feature, coper: Coper) -> bool:
+        """Whether the feature k of a part has bevels that neither an end nor a pass makes."""
+        there = [one.bevel for one in self.passes if one.feature == k]
+        return any(one not in there for one in own_bevels(feature, self.made, coper.min_bevel))
 
 
 def walls_asked(
@@ -43,6 +51,8 @@ def walls_asked(
     strokes: Sequence[Stroke],
 ) -> WallsAsked:
     """What has to stay of a part; `left` are features that are not made."""
+    from shapely import union_all
+
     ends = (None, None) if stock.is_piece else skew_ends(part, section)
 
     def surface(face: str, depth: float, tilted: Sequence[bool]) -> Wanted:
@@ -85,10 +95,21 @@ def walls_asked(
                 most = with_round_corners(one.most.union(cut), steps[face], widest / 2)
                 wanted[key] = Wanted(more[face], cut, one.short, most)
             off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
+    passes = [] if any(ends) else passes_of(part, section, coper, strokes)
+    for face in {one.stroke.face for one in passes}:
+        own = [one for one in passes if one.stroke.face == face]
+        plain = wanted[face, 0.0]
+        for down in {0.0, section.thickness(face), *(p.thickness - p.bevel.land for p in own)}:
+            gone = union_all([bevel.strip(down) for bevel in own])
+            drawn, cut, most = (
+                areas_of(shape.difference(gone)) for shape in (plain.drawn, plain.cut, plain.most)
+            )
+            wanted[face, down] = Wanted(drawn, cut, plain.short, most)
     return WallsAsked(
         wanted, {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces},
         [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes],
         {face: mm for face, mm in off.items() if mm >= LEAST_OFF},
+        passes,
     )  # fmt: skip
 
 

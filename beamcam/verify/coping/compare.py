@@ -18,6 +18,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
 from beamcam.verify.coping import rules
+from beamcam.verify.coping.bevels import Pass, pass_faults
 from beamcam.verify.coping.rings import FINE
 from beamcam.verify.coping.section import ARC, Section, jet_of, line_of, narrowed, pieces_of
 from beamcam.verify.coping.skew import EndOnWall
@@ -44,6 +45,7 @@ def compare(
     strokes: Sequence[Stroke],
     wanted: Mapping[Surface, Wanted],
     ends: Mapping[str, Sequence[EndOnWall]],
+    passes: Sequence[Pass],
     stock: Stock,
     section: Section,
     coper: Coper,
@@ -51,7 +53,8 @@ def compare(
     step: float,
     name: str,
 ) -> Iterator[Diagnostic]:
-    """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall."""
+    """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall,
+    `passes` the strokes that make bevels."""
     slack = coper.tolerance + 2 * step + FINE
     left: dict[Surface, Left] = {}
     for (face, depth), asked in wanted.items():
@@ -62,9 +65,10 @@ def compare(
         yield from _hurt(face, gone, asked.cut, section, slack, name)
         left[face, depth] = _left(face, gone, asked.drawn, stock, section, slack)
         yield from _standing(face, left[face, depth], asked.most, slack, name)
+        contours = {d: one.cut for (other, d), one in wanted.items() if other == face}
         for stroke in own if not depth else ():
             yield from _stroke_faults(
-                stroke, strokes, asked.cut, stock, section, coper, rows, slack, name
+                stroke, strokes, contours, passes, stock, section, coper, rows, slack, name
             )
         yield from _twice(face, own, name) if not depth else ()
     for face in section.faces[1:]:
@@ -73,8 +77,9 @@ def compare(
             if one == "v":
                 pair = left[one, depth], left[face, inner]
                 yield from _holding(face, *pair, section, section.front - depth, slack, name)
-    if not stock.is_piece:
-        yield from _order_faults(strokes, wanted, ends, name)
+    far = {s.line: not stock.is_piece and _is_far(s, wanted, ends) for s in strokes}
+    yield from _order_faults(strokes, far, name)
+    yield from pass_faults(passes, strokes, far, name)
 
 
 def taken_of(
@@ -236,7 +241,8 @@ def _holding(
 def _stroke_faults(
     stroke: Stroke,
     strokes: Sequence[Stroke],
-    wanted: Shape,
+    wanted: Mapping[float, Shape],
+    passes: Sequence[Pass],
     stock: Stock,
     section: Section,
     coper: Coper,
@@ -244,7 +250,8 @@ def _stroke_faults(
     slack: float,
     name: str,
 ) -> Iterator[Diagnostic]:
-    """A stroke beside its wall, along no contour, or at the speed of another thickness."""
+    """A stroke beside its wall, along no contour of any surface, or at the speed of another
+    thickness."""
     from shapely import box
 
     source = Source(name, stroke.line)
@@ -261,8 +268,9 @@ def _stroke_faults(
         )
         return
     steel = stock.wall(stroke.face).intersection(box(-1e6, low, 1e6, high))
-    off = _off_contour(stroke, wanted, steel, slack)
-    if off is not None:
+    is_pass = any(one.stroke is stroke for one in passes)
+    offs = [_off_contour(stroke, one, depth, steel, slack) for depth, one in wanted.items()]
+    if not is_pass and (off := offs[0]) is not None and None not in offs:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
@@ -273,6 +281,8 @@ def _stroke_faults(
         x, y = lost or (x, y)
         yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     least, most = _thickness(stroke, strokes, section, coper)
+    if is_pass:
+        least = most = section.thickness(stroke.face) / stroke.share
     rising = sorted(rows, key=lambda row: row.up_to)
     fits = {next((r.feed_mm_min for r in rising if r.up_to >= t), 0.0) for t in (least, most)}
     if stroke.row.feed_mm_min not in fits:
@@ -316,9 +326,10 @@ def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
 
 
 def _off_contour(
-    stroke: Stroke, wanted: Shape, steel: Shape, slack: float
+    stroke: Stroke, wanted: Shape, depth: float, steel: Shape, slack: float
 ) -> tuple[float, float] | None:
-    """A place of a stroke that keeps no half a kerf off a contour; None if there is none.
+    """A place of a stroke that keeps no half a kerf off a contour so far below; None if there is
+    none.
 
     Its first stretch is the lead, and beyond the edges of the wall there is air.
     """
@@ -327,7 +338,7 @@ def _off_contour(
     seen, off_it = narrowed(wanted, share).simplify(FINE / 2), stroke.row.kerf / 2 + slack
     around = seen.buffer(off_it, join_style="mitre").difference(seen)
     near = seen.boundary.buffer(off_it).union(around)
-    run = narrowed(line_of(stroke.points[1:]).intersection(steel), share)
+    run = narrowed(line_of(stroke.at(depth)[1:]).intersection(steel), share)
     off = run.difference(near)
     if off.length <= slack:
         return None
@@ -358,20 +369,24 @@ def _thickness(
     return deep - SURE, deep + SURE
 
 
+def _is_far(
+    stroke: Stroke, wanted: Mapping[Surface, Wanted], ends: Mapping[str, Sequence[EndOnWall]]
+) -> bool:
+    """Whether a stroke is of the far end."""
+    bounds = wanted[stroke.face, 0.0].drawn.bounds
+    return (bool(bounds) and max(x for x, _ in stroke.points) > bounds[2]) or any(
+        end.side > 0 and any(x > end.at + end.more * y for x, y in stroke.points)
+        for end in ends[stroke.face]
+    )
+
+
 def _order_faults(
-    strokes: Sequence[Stroke], wanted: Mapping[Surface, Wanted],
-    ends: Mapping[str, Sequence[EndOnWall]], name: str,
-) -> Iterator[Diagnostic]:  # fmt: skip
+    strokes: Sequence[Stroke], far: Mapping[int, bool], name: str
+) -> Iterator[Diagnostic]:
     """Cuts of anything else behind the first one of the far end."""
     parting = False
     for stroke in strokes:
-        bounds = wanted[stroke.face, 0.0].drawn.bounds
-        is_far = bool(bounds) and max(x for x, _ in stroke.points) > bounds[2]
-        is_far = is_far or any(
-            end.side > 0 and any(x > end.at + end.more * y for x, y in stroke.points)
-            for end in ends[stroke.face]
-        )
-        if parting and not is_far:
+        if parting and not far[stroke.line]:
             yield rules.ORDER.at(Source(name, stroke.line), face=stroke.face)
             return
-        parting = parting or is_far
+        parting = parting or far[stroke.line]

@@ -77,7 +77,10 @@ EXTRA = error("verify-coping-extra",
 ORDER = error("verify-coping-order",
     "found a cut on face {face} behind the first one of the far end; expected those last",
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
+PASSES = error("verify-coping-passes",
+    "found the bevel of an edge on face {face} cut; expected {expected}",
+    "A second pass takes the wedge off an edge that is cut, of a piece that is still held.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT,
-    PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER,
+    PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
 )  # fmt: skip

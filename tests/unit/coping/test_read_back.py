@@ -213,7 +213,7 @@ def test_scrap_that_a_flange_holds() -> None:
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in WRONG} | {"verify-coping-parts", "verify-coping-holds"}
     tested |= {"verify-coping-short"}  # in test_pieces.py
-    tested |= {"verify-coping-tilt"}  # in test_skew.py
+    tested |= {"verify-coping-tilt", "verify-coping-passes"}  # in test_skew.py, test_bevels.py
     tested |= {"verify-coping-square", "verify-coping-corner"}  # in test_box_tubes.py
     assert {rule.code for rule in RULES} == tested
 
