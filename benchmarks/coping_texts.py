@@ -100,6 +100,69 @@ TEXTS: dict[str, OfText] = {
 }  # fmt: skip
 
 
+def _tilts(lines: Lines) -> list[int]:
+    """Turns of B away from 0, each before a cut."""
+    return [k for k, line in enumerate(lines)
+            if re.fullmatch(r"G0 A\S+ B-?[\d.]+", line) and not line.endswith(" B0")]  # fmt: skip
+
+
+def _tilted(change: Callable[[float, random.Random], float]) -> OfText:
+    """B of one cut, changed."""
+
+    def of_text(lines: Lines, chance: random.Random) -> Lines | None:
+        which = _tilts(lines)
+        if not which:
+            return None
+        k = chance.choice(which)
+        before, b_deg = lines[k].rsplit(" B", 1)
+        other = f"{before} B{change(float(b_deg), chance):g}"
+        return [*lines[:k], other, *lines[k + 1 :]]
+
+    return of_text
+
+
+def _without_tilt(lines: Lines, chance: random.Random) -> Lines | None:
+    """The turn to B of one cut, missing."""
+    which = _tilts(lines)
+    k = chance.choice(which) if which else None
+    return None if k is None else [*lines[:k], *lines[k + 1 :]]
+
+
+#: Of a program whose torch tilts.
+TILT_TEXTS: dict[str, OfText] = {
+    **{name: TEXTS[name] for name in (
+        "A on the way", "F of a block", "F of a stroke", "pierce too short", "torch not started",
+        "torch not stopped", "rapid with the torch on", "inches", "relative", "beyond an axis",
+        "cut off in the middle",
+    )},
+    "B of a line the other way": _tilted(lambda b, c: -b),
+    "B of a line 0": _tilted(lambda b, c: 0.0),
+    "B of a line askew": _tilted(lambda b, c: b + c.choice((-3, 3))),
+    "B beyond its reach": _tilted(lambda b, c: 58.0 if b > 0 else -58.0),
+    "B missing": lambda lines, c: _without_tilt(lines, c),
+    "B on the way": _line(r"(G1 .*)", lambda m, c: f"{m[1]} B{c.choice((-40, 40))}"),
+    "B not turned back": lambda lines, c: _not_back(lines, c),
+}  # fmt: skip
+
+
+def _not_back(lines: Lines, chance: random.Random) -> Lines | None:
+    """A torch that keeps its tilt for the next cut, which is not along the same end."""
+    tilts = _tilts(lines)
+    ends = [next((i for i in range(k + 1, len(lines)) if lines[i].startswith("G0 A")), 0)
+            for k in tilts]  # fmt: skip
+    ends = [i for i in ends if i and _square_cut_follows(lines, i)]
+    if not ends:
+        return None
+    k = chance.choice(ends)
+    return [*lines[:k], *lines[k + 1 :]]
+
+
+def _square_cut_follows(lines: Lines, k: int) -> bool:
+    """Whether the next cut behind a turn is made without another one."""
+    behind = next((line for line in lines[k + 1 :] if line.startswith(("G0 A", "M3 "))), "")
+    return behind.startswith("M3 ")
+
+
 def _other_way(lines: Lines) -> Lines | None:
     """Every turn the other way round, of a tube with cut-outs."""
     if "(cut-out)" not in lines:

@@ -1,5 +1,6 @@
 """Random parts for a coper: I, U, L and T with copes at their ends, notches, windows and holes."""
 
+from math import radians, tan
 from random import Random
 
 from msgspec.structs import replace
@@ -7,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.model.part import Contour, Feature, Hole, Part, Profile, Slot
+from beamcam.model.part import Bevel, Contour, EndCuts, Feature, Hole, Part, Profile, Slot
 
 AT = Source("part.nc1")
 SECTIONS = (
@@ -52,6 +53,60 @@ def random_cope(seed: int) -> Part:
     features.append(Contour("v", "outer", _web(profile, length, back, random), AT))
     features += _holes(profile, length, flanges, random)
     return Part(f"C{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
+def random_mitre(seed: int) -> Part:
+    """A part with skew ends by its header, some of them drawn on the web too, with some holes."""
+    random = Random(seed)
+    profile = random.choice((*SECTIONS, *TEES))
+    length = round(random.uniform(1200.0, 1800.0), 1)
+    angles: list[float] = []
+    for _ in range(2):
+        kind = random.choice(("web", "web", "flange", "both", "square"))
+        angles += [
+            round(random.uniform(5.0, 44.0) * random.choice((-1, 1)), 2)
+            if kind in (which, "both") else 0.0
+            for which in ("web", "flange")
+        ]  # fmt: skip
+    cuts = EndCuts(angles[0], angles[2], angles[1], angles[3])
+    features: list[Feature] = []
+    if profile.code != "T":
+        low = profile.flange_thickness + profile.radius + 25.0
+        features.append(Hole("v", round(length / 2 + 17.0, 1), low, 18.0, AT))
+        if not (cuts.flange_start or cuts.flange_end) and random.random() < 0.5:
+            features.append(Contour("v", "outer", _skew_web(profile, length, cuts), AT))
+    return Part(
+        f"M{seed}", profile, length, AT, cuts=cuts, features=tuple(features), grade="S235JR"
+    )
+
+
+def random_bevel(seed: int) -> Part:
+    """A part whose flanges, or legs, have bevels at their ends on the outside, with lands."""
+    random = Random(seed)
+    profile = random.choice(SECTIONS)
+    length = round(random.uniform(500.0, 1200.0), 1)
+    features: list[Feature] = []
+    for face in ("u",) if profile.code == "L" else ("o", "u"):
+        wide = profile.width
+        curves = polygon([(0.0, 0.0), (length, 0.0), (length, wide), (0.0, wide)])
+        if is_back := face == "o" and random.random() < 0.5:  # as files have it: clockwise
+            curves = polygon([(0.0, 0.0), (0.0, wide), (length, wide), (length, 0.0)])
+        land = round(random.uniform(0.0, 3.0), 1)
+        angle = round(random.uniform(25.0, 44.0), 1)
+        which = random.choice(((1,), (3,), (1, 3)))
+        bevels = tuple(Bevel((curve + 1) % 4 if is_back else curve, angle, land) for curve in which)
+        features.append(Contour(face, "outer", curves, AT, bevels=bevels))
+    return Part(f"W{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
+def _skew_web(profile: Profile, length: float, cuts: EndCuts) -> tuple[Curve, ...]:
+    """The outline of a web between ends that are skew in the view of it alone."""
+    high = profile.height
+    first, last = (tan(radians(angle)) * high for angle in (cuts.web_start, cuts.web_end))
+    return polygon([
+        (max(first, 0.0), 0.0), (length + min(last, 0.0), 0.0),
+        (length - max(last, 0.0), high), (max(-first, 0.0), high),
+    ])  # fmt: skip
 
 
 def random_tee(seed: int) -> Part:

@@ -134,9 +134,10 @@ def _dialect_of(machine: Machine) -> Dialect:
     # RS274 counts in mm/min (G94), whatever the templates of a machine are filled with.
     by_second = machine.controller == "codesys" and machine.format.feed_unit == "mm/s"
     torch = machine.torch
+    tilting = "B" if machine.coper is not None and machine.coper.tilt else ""
     return Dialect(
         stock=machine.stock,
-        axes={"beam": "XYZ", "sheet": "XY", "profile": "XYZA"}[machine.stock],
+        axes={"beam": "XYZ", "sheet": "XY", "profile": "XYZA"}[machine.stock] + tilting,
         resolution=machine.format.resolution,
         per_minute=60.0 if by_second else 1.0,
         rules=BY_STOCK[machine.stock],

@@ -55,6 +55,7 @@ class Move(Struct, Generic[Where], frozen=True, gc=False):
     curve: Curve | None = None  #: in X and Y; None for a straight one
     minutes: float = 0.0  #: that it takes, in inverse time (G93); 0 where a feed holds
     a_deg: tuple[float, float] = (nan, nan)  #: A at its start and end, where the machine has it
+    b_deg: tuple[float, float] = (nan, nan)  #: B likewise
 
 
 class Switch(Struct, frozen=True, gc=False):

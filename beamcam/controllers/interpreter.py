@@ -85,7 +85,7 @@ class Interpreter(ABC):
         self._lines: list[float] = [inf]  #: of plain moves
         self._next = 0  #: plain move
         self._place: Place = (nan, nan, nan)  #: of a table Z stays nan
-        self._a_deg = nan  #: of a machine that has A
+        self._a_deg = self._b_deg = nan  #: of a machine that has A, and B
         self._inverse = False  #: whether F is the inverse of a move's time (G93)
         self._feed = 0.0  #: in the unit of F words
         self._flat = len(dialect.axes) == 2  #: a table, whose head moves in X and Y
@@ -286,16 +286,19 @@ class Interpreter(ABC):
             feed *= self._share
             self._add(Move(line, motion == 0, start[:2], end[:2], feed, own_feed, curve))
             return
-        before = self._a_deg
+        a_before, b_before = self._a_deg, self._b_deg
         if "A" in words:
-            self._a_deg = words["A"] + (0.0 if self._absolute else before)
-        a_deg, minutes = (before, self._a_deg), 0.0
+            self._a_deg = words["A"] + (0.0 if self._absolute else a_before)
+        if "B" in words:
+            self._b_deg = words["B"] + (0.0 if self._absolute else b_before)
+        a_deg, b_deg, minutes = (a_before, self._a_deg), (b_before, self._b_deg), 0.0
         if self._inverse and motion:
             if not own_feed or not self._feed > 0.0:
                 self._wrong(line, "no F in that block", "one in each block of inverse time (G93)")
                 return
             feed, minutes = 0.0, 1.0 / self._feed
-        self._add(Move(line, motion == 0, start, end, feed, own_feed, curve, minutes, a_deg))
+        move = Move(line, motion == 0, start, end, feed, own_feed, curve, minutes, a_deg, b_deg)
+        self._add(move)
 
     def _is_lost(self, line: int, motion: int, start: Place, end: Place, words: Words) -> bool:
         """Whether a move leads from or to nowhere; says so.
@@ -309,7 +312,7 @@ class Interpreter(ABC):
             return True
         if not self._absolute and any(
             letter in words and isnan(at)
-            for letter, at in zip("XYZA", (*end, self._a_deg), strict=True)
+            for letter, at in zip("XYZAB", (*end, self._a_deg, self._b_deg), strict=True)
         ):
             self._wrong(line, "a relative move from nowhere", "an absolute place (G90) before")
         return False

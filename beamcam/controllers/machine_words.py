@@ -357,8 +357,9 @@ def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFaul
 
 
 def _coper_faults(machine: Machine) -> Iterator[WordFault]:
+    coper = machine.needed(machine.coper, "coper")
     lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
-    lines += _filled(machine, "turn", x="0", y="0", z="50", a="-90")
+    lines += _filled(machine, "turn", x="0", y="0", z="50", a="-90", b="10")
     lines += _filled(machine, "traverse", x="10", y="20", z="30")
     lines += _filled(machine, "cut_on")
     lines += _filled(machine, "feed", x="11", y="21", z="31", a="-90", inverse="100")
@@ -372,6 +373,8 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
             place, a_deg = event.end, event.a_deg[1]
             if key == "words.turn" and a_deg != -90.0:
                 yield fault_in(key, text, f"A at {a_deg:g}", "a move to {a}")
+            if key == "words.turn" and coper.tilt and event.b_deg[1] != 10.0:
+                yield fault_in(key, text, f"B at {event.b_deg[1]:g}", "a move to {b}")
             for name, wanted in (("traverse", (10.0, 20.0, 30.0)), ("feed", (11.0, 21.0, 31.0))):
                 if key == f"words.{name}" and place != wanted:
                     yield fault_in(key, text, "another place", "a move to {x}, {y} and {z}")

@@ -154,6 +154,8 @@ def _turned(events: Sequence[BarEvent], decimals: int) -> Iterator[str]:
                 )
                 by = f" in {60 * minutes:.3f} s" if minutes else f" at {feed:g} mm/min"
                 around = "" if isnan(turn) else f" A {turn:.3f}"
+                tilt = event.b_deg[1]
+                around += "" if isnan(tilt) else f" B {tilt:.3f}"
                 yield f"{'rapid' if rapid else 'line'} to {to}{around}{'' if rapid else by}"
             case Switch():
                 yield str(event)
@@ -204,6 +206,8 @@ def _changes(a: Stroke, b: Stroke, step: float) -> list[str]:
         for (p, q), (r, t) in zip(a.points, b.points, strict=True)
     ):
         changes.append("another course")
+    if a.b_deg != b.b_deg:
+        changes.append(f"tilt {a.b_deg:.6g} to {b.b_deg:.6g} degrees")
     if a.row.feed_mm_min != b.row.feed_mm_min:
         changes.append(f"feed {a.row.feed_mm_min:.6g} to {b.row.feed_mm_min:.6g} mm/min")
     return changes

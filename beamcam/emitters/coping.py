@@ -45,10 +45,11 @@ def _blocks(
             values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
             values["a"] = number(a_deg, machine.format.angle_decimals)
             values["inverse"] = number(per_minute, INVERSE_DECIMALS)
-        case TurnTorch(x, y, z, a_deg):
+        case TurnTorch(x, y, z, a_deg, b_deg):
             template = words.turn
             values = {"x": number(x, places), "y": number(y, places), "z": number(z, places)}
             values["a"] = number(a_deg, machine.format.angle_decimals)
+            values["b"] = number(b_deg, machine.format.angle_decimals)
         case ToolOn():
             template = words.cut_on
             values |= {

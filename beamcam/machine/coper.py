@@ -1,6 +1,6 @@
 """A torch that goes round a profile: it turns about the bar, along which it or the bar moves."""
 
-from math import sqrt
+from math import cos, radians, sin, sqrt, tan
 from typing import Literal
 
 from beamcam.conversion import Keys, NotNegative, Positive
@@ -8,6 +8,12 @@ from beamcam.machine.torch import TorchRow
 
 #: Degrees of A at which the torch looks at a face: its head is at Y -sin A, Z cos A of its tip.
 A_OF_FACE = {"o": -90.0, "v": 0.0, "u": 90.0}
+
+
+def torch_way(a_deg: float, b_deg: float = 0.0) -> tuple[float, float, float]:
+    """The way from the tip of the torch to its head, of length 1: B tilts it towards X."""
+    a, b = radians(a_deg), radians(b_deg)
+    return sin(b), -sin(a) * cos(b), cos(a) * cos(b)
 
 
 class TubeCorner(Keys, frozen=True):
@@ -49,6 +55,8 @@ class Coper(Keys, frozen=True):
     play: Positive = 0.5  #: between the torch and steel beside it, at least
     tcp: bool = True  #: whether X, Y and Z say where the tip is, or the axis that it turns about
     pivot: NotNegative = 0.0  #: from the tip to the axis that it turns about
+    #: degrees that B tilts the torch along the bar, at most; 0 where the machine has no B
+    tilt: NotNegative = 0.0
     #: The root between web and flange, where the torch has no room over the web: refused, or cut
     #: from outside of the flange by a pass that is deep enough.
     k_area: Literal["refuse", "pass"] = "refuse"
@@ -69,6 +77,15 @@ class Coper(Keys, frozen=True):
         rows = sorted(self.corners, key=lambda row: row.up_to)
         share = next((row.share for row in rows if wall <= row.up_to), 0.0)
         return radius if radius > 0.0 else share * wall or self.corner
+
+    def standoff(self, height: float, b_deg: float) -> float:
+        """How far the tip of a tilted torch is from the steel along its axis, in mm.
+
+        The torch is torch_width wide at its tip, whose lower edge keeps that height over the steel:
+        height / cos(B) + tan(B) torch_width / 2.
+        """
+        b = radians(abs(b_deg))
+        return height / cos(b) + self.torch_width / 2 * tan(b)
 
     def reach_beside(self, radius: float, cut_height: float) -> float:
         """How near to a flange's inner surface the middle of the torch comes over the web, in mm.

@@ -77,7 +77,7 @@ class ControlledAxis(Keys, frozen=True):
 
     name: str  #: in traces, messages and the `bodies` that it carries
     #: letter that moves it in a program; angle is the saw's rotation, saw its stroke
-    moves: Literal["X", "Y", "Z", "A", "angle", "saw"]
+    moves: Literal["X", "Y", "Z", "A", "B", "angle", "saw"]
     speed: Positive  #: maximum, mm/s or deg/s; the rate of rapid moves
     acceleration: Positive  #: mm/s2 or deg/s2
     spindle: int | None = None  #: number of the spindle that it belongs to

@@ -34,6 +34,7 @@ MIN_SPEED_RPM = 1.0  #: which programs say to 1
 MIN_CROSS = 1.0  #: mm of a cross that marks a centre, if there is one
 MIN_STEP = 0.0005  #: mm that a motor makes; a table has a row for each
 GAPS = 4.0  #: gaps that a cross is long at least, so that its lines are not closed
+MOST_TILT_DEG = 60.0  #: farther over, the torch lies on the steel
 
 
 def range_faults(machine: Machine) -> Iterator[Fault]:
@@ -180,6 +181,7 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
             list(coper.profiles),
             "RO and M where the bar turns, else I, U and L",
         )
+    yield from _tilt_faults(machine, coper)
     if coper.a_unit == "mm" and {*coper.profiles} != {"RO"}:
         yield "coper.a_unit", "mm", "deg, as only round tubes (RO) turn evenly with their surface"
     if coper.corners and "M" not in coper.profiles:
@@ -205,6 +207,22 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         yield "coper.tolerance", coper.tolerance, expected
     if coper.head_width < coper.torch_width:
         yield "coper.head_width", coper.head_width, "at least torch_width"
+
+
+def _tilt_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:
+    """A torch that tilts without an axis or a word for it, or the other way round."""
+    if coper.tilt and (coper.turns == "bar" or coper.tilt > MOST_TILT_DEG):
+        expected = f"at most {MOST_TILT_DEG:g}, and 0 where coper.turns is bar"
+        yield "coper.tilt", coper.tilt, expected
+    if any("{b}" in line for line in machine.words.turn) != bool(coper.tilt):
+        expected = "{b} where coper.tilt is above 0, and nowhere else"
+        yield "words.turn", list(machine.words.turn), expected
+    axes = [(k, axis) for k, axis in enumerate(machine.axes) if axis.moves == "B"]
+    if bool(axes) != bool(coper.tilt):
+        yield "axes", len(machine.axes), "one that moves B where coper.tilt is above 0, else none"
+    for k, axis in axes:
+        if axis.limits[0] > -coper.tilt or axis.limits[1] < coper.tilt:
+            yield f"axes.{k}.max", axis.max, f"-{coper.tilt:g} to {coper.tilt:g} at least"
 
 
 def _reach_faults(machine: Machine, coper: Coper) -> Iterator[Fault]:

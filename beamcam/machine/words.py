@@ -265,7 +265,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "printer": _TEXT_NAMES,
     "change": frozenset({"spindle", "station", "diameter", "text"}),
     "traverse": frozenset({"x", "y", "z"}),
-    "turn": frozenset({"x", "y", "z", "a"}),
+    "turn": frozenset({"x", "y", "z", "a", "b"}),
     "feed": _TO_NAMES | {"z", "a", "inverse"},
     "arc_cw": _ARC_NAMES,
     "arc_ccw": _ARC_NAMES,

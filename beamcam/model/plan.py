@@ -239,17 +239,23 @@ CopeKind = Literal["inner", "notch", "near", "far"]
 
 
 class CopeCut(Struct, frozen=True, gc=False):
-    """A cut of a torch that goes round a profile, square to one of its walls."""
+    """A cut of a torch that goes round a profile, square to one of its walls or tilted along it.
+
+    Where the torch is tilted, what it cuts goes on through the wall along the torch.
+    """
 
     kind: CopeKind
     face: Face  #: that the torch looks at
-    path: tuple[Point, ...]  #: x of the part and y of the face, from where the torch pierces
+    #: x of the part and y of the face where the torch points at, from where it pierces
+    path: tuple[Point, ...]
     lead: int  #: how many of its stretches lead to the contour
-    thickness: float  #: that it cuts through, roots with their flange
+    thickness: float  #: that it cuts through along the torch, roots with their flange
     row: TorchRow
     features: tuple[FeatureRef, ...]
     source: Source
     root: bool = False  #: whether it takes the root behind a flange
+    b_deg: float = 0.0  #: tilt of the torch towards X
+    bevel: bool = False  #: whether it takes the wedge off an edge that is cut square before
 
 
 class CopePlan(Struct, frozen=True):

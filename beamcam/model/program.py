@@ -244,12 +244,13 @@ class StartProfile(Struct, frozen=True):
 
 
 class TurnTorch(Struct, frozen=True, gc=False):
-    """The torch of a coper to an angle about the bar, its tool off."""
+    """The torch of a coper to an angle about the bar and a tilt along it, its tool off."""
 
     x: float
     y: float
     z: float
     a_deg: float
+    b_deg: float = 0.0
 
 
 class TorchTo(Struct, frozen=True, gc=False):

@@ -9,9 +9,9 @@
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import acos, ceil, cos, degrees, dist, inf, radians, sin
+from math import acos, ceil, degrees, dist, inf
 
-from beamcam.machine.coper import A_OF_FACE, Coper
+from beamcam.machine.coper import A_OF_FACE, Coper, torch_way
 from beamcam.machine.machine import Machine
 from beamcam.model.description import part_data
 from beamcam.model.part import Face
@@ -73,6 +73,7 @@ class _Torch:
         self._top = profile.width + coper.clearance
         self._sides = {"o": profile.height + coper.clearance, "u": -coper.clearance}
         self._face: Face | None = None
+        self._b_deg = 0.0
         self._at: Place = (0.0, 0.0, 0.0)
 
     def make(self, cut: CopeCut) -> Iterator[Command]:
@@ -80,19 +81,22 @@ class _Torch:
         patch = patch_of(self._patches, cut.face)
         assert patch is not None, cut.face
         row = cut.row
-        pierce = self._tip(patch, cut.path[0], row.pierce_height)
+        pierce = self._tip(patch, cut.path[0], row.pierce_height, cut)
         what = f"{NAMES[cut.kind]} on face {cut.face}{', through the root' if cut.root else ''}"
+        what = f"bevel of {what}" if cut.bevel else what
         yield Comment(what)
         yield from self._approach(cut.face, pierce)
+        yield from self._turned(self._at, cut.face, cut.b_deg)
         yield self._to(pierce, True)
         yield ToolOn(
             row.process, row.feed_mm_min, row.power, row.pierce_s, cut.source, row.pierce_height,
             row.cut_height,
         )  # fmt: skip
         for place in cut.path:
-            yield self._to(self._tip(patch, place, row.cut_height), False)
+            yield self._to(self._tip(patch, place, row.cut_height, cut), False)
         yield ToolOff(row.process)
         yield self._to(self._outside(cut.face, self._at), True)
+        yield from self._turned(self._at, cut.face)
 
     def home(self) -> Iterator[Command]:
         """The commands that leave the torch upright, above the bar."""
@@ -127,39 +131,47 @@ class _Torch:
         x, y, z = place
         return (x, y, self._top) if face == "v" else (x, self._sides[face], z)
 
-    def _tip(self, patch: Patch, place: tuple[float, float], height: float) -> Place:
-        x, y, z = patch.point(place[0] + self._start, place[1])
-        ny, nz = patch.normal(place[1])
-        return x, y + height * ny, z + height * nz
+    def _tip(self, patch: Patch, place: tuple[float, float], height: float, cut: CopeCut) -> Place:
+        """The tip as it points at a place of a face, at a height of the row over it."""
+        at = patch.point(place[0] + self._start, place[1])
+        away = self._coper.standoff(height, cut.b_deg)
+        return _along(at, away, patch.a_deg(place[1]), cut.b_deg)
 
-    def _programmed(self, tip: Place, a_deg: float) -> Place:
-        """What a program says of a tip: the tip itself, or the axis that the torch turns about."""
-        if self._coper.tcp:
-            return tip
-        a, (x, y, z) = radians(a_deg), tip
-        return x, y - self._coper.pivot * sin(a), z + self._coper.pivot * cos(a)
+    def _programmed(self, tip: Place, a_deg: float, b_deg: float) -> Place:
+        """What a program says of a tip: the tip itself, or the axes that the torch turns about."""
+        return tip if self._coper.tcp else _along(tip, self._coper.pivot, a_deg, b_deg)
 
     def _to(self, tip: Place, rapid: bool) -> Command:
         assert self._face is not None
         self._at = tip
-        return TorchTo(*self._programmed(tip, A_OF_FACE[self._face]), rapid)
+        return TorchTo(*self._programmed(tip, A_OF_FACE[self._face], self._b_deg), rapid)
 
-    def _turned(self, tip: Place, face: Face) -> Iterator[Command]:
-        """The turn to a face, the tip at a place.
+    def _turned(self, tip: Place, face: Face, b_deg: float = 0.0) -> Iterator[Command]:
+        """The turn to a face and a tilt, the tip at a place; nothing where it has both.
 
         An axis that goes straight while the torch turns takes the tip off that place by
         pivot (1 - cos(step / 2)); steps are so small that this is a quarter of the clearance.
         """
         last = A_OF_FACE[face]
         first = last if self._face is None else A_OF_FACE[self._face]
+        if self._face == face and self._b_deg == b_deg:
+            return
+        tilted, self._b_deg = self._b_deg, b_deg
         steps = 1
         if not self._coper.tcp:
             off = min(1.0, self._coper.clearance / 4 / self._coper.pivot)
-            steps = ceil(abs(last - first) / degrees(2 * acos(1 - off))) or 1
+            most = max(abs(last - first), abs(b_deg - tilted))
+            steps = ceil(most / degrees(2 * acos(1 - off))) or 1
         self._at, self._face = tip, face
         for k in range(1, steps + 1):
-            a_deg = first + (last - first) * k / steps
-            yield TurnTorch(*self._programmed(tip, a_deg), a_deg)
+            a_deg, b = first + (last - first) * k / steps, tilted + (b_deg - tilted) * k / steps
+            yield TurnTorch(*self._programmed(tip, a_deg, b), a_deg, b)
+
+
+def _along(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
+    """The place that lies so far from one along the torch, towards its head."""
+    x, y, z = torch_way(a_deg, b_deg)
+    return place[0] + far * x, place[1] + far * y, place[2] + far * z
 
 
 class _Bar:
@@ -243,12 +255,16 @@ def coping_time(plan: CopePlan, program: Program, machine: Machine) -> WorkTime:
     spent, feed = 0.0, 1.0
     at: Place | None = None
     a_deg: float | None = None
+    b_deg = 0.0
     for command in program.commands:
         match command:
-            case TurnTorch(x, y, z, turned):
+            case TurnTorch(x, y, z, turned, tilted):
                 if a_deg is not None:
-                    spent += abs(turned - a_deg) / speeds.get("A", 90.0)
-                a_deg, at = turned, (x, y, z)
+                    spent += max(
+                        abs(turned - a_deg) / speeds.get("A", 90.0),
+                        abs(tilted - b_deg) / speeds.get("B", 90.0),
+                    )
+                a_deg, b_deg, at = turned, tilted, (x, y, z)
             case TorchTo(x, y, z, rapid):
                 if at is not None and rapid:
                     ways = zip("XYZ", at, (x, y, z), strict=True)

@@ -44,7 +44,11 @@ BY_POLICY, NO_UNIT = "marks", "no-unit"
 NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
 CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
 NOT_MOVED = "not-moved"
-DRILL, BEVEL = "drill", "bevel"  #: of a sheet's features that are only begun by the machine
+DRILL, BEVEL, ROOT = (
+    "drill",
+    "bevel",
+    "root",
+)  #: of a sheet's features that are only begun by the machine
 REASONS = {
     BY_POLICY: "the machine file leaves such marks for manual work",
     NO_UNIT: "the machine has no unit that letters",
@@ -58,6 +62,7 @@ REASONS = {
     HEIGHT: "the machine does not letter at that height, which is binding",
     DRILL: "the torch cannot make it and marks its centre for the drill",
     BEVEL: "the torch cuts its bevelled edges square",
+    ROOT: "the torch leaves steel along a flange, where it does not reach",
 }
 
 

@@ -88,6 +88,10 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     strokes, said = strokes_of(text, bare, machine, name)
     if errors_in(said):
         return Recovered((), tuple(said))
+    tilted = next((stroke for stroke in strokes if stroke.b_deg), None)
+    if tilted is not None:
+        found = f"{tilted.b_deg:g}"
+        return Recovered((), (rules.TILTED.at(Source(name, tilted.line), found=found),))
     walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
     missing = [wall.face for wall in walls if wall.shape.is_empty]
     if missing:

@@ -52,6 +52,10 @@ UNNAMED = error("recover-unnamed-section",
     "with a part file or the name of a section",
     "Where the walls are below the torch follows from the section, whose thicknesses a program "
     "does not say.")
+TILTED = error("recover-tilted",
+    "found a cut with the torch tilted to B {found}; expected all of them square to their walls",
+    "Skew ends and bevels that a tilted torch makes are not recovered. The part is in the file "
+    "that the program was posted from.")
 COMES_CUT = error("recover-comes-cut",
     "found a program for a piece that comes cut; expected one that cuts the part from a bar",
     "Its ends, and what another machine made, are not in the program. The part is in the rest file "
@@ -78,6 +82,6 @@ CORNER = error("recover-corner",
 
 RULES = (
     NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, CROWDED, BY_HAND, LEFT_OUT,
-    UNNAMED, COMES_CUT, NOT_PARTED, REFITTED, ROUNDED,
+    UNNAMED, TILTED, COMES_CUT, NOT_PARTED, REFITTED, ROUNDED,
     CORNER,
 )

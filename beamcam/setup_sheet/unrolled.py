@@ -39,7 +39,7 @@ def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
 def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
     """Where the torch is round the bar at each knot, mm."""
     profile = part.profile
-    _, y, z, a_deg = positions.T
+    _, y, z, a_deg, *tilts = positions.T
     if coper.a_unit == "mm":
         around: Floats = a_deg.copy()
         return around
@@ -47,8 +47,10 @@ def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
         place = tube_section(part, coper).place
         found: Floats = np.array([place(*row)[0] for row in positions[:, 1:].tolist()])
         return found
-    a = np.radians(a_deg)
-    tip_y, tip_z = y + coper.pivot * np.sin(a), z - coper.pivot * np.cos(a)
+    a, pivot = np.radians(a_deg), coper.pivot
+    if tilts:
+        pivot = pivot * np.cos(np.radians(tilts[0]))
+    tip_y, tip_z = y + pivot * np.sin(a), z - pivot * np.cos(a)
     beside = profile.width - tip_z
     found = np.select(
         [a_deg < -45.0, a_deg > 45.0], [profile.height + beside, -beside], default=tip_y

@@ -15,7 +15,7 @@ from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
 from beamcam.simulate.trace import UNIFORM, State, Trace, TraceAxis, TraceBuilder
 
-Positions = tuple[float, ...]  #: of X, Y, Z and A
+Positions = tuple[float, ...]  #: of X, Y, Z, A and, where the torch tilts, B
 LETTERS = "XYZA"
 _M_WORD = re.compile(r"M(\d+)")
 
@@ -23,30 +23,31 @@ _M_WORD = re.compile(r"M(\d+)")
 def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
     """The axes over time, from the first place that the program names.
 
-    Raises MachineError without `[[axes]]` of X, Y, Z and A.
+    Raises MachineError without `[[axes]]` of X, Y, Z and A, and of B where the torch tilts.
     """
     axes = {axis.moves: axis for axis in machine.axes}
-    if not {*LETTERS} <= axes.keys():
+    letters = LETTERS + ("B" if machine.coper is not None and machine.coper.tilt else "")
+    if not {*letters} <= axes.keys():
         raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
-    used = [axes[letter] for letter in LETTERS]  # type: ignore[index]
-    turned = machine.needed(machine.coper, "coper").a_unit
+    used = [axes[letter] for letter in letters]  # type: ignore[index]
+    units = {"A": machine.needed(machine.coper, "coper").a_unit, "B": "deg"}
     rows = tuple(
-        TraceAxis(axis.name, turned if letter == "A" else "mm", axis.min, axis.max)
-        for letter, axis in zip(LETTERS, used, strict=True)
+        TraceAxis(axis.name, units.get(letter, "mm"), axis.min, axis.max)
+        for letter, axis in zip(letters, used, strict=True)
     )
     on, off = (
         {int(number) for line in lines for number in _M_WORD.findall(line)}
         for lines in (machine.words.cut_on, machine.words.cut_off)
     )
     moves = [event for event in events if isinstance(event, Move)]
-    here = tuple(_first(moves, k) for k in range(len(LETTERS)))
+    here = tuple(_first(moves, k) for k in range(len(letters)))
     builder, state = TraceBuilder(rows, here), State()
     for event in events:
         match event:
             case Move():
                 to = tuple(
                     b if isfinite(b) else a
-                    for a, b in zip(here, (*event.end, event.a_deg[1]), strict=True)
+                    for a, b in zip(here, _places(event)[: len(letters)], strict=True)
                 )
                 seconds = _seconds(event, here, to, [axis.speed for axis in used])
                 if seconds > 0.0:  # the first one only says where everything is
@@ -65,8 +66,12 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
 
 def _first(moves: Sequence[Move[Place]], axis: int) -> float:
     """The first place that a program names of an axis; 0 where it names none."""
-    ends = ((*move.end, move.a_deg[1])[axis] for move in moves)
+    ends = (_places(move)[axis] for move in moves)
     return next((end for end in ends if isfinite(end)), 0.0)
+
+
+def _places(move: Move[Place]) -> Positions:
+    return (*move.end, move.a_deg[1], move.b_deg[1])
 
 
 def _seconds(

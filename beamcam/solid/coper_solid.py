@@ -2,9 +2,9 @@
 
     stock of the section - what the jet sweeps, pierced holes among it -> pieces
 
-The jet goes from the tip along the torch, whose head is at Y -sin A, Z cos A of its tip. How wide
-and how deep it cuts says the row of the cut chart whose speed the cut has. A tube turns below an
-upright torch, so that its wall is cut square to its surface.
+The jet goes from the tip along the torch, whose head is at X sin B, Y -sin A cos B, Z cos A cos B
+of its tip. How wide and how deep it cuts says the row of the cut chart whose speed the cut has. A
+tube turns below an upright torch, so that its wall is cut square to its surface.
 """
 
 from collections.abc import Iterator, Sequence
@@ -42,8 +42,10 @@ class Burn(Struct, frozen=True):
     line: int
     row: TorchRow
     a_deg: float  #: of the torch; of a tube, which turns, that of its first place
-    path: tuple[tuple[float, float], ...]  #: x of the part and across, or round a tube
+    #: x of the part and across, or round a tube; of a tilted torch as it looks along itself
+    path: tuple[tuple[float, float], ...]
     heights: tuple[float, ...]  #: of the tip along the torch, from the part's axis or a tube's skin
+    b_deg: float = 0.0  #: of the torch towards X
 
 
 def stock_of(part: Part, coper: Coper, bar: float | None) -> "Manifold":
@@ -81,14 +83,17 @@ def _burn(
 ) -> Burn:
     """A cut by its moves; its speed, which says its row, is that of all of them together."""
     places = [(moves[0].start, moves[0].a_deg[0]), *((m.end, m.a_deg[1]) for m in moves)]
-    if not all(isfinite(a_deg) and all(map(isfinite, place)) for place, a_deg in places):
+    tilts = [b for m in moves for b in m.b_deg] if coper.tilt else [0.0]
+    if not all(isfinite(a_deg) and all(map(isfinite, place)) for place, a_deg in places) or not all(
+        map(isfinite, tilts)
+    ):
         raise BeamcamError(NO_SOLID.at(source, found="a cut from or to nowhere"))
     if coper.turns == "bar":
         skin = skin_of(part)[0]
         turned = [_over_tube(place, a_deg, coper, skin) for place, a_deg in places]
     else:
-        turned = [_across_bar(place, a_deg, places[0][1], coper) for place, a_deg in places]
-    if any(one is None for one in turned):
+        turned = [_across_bar(place, a, places[0][1], coper, tilts[0]) for place, a in places]
+    if any(one is None for one in turned) or max(tilts) - min(tilts) > STEADY_DEG:
         what = "a torch that is not square to its tube" if coper.turns == "bar" else (
             "a torch that turns as it cuts")  # fmt: skip
         raise BeamcamError(NO_SOLID.at(source, found=what))
@@ -104,16 +109,19 @@ def _burn(
         found = f"a cut at {speed:.0f} mm/min, the speed of no row of the chart"
         raise BeamcamError(NO_SOLID.at(source, found=found))
     path, heights = tuple((x, q) for x, q, _ in seen), tuple(h for *_, h in seen)
-    return Burn(source.line or 0, row, places[0][1], path, heights)
+    return Burn(source.line or 0, row, places[0][1], path, heights, tilts[0])
 
 
-def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper) -> Any:
-    """x, the way across and the height of the tip of a torch that goes round; None if it turns."""
+def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper, b_deg: float) -> Any:
+    """x, the way across and the height of the tip of a torch that goes round, as it looks along
+    itself; None if it turns."""
     x, y, z = place
     if abs(a_deg - first_deg) > STEADY_DEG:
         return None
-    a = radians(a_deg)
-    return x - coper.trim, y * cos(a) + z * sin(a), z * cos(a) - y * sin(a) - coper.pivot
+    a, b, x = radians(a_deg), radians(b_deg), x - coper.trim
+    over = z * cos(a) - y * sin(a)
+    along, high = x * cos(b) - over * sin(b), over * cos(b) + x * sin(b)
+    return along, y * cos(a) + z * sin(a), high - coper.pivot
 
 
 def _over_tube(place: Place, a_deg: float, coper: Coper, skin: Skin) -> Any:
@@ -135,14 +143,17 @@ def taken_by(burn: Burn, coper: Coper, part: Part) -> "Manifold":
         *(way.buffer(half, quad_segs=quarter) for way in ways),
     ])  # fmt: skip
     tips = burn.heights[1:] or burn.heights
-    high, low = max(tips), min(tips) - row.cut_height - row.up_to
+    high = max(tips)
+    low = min(tips) - coper.standoff(row.cut_height, burn.b_deg) - row.up_to
     if coper.turns == "bar":  # beyond its depth by what chords lie within a circle
         return wrapped(shape, skin_of(part)[0], -high, CHORD - low)
-    a = radians(burn.a_deg)
-    y, z = (0.0, cos(a), -sin(a), 0.0), (0.0, sin(a), cos(a), 0.0)
+    a, b = radians(burn.a_deg), radians(burn.b_deg)
+    up, over = -sin(b), cos(b)  # of a wall's normal, along x as the torch sees it and along itself
+    y = (-sin(a) * up, cos(a), -sin(a) * over, 0.0)
+    z = (cos(a) * up, sin(a), cos(a) * over, 0.0)
     if part.profile.code == "T":  # on its side: Y is its z, Z its height less its y
-        y, z = (0.0, -sin(a), -cos(a), part.profile.height), y
-    frame: Frame = ((1.0, 0.0, 0.0, 0.0), y, z)
+        y, z = (-z[0], -z[1], -z[2], part.profile.height), y
+    frame: Frame = ((cos(b), 0.0, sin(b), 0.0), y, z)
     return prism(shape, low, high, frame)
 
 

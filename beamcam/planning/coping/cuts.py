@@ -182,11 +182,10 @@ def led(chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper) -> 
         not free[chain.start] or (chain.start == "low" and len(wall.roots) == 1)
     ):
         chain = chain.reversed()
-    half = row.kerf / 2
-    led = _from_edge(chain, wall, shape, half, coper) if free[chain.start] else None
+    led = _from_edge(chain, wall, shape, row, coper) if free[chain.start] else None
     if led is None and free[chain.start] and free[chain.end]:
         chain = chain.reversed()
-        led = _from_edge(chain, wall, shape, half, coper)
+        led = _from_edge(chain, wall, shape, row, coper)
     if led is None and not free[chain.start]:
         led = _from_root(chain, wall, shape, row, coper)
     if led is not None and free[chain.end]:
@@ -246,12 +245,13 @@ def _pierce(
 
 
 def _from_edge(
-    chain: Chain, wall: Wall, shape: Shape, half_kerf: float, coper: Coper
+    chain: Chain, wall: Wall, shape: Shape, row: TorchRow, coper: Coper
 ) -> RequiredPath | None:
     """A path that begins on the edge of the scrap and goes along that edge to the contour.
 
     It meets the contour's path just beyond the edge, so that no wedge is left in the corner.
     """
+    half_kerf = row.kerf / 2
     edge = _edge_of(chain.start, wall)
     first = chain.points[0]
     crossing = next(
@@ -272,7 +272,7 @@ def _from_edge(
             if (
                 (wall.ends is None or wall.holds(start))
                 and shape.distance(_line(start, first)) >= half_kerf - SLACK
-                and shape.distance(_place(start)) > half_kerf + EDGE
+                and shape.distance(_place(start)) >= row.pierce_radius
                 and (wall.open is None or not wall.open.dwithin(_line(start, first), half_kerf))
             ):
                 return RequiredPath((start, *chain.points), 1)

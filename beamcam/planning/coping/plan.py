@@ -2,28 +2,44 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
-from math import inf
+from math import cos, inf, radians
 from typing import Literal
 
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Face, Part
+from beamcam.model.part import Contour, Face, Feature, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
 from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, led, paths_of
+from beamcam.planning.coping.ends import (
+    NOISE_DEG,
+    agreed_ends,
+    crossed,
+    ends_on,
+    is_on,
+    planes_of,
+    shown_by_ends,
+    squared,
+    tilts_at,
+    with_skew,
+)
 from beamcam.planning.coping.features import Sorted, sorted_features
+from beamcam.planning.coping.ledges import with_ledges
 from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
 from beamcam.planning.coping.roots import root_faults
-from beamcam.planning.coping.tube import outcomes_of, plan_tube
-from beamcam.planning.coping.walls import EDGE, WEB_AMID, Wall, ends_on, laid, walls_of
+from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
+from beamcam.planning.coping.walls import EDGE, WEB_AMID, Wall, laid, walls_of
+from beamcam.planning.left_out import BEVEL, ROOT
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
 #: piece from the bar begins where the near end was left.
@@ -31,7 +47,6 @@ ORDER: dict[CopeKind, tuple[Face, ...]] = {
     "inner": ("o", "v", "u"), "notch": ("u", "v", "o"), "near": ("o", "v", "u"),
     "far": ("u", "v", "o"),
 }  # fmt: skip
-NOISE_DEG = 0.2  #: of an end cut in a header
 
 
 def plan_coping(
@@ -59,10 +74,10 @@ def plan_coping(
         plan = plan_tube(part, machine, coper, skips)
         return replace(plan, remarks=(*told, *plan.remarks))
     given, part = part, laid(part)
+    is_tee = part is not given
     found = sorted_features(part, machine, coper, skips)
-    refusals = [*_end_faults(part), *found.refusals]
-    if refusals:
-        raise PlanError(refusals)
+    if found.refusals:
+        raise PlanError(found.refusals)
     chart = Chart(part, coper)
     walls = walls_of(part.profile, coper, chart.cut_height)
     if part.made is not None:
@@ -70,13 +85,33 @@ def plan_coping(
             f: replace(wall, ends=ends_on(f, part), open=open_on(f, part))
             for f, wall in walls.items()
         }
-    regions, said = _regions(part, walls, found, coper)
+        regions, said = _regions(part, walls, found, coper)
+        slant: dict[Face, float] = {}
+        tilts = [False, False]
+    else:
+        part, said = agreed_ends(part)
+        regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
+        said += more
+    ledges: list[Diagnostic] = []
     if not errors_in(said):
-        said += root_faults(regions, chart.depth(walls["u"].root_depth), coper, part.source)
+        over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
+        regions, ledges = with_ledges(
+            regions, chart.depth(walls["u"].root_depth), over_web.kerf if over_web else EDGE, coper,
+            part.source,
+        )  # fmt: skip
+        said += ledges
+        depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
+        said += root_faults(regions, depths, coper, part.source)
     if errors_in(said):
         raise PlanError(errors_in(said))
     cuts, more = _cuts(part, regions, found, chart, coper)
     said += more
+    passes, bevelled = bevel_cuts(part, regions, features_on(part, found.cut), chart, coper)
+    cuts = _in_order([*cuts, *passes])
+    slant = {face: off for face, off in slant.items() if off >= LEAST_SLANT}
+    if slant:
+        said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
+                                   faces=", ".join(slant)))  # fmt: skip
     if errors_in(said):
         raise PlanError(errors_in(said))
     if not cuts:
@@ -89,11 +124,18 @@ def plan_coping(
         said.append(rules.PIECE.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
         said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
-    if given is not part:
+    if is_tee:
         said.append(rules.TEE.at(part.source))
+    outcomes = tuple(
+        replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
+        if o.how == "made" else o
+        for o in outcomes_of(
+            part, found, coper.min_bevel,
+            {*shown_by_ends(part, tilts, coper.min_bevel), *bevelled},
+        )
+    )  # fmt: skip
     plan = CopePlan(
-        part.profile, (Piece(given, coper.trim),), needed, tuple(cuts),
-        tuple(outcomes_of(part, found, coper.min_bevel)), tuple(said),
+        part.profile, (Piece(given, coper.trim),), needed, tuple(cuts), outcomes, tuple(said),
         min_bevel=coper.min_bevel,
     )  # fmt: skip
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
@@ -164,9 +206,7 @@ def _stock_faults(
 
 
 def _end_faults(part: Part) -> Iterator[Diagnostic]:
-    """Errors for skew ends in the header, but of a piece that comes cut."""
-    if part.made is not None:
-        return
+    """Errors for skew ends in the header."""
     kinds: tuple[Literal["web", "flange"], ...] = ("web", "flange")
     ends: tuple[Literal["start", "end"], ...] = ("start", "end")
     for kind, at in product(kinds, ends):
@@ -174,6 +214,43 @@ def _end_faults(part: Part) -> Iterator[Diagnostic]:
         if abs(angle) > NOISE_DEG:
             source = part.cut_source(kind, at)
             yield rules.END.at(source, kind=kind, found=f"{angle:g}", end=at)
+
+
+def _skew(
+    part: Part, walls: Mapping[Face, Wall], found: Sorted, chart: Chart, coper: Coper
+) -> tuple[dict[Face, Region], list[Diagnostic], dict[Face, float], list[bool]]:
+    """The regions of a bar with its ends, by wall how many mm a square cut leaves too much, and at
+    which ends the torch is tilted."""
+    planes = planes_of(part)
+    tilts = [plane.is_skew and coper.tilt > 0.0 for plane in planes]
+    for k in (0, 1, None):
+        skewed = {f: with_skew(wall, part, (tilts[0], tilts[1])) for f, wall in walls.items()}
+        said = [
+            rules.CROSSED.at(part.source, face=face) for face, wall in skewed.items()
+            if crossed(wall, part.length)
+        ]  # fmt: skip
+        if said:
+            return {}, said, {}, tilts
+        regions, said = _regions(part, skewed, found, coper)
+        if errors_in(said) or k is None:
+            break
+        tilts[k] = tilts[k] and tilts_at(regions, part, k, coper)
+    slant: dict[Face, float] = {}
+    for k, plane in enumerate(planes):
+        if plane.is_skew and not tilts[k] and not errors_in(said):
+            regions, off = squared(regions, part, k, chart.depth(walls["u"].root_depth))
+            slant |= {face: max(mm, slant.get(face, 0.0)) for face, mm in off.items()}
+    return regions, said, slant, tilts
+
+
+def _depths(root: float, flange: Wall, chart: Chart) -> dict[int | None, float]:
+    """How deep a pass through a root cuts square to the flange, and at each end it is tilted to."""
+    found: dict[int | None, float] = {None: chart.depth(root)}
+    for k, line in enumerate(flange.skew):
+        if line is not None and line.b_deg:
+            share = cos(radians(line.b_deg))
+            found[k] = share * chart.depth(root / share)
+    return found
 
 
 def _regions(
@@ -207,16 +284,18 @@ def _cuts(
     for face, region in regions.items():
         features = tuple((0, f) for f in on.get(face, []))
         source = part.features[features[0][1]].source if features else part.source
-        for chain, row, thickness, root in _chains(region, chart):
+        views = [one for b_deg in tilts_of(region.wall) for one in _chains(region, b_deg, chart)]
+        for chain, row, seen, thickness, root in views:
             if row is None:
                 said.append(chart.too_thick(thickness, face, source))
                 continue
-            way = led(chain, region.wall, region.shape, row, coper)
+            way = led(chain, seen.region.wall, seen.region.shape, row, coper)
             if way is None:
                 x, y = chain.points[0]
                 said.append(
                     rules.NARROW.at(
-                        source, what="no room to pierce", x=f"{x:g}", y=f"{y:g}", face=face,
+                        source, what="no room to pierce", x=f"{x / seen.share:g}", y=f"{y:g}",
+                        face=face,
                         expected=f"scrap {2 * row.pierce_radius:g} mm wide beside the contour",
                     )
                 )  # fmt: skip
@@ -224,24 +303,76 @@ def _cuts(
             if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
                 x, y = hole
                 said.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
-            kind = _kind(chain, region)
+            path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
             cuts.append(
-                CopeCut(kind, face, way.path, way.lead, thickness, row, features, source, root)
-            )
-    cuts.sort(key=lambda cut: (
-        tuple(ORDER).index(cut.kind), ORDER[cut.kind].index(cut.face), cut.path[0],
-    ))  # fmt: skip
+                CopeCut(
+                    _kind(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
+                    features, source, root, seen.b_deg,
+                )
+            )  # fmt: skip
     return cuts, [*dict.fromkeys(said)]
 
 
-def _chains(region: Region, chart: Chart) -> Iterator[tuple[Chain, TorchRow | None, float, bool]]:
-    """The paths round a region, each with its row, what it cuts through, and whether with a root.
+def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:
+    """Cuts in order of work; a bevel follows its wall, and not the one that parts the piece."""
+    last = [*edges_of(cuts)]
+    order = dict(ORDER)
+    if last:
+        order["far"] = (*last, *sorted({*ORDER["far"]} - {*last}, key=ORDER["far"].index))
+    return sorted(cuts, key=lambda cut: (
+        tuple(order).index(cut.kind), order[cut.kind].index(cut.face), cut.bevel, cut.path[0],
+    ))  # fmt: skip
+
+
+def _left(feature: Feature, slant: Mapping[Face, float], ledges: bool) -> str:
+    """Why an outline is manual work though it is cut; "" if it is not."""
+    if is_slanted(feature, slant):
+        return BEVEL
+    if not ledges or not isinstance(feature, Contour) or feature.kind != "outer":
+        return ""
+    return ROOT if feature.face in ("v", "h") else ""
+
+
+class Seen(Struct, frozen=True):
+    """A region as a torch sees it that is tilted along the bar: x is shorter by cos(B)."""
+
+    region: Region
+    b_deg: float
+    share: float  #: cos(B)
+
+
+def tilts_of(wall: Wall) -> dict[float, None]:
+    """The tilts at which a wall is cut, square first."""
+    return dict.fromkeys((0.0, *(line.b_deg for line in wall.skew if line)))
+
+
+def _seen(region: Region, b_deg: float) -> Seen:
+    """A region as a torch sees it."""
+    from shapely.affinity import scale
+
+    share, wall = cos(radians(b_deg)), region.wall
+    if not b_deg:
+        return Seen(region, b_deg, 1.0)
+    lines = [
+        line and replace(line, at=line.at * share, slope=line.slope * share) for line in wall.skew
+    ]
+    shape = scale(region.shape, share, 1.0, origin=(0.0, 0.0))
+    wall = replace(wall, skew=(lines[0], lines[1]))
+    return Seen(replace(region, shape=shape, wall=wall), b_deg, share)
+
+
+def _chains(
+    region: Region, b_deg: float, chart: Chart
+) -> Iterator[tuple[Chain, TorchRow | None, Seen, float, bool]]:
+    """The paths at a tilt round a region, each with its row, what it cuts through, and whether with
+    a root.
 
     A path through a root runs as far off the part as its own, wider kerf asks for.
     """
-    wall = region.wall
-    shallow = wall.thickness
-    deep = wall.root_depth or wall.thickness + wall.fillets
+    seen = _seen(region, b_deg)
+    region, wall = seen.region, seen.region.wall
+    shallow = wall.thickness / seen.share
+    deep = (wall.root_depth or wall.thickness + wall.fillets) / seen.share
     for thickness in dict.fromkeys((shallow, deep)):
         row = chart.row(thickness)
         half = row.kerf / 2 if row else EDGE
@@ -249,9 +380,11 @@ def _chains(region: Region, chart: Chart) -> Iterator[tuple[Chain, TorchRow | No
         low, high = max(wall.low, -over), min(wall.high, wall.width + over)
         borders = borders_of(wall, low, high, over)
         for chain in chains_of(paths_of(region.shape, half, wall), borders):
+            tilted = next((line.b_deg for line in wall.skew if line and line.b_deg
+                           and is_on(line, chain.points, half)), 0.0)  # fmt: skip
             rooted = _is_rooted(chain, wall)
-            if rooted == (thickness == deep) or shallow == deep:
-                yield chain, row, thickness, rooted and bool(wall.root_depth)
+            if tilted == b_deg and (rooted == (thickness == deep) or shallow == deep):
+                yield chain, row, seen, thickness, rooted and bool(wall.root_depth)
 
 
 def _is_rooted(chain: Chain, wall: Wall) -> bool:
@@ -265,12 +398,17 @@ def _is_rooted(chain: Chain, wall: Wall) -> bool:
     return any(abs(edges.get(end, inf)) < inf for end in (chain.start, chain.end))
 
 
-def _kind(chain: Chain, region: Region) -> CopeKind:
+def _kind(chain: Chain, region: Region, kerf: float) -> CopeKind:
     """What a path makes: what is inside, or at which end of its wall it is."""
     if not chain.start:
         return "inner"
     low, _, high, _ = region.shape.bounds
     xs = [x for x, _ in chain.points]
-    if max(xs) >= high or "far" in (chain.start, chain.end):
+    near, far = (
+        line is not None and any(line.is_beside(place, kerf) for place in chain.points)
+        for line in region.wall.skew
+    )
+    if far or max(xs) >= high or "far" in (chain.start, chain.end):
         return "far"
-    return "near" if min(xs) <= low or "near" in (chain.start, chain.end) else "notch"
+    near = near or min(xs) <= low or "near" in (chain.start, chain.end)
+    return "near" if near else "notch"

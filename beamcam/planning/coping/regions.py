@@ -17,7 +17,7 @@ from beamcam.geometry.polylines import polylines
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Face, Hole, Part, Slot
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.walls import Wall
+from beamcam.planning.coping.walls import EndLine, Wall
 
 Shape = Any  #: of shapely
 Cut = Hole | Slot | Contour
@@ -45,20 +45,14 @@ def region_of(
     wall: Wall, part: Part, features: Sequence[int], coper: Coper
 ) -> tuple[Region, list[Diagnostic]]:
     """The region of a wall by those of a part's features that lie on it, and what is wrong."""
-    from shapely import Polygon, box, make_valid, union_all
+    from shapely import make_valid, union_all
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
     said: list[Diagnostic] = []
-    whole: Shape = box(0.0, 0.0, part.length, wall.width)
-    strip = box(-BEYOND, 0.0, part.length + BEYOND, wall.width)
-    if wall.ends is not None:
-        start, end = wall.ends
-        whole = strip = Polygon(
-            [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wall.width), wall.width),
-             (start.x(wall.width), wall.width)]
-        )  # fmt: skip
+    whole = _between(wall, (EndLine(0.0, 0.0), EndLine(part.length, 0.0)))
+    strip = _between(wall, (EndLine(-BEYOND, 0.0), EndLine(part.length + BEYOND, 0.0)))
     if outer:
         drawn = union_all([outline_on(wall, c.curves) for c in outer])
         said += _beyond(drawn, strip, wall, outer[0])
@@ -73,21 +67,45 @@ def region_of(
     shape = make_valid(shape)
     if shape.is_empty:
         return Region(wall, shape, 0), said
-    corners = [p for c in (*outer, *taken) if isinstance(c, Contour) for p in sharp_corners(c)]
+    corners = [  # what is at a root is cut with it, or stays there
+        (x, y)
+        for c in (*outer, *taken) if isinstance(c, Contour)
+        for x, y in sharp_corners(c) if not _is_at_root(y, wall, part.profile.radius)
+    ]  # fmt: skip
     return rounded(wall, shape, corners, part, coper, said)
 
 
+def _is_at_root(y: float, wall: Wall, radius: float) -> bool:
+    """Whether a place of a web lies on a flange or its fillet."""
+    return wall.face == "v" and any(
+        y < root.inner + radius if root.low == 0.0 else y > root.inner - radius
+        for root in wall.roots
+    )
+
+
+def _between(wall: Wall, square: tuple[EndLine, EndLine]) -> Shape:
+    """A wall between the ends of its piece, or between skew ones and, where it has none, others."""
+    from shapely import Polygon
+
+    start, end = wall.ends or (s or other for s, other in zip(wall.skew, square, strict=True))
+    return Polygon(
+        [(start.x(0.0), 0.0), (end.x(0.0), 0.0), (end.x(wall.width), wall.width),
+         (start.x(wall.width), wall.width)]
+    )  # fmt: skip
+
+
 def _beyond(drawn: Shape, piece: Shape, wall: Wall, outline: Contour) -> Iterator[Diagnostic]:
-    """An error where an outline goes on beyond the ends of a piece that comes cut."""
+    """An error where an outline goes on beyond the ends of a piece that comes cut, or skew ones."""
     from shapely import box
 
-    if wall.ends is None:
+    if wall.ends is None and wall.skew == (None, None):
         return
     within = drawn.intersection(box(-BEYOND, 0.0, BEYOND, wall.width))
     over = within.difference(piece.buffer(OUTLINE_NOISE))
     if not over.is_empty:
         far = max(piece.distance(place) for place in _corners_of(over))
-        yield rules.SHORT.at(outline.source, face=wall.face, found=f"{far:.3g}")
+        rule = rules.BEYOND if wall.ends is None else rules.SHORT
+        yield rule.at(outline.source, face=wall.face, found=f"{far:.3g}")
 
 
 def _corners_of(shape: Shape) -> Iterator[Any]:
@@ -164,8 +182,8 @@ def outline_on(wall: Wall, curves: Sequence[Curve], seam_from: float = inf) -> S
         for edge in (0.0, wall.width):
             if any(off_edge(side, edge, seam_from) is not None for side in sides):
                 y = edge
-        for end in wall.ends or ():
-            if sides and abs(x - end.x(y)) <= OUTLINE_NOISE + end.play:
+        for end in wall.ends or wall.skew:
+            if sides and end is not None and abs(x - end.x(y)) <= OUTLINE_NOISE + end.play:
                 x = end.x(y)
         return x, y
 

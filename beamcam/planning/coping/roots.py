@@ -1,8 +1,10 @@
-"""The roots of a web: where a cut over it meets one through a flange, at one x.
+"""The roots of a web: where a cut over it meets one through a flange, at one x or in one plane.
 
    x: a cut of the flange, and below it one of the web; the root between them goes with the
 ___|___   flange. What is cut of the root otherwise (along it, or of one wall alone) cannot be
    |      made: the flange would be hurt, or the scrap would hold.
+
+At a skew end both lie in its plane, in which a pass from outside of the flange goes on.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,24 +23,32 @@ SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
 
 
 class Crossing(Struct, frozen=True):
-    """A cut through the whole of a root, square to the bar."""
+    """A cut through the whole of a root, square to the bar or in the plane of an end."""
 
     x: float
     right: bool  #: whether the scrap lies at greater x
+    square: bool = True  #: to the bar
+    end: int | None = None  #: in whose plane it lies, 0 at the start
 
 
 def root_faults(
-    regions: Mapping[Face, Region], depth: float, coper: Coper, source: Source
-) -> Iterator[Diagnostic]:
+    regions: Mapping[Face, Region], depths: Mapping[int | None, float], coper: Coper,
+    source: Source,
+) -> Iterator[Diagnostic]:  # fmt: skip
     """What cannot be cut at the roots of a web.
 
-    `depth` is that to which a pass through a root may cut, from outside of the flange: what it
-    meets of the web has to be cut at that x anyway.
+    `depths` are those to which a pass through a root may cut, from outside of the flange: what it
+    meets of the web has to be cut at that x anyway, or in the plane of the end that it is tilted
+    to (0 at the start).
     """
     web = regions["v"]
     for root in web.wall.roots:
         flange = regions[root.face]
-        on_web, wrong = crossings(web, _band(root, depth, web.wall), coper)
+        on_web, wrong = crossings(web, _band(root, depths[None], web.wall), coper)
+        for end in {one.end for one in on_web} & depths.keys() - {None}:
+            deeper, _ = crossings(web, _band(root, depths[end], web.wall), coper)
+            if end not in {one.end for one in deeper}:
+                wrong += [one.x for one in on_web if one.end == end]
         yield from _said(wrong, web.wall, source)
         (behind,) = flange.wall.roots
         band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
@@ -66,11 +76,18 @@ def crossings(
     for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
         xs = [x for x, _ in chain.points]
         whole = {chain.start, chain.end} == {"low", "high"}
-        if not whole or max(xs) - min(xs) > SHARE * coper.tolerance:
+        near = SHARE * coper.tolerance
+        end = next(
+            (k for k, line in enumerate(region.wall.skew)
+             if line and all(abs(x - line.x(y)) <= near for x, y in chain.points)),
+            None,
+        )  # fmt: skip
+        square = max(xs) - min(xs) <= near
+        if not whole or (end is None and not square):
             wrong.append(xs[0])
             continue
         # The region lies on the left of its ring: upwards, the scrap is at greater x.
-        found.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low"))
+        found.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
     return sorted(found, key=lambda one: one.x), wrong
 
 
@@ -78,7 +95,7 @@ def _said(wrong: Sequence[float], wall: Wall, source: Source) -> Iterator[Diagno
     for x in wrong[:3]:
         yield rules.ROOT.at(
             source, what="a cut into or along a root", x=f"{x:g}", face=wall.face,
-            expected="one square to the bar through all of it, or none",
+            expected="one through all of it, square to the bar or along a skew end, or none",
         )  # fmt: skip
 
 
@@ -94,9 +111,14 @@ def _unpaired(
 
     def has(one: Crossing, others: Sequence[Crossing]) -> bool:
         return any(
-            abs(one.x - other.x) <= SHARE * coper.tolerance and one.right == other.right
+            one.right == other.right
+            and (
+                (one.end is not None and one.end == other.end)
+                or (one.square and other.square
+                    and abs(one.x - other.x) <= SHARE * coper.tolerance)
+            )
             for other in others
-        )
+        )  # fmt: skip
 
     for mine, others, wall, other in (
         (on_web, on_flange, web, flange), (on_flange, on_web, flange, web)

@@ -10,13 +10,25 @@ ALONE = error("plan-coping-alone",
     "Post them one by one, with `batch` or with --quantity file.")
 END = error("plan-coping-end",
     "found a {kind} cut of {found} degrees at the {end}; expected none, the torch does not tilt",
-    "An end that is skew to a wall leaves a bevel on it, which a torch square to the wall cannot "
-    "cut. A saw that tilts makes it.")
+    "An end of a round tube that only the header has skew is not unrolled. Draw its outline, or "
+    "have a saw make it.")
+CROSSED = error("plan-coping-crossed",
+    "found skew ends that cross on face {face}; expected some of the wall between them",
+    "Lengths of a header go from the outermost corner of one end to that of the other.")
+BEYOND = error("plan-coping-beyond",
+    "found an outline on face {face} that goes on {found} mm beyond the skew end of the header; "
+    "expected it within",
+    "Header and outline describe different ends, and only one can be right.")
 ROOT = error("plan-coping-root",
     "found {what} at x {x} on face {face}; expected {expected}",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
     "The rest of a cut is made from outside of the flange, which takes web and flange at one x. "
     "What would be cut otherwise there has to be made by hand.")
+LEDGE = warning("plan-coping-ledge",
+    "found a hole of the web at x {x} right under face {face}; it is cut up to {found} mm off the "
+    "flange",
+    "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
+    "The steel that stays along the flange has to be taken by hand.")
 K_AREA = error("plan-coping-k-area",
     'found a cut through the root at x {x} on face {face}; expected none, coper.k_area is "refuse"',
     'With k_area = "pass" in the machine file the root is cut from outside of the flange, by a row '
@@ -110,5 +122,6 @@ SLOW = warning("plan-coping-slow",
     "{expected} mm/min as on the faces",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
-RULES = (PIPE, NO_PIPE, ALONE, END, ROOT, K_AREA, NARROW, OFF, SHORT, OPEN, DEEP, THICK, ROUNDED,
-    BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES, SLANT, WEDGE, SLOW)
+RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, LEDGE, K_AREA, NARROW, OFF, SHORT, OPEN,
+    DEEP, THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES, SLANT,
+    WEDGE, SLOW)

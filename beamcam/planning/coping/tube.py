@@ -103,15 +103,19 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     )  # fmt: skip
 
 
-def outcomes_of(part: Part, found: Sorted, least: float) -> Iterator[Outcome]:
-    """The outcome of each feature, in order; edges bevelled by `least` degrees are cut square."""
+def outcomes_of(
+    part: Part, found: Sorted, least: float, made: Collection[int] = ()
+) -> Iterator[Outcome]:
+    """The outcome of each feature, in order; edges bevelled by `least` degrees are cut square, but
+    those of the features `made`."""
     for index in range(len(part.features)):
         if index in found.listed:
             yield Outcome((0, index), "listed", found.listed[index])
         elif index in found.skipped:
             yield Outcome((0, index), "skipped", found.skipped[index].code)
         else:
-            left = BEVEL if has_bevels(part.features[index], least) else ""
+            bevelled = index not in made and has_bevels(part.features[index], least)
+            left = BEVEL if bevelled else ""
             yield Outcome((0, index), "made", "cut", left)
 
 

@@ -10,7 +10,7 @@ A T lies on its side, as an I that has no upper flange: u looks at its flange, v
 """
 
 from collections.abc import Sequence
-from math import inf, radians, sqrt, tan
+from math import inf, sqrt
 from typing import Any
 
 from msgspec import Struct
@@ -19,7 +19,6 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face, Feature, Part, Profile
-from beamcam.model.section import corners
 from beamcam.planning.turning import TURNS, turned
 
 #: Of a T about its length, so that its flange, in the file flat on the h side, stands at Y 0.
@@ -40,14 +39,19 @@ class Root(Struct, frozen=True):
 
 
 class EndLine(Struct, frozen=True):
-    """Where a wall of a piece ends that comes cut: x = at + slope y, at its outermost."""
+    """Where a wall ends: x = at + slope y."""
 
     at: float
     slope: float
     play: float = 0.0  #: how much farther in it may be drawn, through the thickness of the wall
+    b_deg: float = 0.0  #: tilt of the torch that cuts it
 
     def x(self, y: float) -> float:
         return self.at + self.slope * y
+
+    def is_beside(self, place: Point, far: float) -> bool:
+        """Whether a place lies within so many mm of it."""
+        return abs(place[0] - self.x(place[1])) <= far * sqrt(1.0 + self.slope**2)
 
 
 class Wall(Struct, frozen=True):
@@ -63,6 +67,8 @@ class Wall(Struct, frozen=True):
     fillets: float = 0.0  #: how much thicker the wall is at `low` and `high` by its fillets
     #: Of a piece that comes cut, its start and its end; None of a bar.
     ends: tuple[EndLine, EndLine] | None = None
+    #: Of a bar the skew ones that it is cut to, at its start and its end.
+    skew: tuple[EndLine | None, EndLine | None] = (None, None)
     open: Any = None  #: of shapely; the holes of a piece that are there already, or None
 
     def holds(self, place: Point) -> bool:
@@ -119,32 +125,3 @@ def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wa
     for face in ("u",) if profile.code in OPEN else ("o", "u"):
         walls[face] = Wall(face, width, flange, -inf, inf, root, depth)
     return walls
-
-
-def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
-    """Where a wall of a piece ends by the header's cuts: x = c - y tan(web) - z tan(flange).
-
-    Either plane goes through the outermost corner of the section, at x 0 or at the length.
-    """
-    profile, cuts, found = part.profile, part.cuts, []
-    web = profile.web_thickness or 0.0
-    back = (profile.width - web) / 2 if profile.code in WEB_AMID else 0.0
-    edge = profile.height - profile.flange_thickness if face == "o" else 0.0
-    outermost = corners(profile, part.section)
-    if profile.code == "T":
-        flange, front = profile.flange_thickness, back + web
-        ends = (0.0, 0.0), (0.0, profile.width), (flange, 0.0), (flange, profile.width)
-        outermost = (*ends, (profile.height, back), (profile.height, front))
-    for side, web_deg, flange_deg in (
-        (-1.0, cuts.web_start, cuts.flange_start), (1.0, cuts.web_end, cuts.flange_end)
-    ):  # fmt: skip
-        by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
-        leans = [side * (y * by_y + z * by_z) for y, z in outermost]
-        far = (0.0 if side < 0.0 else part.length) + side * min(leans)
-        slope, across = (by_y, by_z) if face == "v" else (by_z, by_y)
-        near = back if face == "v" else edge
-        thick = web if face == "v" else profile.flange_thickness
-        surfaces = [far - across * (near + k * thick) for k in (0.0, 1.0)]
-        at = min(surfaces) if side < 0.0 else max(surfaces)
-        found.append(EndLine(at, -slope, abs(across) * thick))
-    return found[0], found[1]

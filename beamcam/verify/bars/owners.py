@@ -127,7 +127,7 @@ _EVENTS = (
     Owner(("Move.start", "Move.end"), (), (*_MADE, *_ON_THE_WAY)),
     Owner(("Move.feed_mm_min", "Move.own_feed"), (), ("verify-no-feed", "verify-feed*")),
     Owner(("Move.curve",), (), ("verify-word",)),
-    Owner(("Move.a_deg", "Move.minutes"), (), (), "no machine for bars has them"),
+    Owner(("Move.a_deg", "Move.b_deg", "Move.minutes"), (), (), "no machine for bars has them"),
     Owner(("Switch.number", "Switch.words", "Switch.does"), (), ("verify-word",)),
     Owner(("Pause.seconds",), (), ("verify-word",), "a minute at most, no tool in the steel"),
     Owner(("Compensation.side",), (), ("verify-word",)),

@@ -30,13 +30,14 @@ def verify_coping(
     part only its blocks are read. Raises TypeError for a machine without a coper.
     """
     from beamcam.verify.coping import rules
+    from beamcam.verify.coping.asked import is_outline_of, walls_asked
     from beamcam.verify.coping.collisions import strike_faults
     from beamcam.verify.coping.compare import compare
     from beamcam.verify.coping.section import Section, lying
     from beamcam.verify.coping.stock import stock_of
     from beamcam.verify.coping.strokes import ProfileTorch
-    from beamcam.verify.coping.tube import cut_square, tube_faults, tube_section, unrolled_pipe
-    from beamcam.verify.coping.wanted import may_be_left, wanted_on
+    from beamcam.verify.coping.tube import tube_faults, tube_section, unrolled_pipe
+    from beamcam.verify.coping.wanted import may_be_left
 
     coper = machine.needed(machine.coper, "coper")
     events, said = cell_events(text, machine, name)
@@ -69,7 +70,6 @@ def verify_coping(
         if errors_in(said):
             return tuple(said)
         return (*said, *left_to_hand(part, machine), *left_out(part, left))
-    hand = (by_hand(f, part, machine) for f in part.features if cut_square(f, coper))
     section = Section(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)
@@ -77,7 +77,22 @@ def verify_coping(
     if errors_in(said):
         return tuple(said)
     stock = stock_of(part, section, coper)
-    wanted = {face: wanted_on(part, face, section, coper, left, stock) for face in section.faces}
+    asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
     step = machine.format.resolution
-    said += compare(torch.strokes, wanted, stock, section, coper, rows, step, name)
+    said += compare(
+        torch.strokes,
+        asked.wanted,
+        asked.ends,
+        asked.passes,
+        stock,
+        section,
+        coper,
+        rows,
+        step,
+        name,
+    )
+    hand = (
+        by_hand(f, part, machine) for k, f in enumerate(part.features)
+        if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))
+    )  # fmt: skip
     return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))

@@ -31,7 +31,7 @@ def strike_faults(
     from shapely import convex_hull, distance, multipoints
 
     swept: list[list[Corner]] = []
-    poses_of: list[tuple[int, tuple[float, float, float]]] = []
+    poses_of: list[tuple[int, tuple[float, float, float, float]]] = []
     for way in _runs(ways):
         places = list(poses(way, coper, TURN_STEP_DEG))
         for before, after in pairwise(places):
@@ -45,7 +45,7 @@ def strike_faults(
     near = distance(section.steel, hulls).reshape(-1, 2).min(axis=1)
     told: set[int] = set()
     for k in np.flatnonzero(near < coper.play - SLACK).tolist():
-        line, (y, z, a) = poses_of[k]
+        line, (y, z, a, _) = poses_of[k]
         if line not in told and len(told) < MAX_OF_A_PROGRAM:
             told.add(line)
             yield rules.STRIKES.at(
@@ -59,7 +59,7 @@ def _runs(ways: Sequence[Way]) -> Iterator[Way]:
 
     What the torch sweeps on the way is what it sweeps from the least place to the greatest.
     """
-    for (a_deg, axis), group in groupby(ways, key=_kind_of):
+    for (a_deg, b_deg, axis), group in groupby(ways, key=_kind_of):
         run = list(group)
         if axis is None:
             yield from run
@@ -67,29 +67,33 @@ def _runs(ways: Sequence[Way]) -> Iterator[Way]:
         across = sorted(place[axis] for way in run for place in (way.start, way.end))
         start, end = list(run[0].start), list(run[0].start)
         start[axis], end[axis] = across[0], across[-1]
-        yield Way(run[0].line, (*start,), (*end,), a_deg)  # type: ignore[arg-type]
+        yield Way(run[0].line, (*start,), (*end,), a_deg, b_deg)  # type: ignore[arg-type]
 
 
-def _kind_of(way: Way) -> tuple[tuple[float, float], int | None]:
-    """A at both ends, and the axis across the bar that alone moves; None if both do, or A."""
+def _kind_of(way: Way) -> tuple[tuple[float, float], tuple[float, float], int | None]:
+    """A and B at both ends, and the axis across the bar that alone moves; None if more do."""
     (_, ya, za), (_, yb, zb) = way.start, way.end
-    if way.a_deg[0] != way.a_deg[1] or (ya != yb and za != zb):
-        return way.a_deg, None
-    return way.a_deg, (1 if za == zb else 2)
+    if way.a_deg[0] != way.a_deg[1] or way.b_deg[0] != way.b_deg[1] or (ya != yb and za != zb):
+        return way.a_deg, way.b_deg, None
+    return way.a_deg, way.b_deg, (1 if za == zb else 2)
 
 
-def _boxes(y: float, z: float, a_deg: float, coper: Coper) -> list[list[Corner]]:
-    """The corners of the torch and of its holder at a place of the tip, in (Y, Z)."""
-    a = radians(a_deg)
+def _boxes(y: float, z: float, a_deg: float, b_deg: float, coper: Coper) -> list[list[Corner]]:
+    """The corners of the torch and of its holder at a place of the tip, in (Y, Z).
+
+    One that is tilted along the bar is as wide as before; its lower edges go down by half its width
+    times sin(B).
+    """
+    a, b = radians(a_deg), abs(radians(b_deg))
     out, side = (-sin(a), cos(a)), (cos(a), sin(a))
 
     def at(along: float, across: float) -> tuple[float, float]:
         return y + along * out[0] + across * side[0], z + along * out[1] + across * side[1]
 
     torch, holder = coper.torch_width / 2, coper.head_width / 2
-    long = coper.torch_length
-    far = long + HOLDER
+    long = coper.torch_length * cos(b)
+    tip, back, far = -torch * sin(b), long - holder * sin(b), long + HOLDER
     return [
-        [at(0.0, -torch), at(0.0, torch), at(long, torch), at(long, -torch)],
-        [at(long, -holder), at(long, holder), at(far, holder), at(far, -holder)],
+        [at(tip, -torch), at(tip, torch), at(long, torch), at(long, -torch)],
+        [at(back, -holder), at(back, holder), at(far, holder), at(far, -holder)],
     ]

@@ -3,10 +3,13 @@
     bar less kerfs -> pieces of each wall -> those of the part lie within what is wanted, and the
     kerfs outside of it -> web and flange hold together where both stay, and nowhere else
 
-A pass through a root cuts the web below its flange as deep as its row of the cut chart says.
+A pass through a root cuts the web below its flange as deep as its row of the cut chart says. Where
+a skew end has the torch tilted, both surfaces of each wall are looked at: a stroke goes on through
+it along the torch.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import radians, tan
 from typing import Any
 
 from msgspec import Struct
@@ -15,13 +18,17 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
 from beamcam.verify.coping import rules
+from beamcam.verify.coping.bevels import Pass, pass_faults
 from beamcam.verify.coping.rings import FINE
-from beamcam.verify.coping.section import ARC, Section, kerf_of, line_of, pieces_of
+from beamcam.verify.coping.section import ARC, Section, jet_of, line_of, narrowed, pieces_of
+from beamcam.verify.coping.skew import EndOnWall
 from beamcam.verify.coping.stock import Stock
 from beamcam.verify.coping.strokes import Stroke
 from beamcam.verify.coping.wanted import Wanted
 
 Shape = Any  #: of shapely
+Surface = tuple[str, float]  #: a face, and how far below it
+SLANTED = 2.0  #: mm along the bar by mm across it that a cut through a root goes, at most
 SPECK = 0.05  #: mm2 that is nothing
 TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
 SURE = 0.01  #: mm that figures of a thickness may be off
@@ -36,7 +43,9 @@ class Left(Struct, frozen=True):
 
 def compare(
     strokes: Sequence[Stroke],
-    wanted: Mapping[str, Wanted],
+    wanted: Mapping[Surface, Wanted],
+    ends: Mapping[str, Sequence[EndOnWall]],
+    passes: Sequence[Pass],
     stock: Stock,
     section: Section,
     coper: Coper,
@@ -44,70 +53,85 @@ def compare(
     step: float,
     name: str,
 ) -> Iterator[Diagnostic]:
-    """All that strokes make otherwise than wanted."""
+    """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall,
+    `passes` the strokes that make bevels."""
     slack = coper.tolerance + 2 * step + FINE
-    left: dict[str, Left] = {}
-    for face in section.faces:
-        if wanted[face].short:
-            yield rules.SHORT.at(Source(name), found=f"{wanted[face].short:.2f}", face=face)
+    left: dict[Surface, Left] = {}
+    for (face, depth), asked in wanted.items():
+        if asked.short:
+            yield rules.SHORT.at(Source(name), found=f"{asked.short:.2f}", face=face)
         own = [stroke for stroke in strokes if stroke.face == face]
-        gone = taken_of(face, own, strokes, section)
-        yield from _hurt(face, gone, wanted[face].cut, section, slack, name)
-        left[face] = _left(face, gone, wanted[face].drawn, stock, section, slack)
-        yield from _standing(face, left[face], wanted[face].cut, slack, name)
-        for stroke in own:
+        gone = taken_of(face, own, strokes, section, depth)
+        yield from _hurt(face, gone, asked.cut, section, slack, name)
+        left[face, depth] = _left(face, gone, asked.drawn, stock, section, slack)
+        yield from _standing(face, left[face, depth], asked.most, slack, name)
+        contours = {d: one.cut for (other, d), one in wanted.items() if other == face}
+        for stroke in own if not depth else ():
             yield from _stroke_faults(
-                stroke, strokes, wanted[face].cut, stock, section, coper, rows, slack, name
+                stroke, strokes, contours, passes, stock, section, coper, rows, slack, name
             )
-        yield from _twice(face, own, name)
+        yield from _twice(face, own, name) if not depth else ()
     for face in section.faces[1:]:
-        yield from _holding(face, left, section, slack, name)
-    if not stock.is_piece:
-        yield from _order_faults(strokes, wanted, name)
+        inner = max(depth for one, depth in left if one == face)
+        for one, depth in left:
+            if one == "v":
+                pair = left[one, depth], left[face, inner]
+                yield from _holding(face, *pair, section, section.front - depth, slack, name)
+    far = {s.line: not stock.is_piece and _is_far(s, wanted, ends) for s in strokes}
+    yield from _order_faults(strokes, far, name)
+    yield from pass_faults(passes, strokes, far, name)
 
 
 def taken_of(
-    face: str, own: Sequence[Stroke], strokes: Sequence[Stroke], section: Section
-) -> list[tuple[Shape, Shape]]:
-    """What each stroke takes of a wall: surely, and at most; `own` are those on its face."""
+    face: str, own: Sequence[Stroke], strokes: Sequence[Stroke], section: Section,
+    depth: float = 0.0,
+) -> list[tuple[Shape, Shape]]:  # fmt: skip
+    """What each stroke takes of a wall, so far below its face: surely, and at most.
+
+    `own` are those on its face.
+    """
     from shapely import Point, union_all
 
     found: list[tuple[Shape, Shape]] = []
     for stroke in own:
-        kerf = kerf_of(stroke.points, stroke.row.kerf / 2)
-        pierced = Point(stroke.points[0]).buffer(stroke.row.pierce_radius, ARC)
-        found.append((kerf, union_all([kerf, pierced])))
+        points, share = stroke.at(depth), stroke.share
+        kerf = jet_of(points, stroke.row.kerf / 2, share)
+        x, y = points[0]
+        pierced = Point(x * share, y).buffer(stroke.row.pierce_radius, ARC)
+        found.append((kerf, union_all([kerf, narrowed(pierced, 1.0 / share)])))
     if face == "v":
-        found += [cut for stroke in strokes for cut in _below(stroke, section)]
+        found += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
     return found
 
 
-def _below(stroke: Stroke, section: Section) -> Iterator[tuple[Shape, Shape]]:
-    """What a stroke on a flange takes of the web below it."""
-    from shapely import box
+def _below(stroke: Stroke, section: Section, depth: float) -> Iterator[tuple[Shape, Shape]]:
+    """What a stroke on a flange takes of the web below it, so far below the web's face.
 
-    if stroke.face == "v":
+    It goes on along the torch. What does not go through all of the web may take all that it meets.
+    """
+    from shapely import LineString, Polygon, box
+
+    half, low, high = stroke.row.kerf / 2, section.back, section.front
+    deep = stroke.row.up_to * stroke.share
+    if stroke.face == "v" or deep <= section.flange:
         return
-    half, deep = stroke.row.kerf / 2, stroke.row.up_to - section.flange
-    low, high = section.web_ends
-    ends = (high - deep, high) if stroke.face == "o" else (low, low + deep)
-    web = box(-1e6, section.back, 1e6, section.front)
-    over = box(-1e6, section.back - half, 1e6, section.front + half)
+    downs = section.flange, deep
+    ys = [section.high - down if stroke.face == "o" else down for down in downs]
+    back = [down * tan(radians(stroke.b_deg)) for down in downs]
     run = line_of(stroke.points)
-    crossed = run.intersection(web)
-    for one in pieces_of(run.intersection(over)):
-        if deep <= 0.0:
-            continue
-        least, _, most, _ = one.bounds
-        at_most = box(least - half, ends[0], most + half, ends[1])
-        surely = box(0.0, 0.0, 0.0, 0.0)
-        for piece in pieces_of(crossed):
-            if not piece.intersects(one):
-                continue
-            x0, y0, x1, y1 = piece.bounds
-            if y0 <= section.back + 1e-6 and y1 >= section.front - 1e-6 and x1 - x0 < 2 * half:
-                surely = box(x1 - half, ends[0], x0 + half, ends[1])
-        yield surely, at_most
+    z = high - depth
+    for one in pieces_of(run.intersection(box(-1e6, low - half, 1e6, high + half))):
+        kerf = jet_of([*one.coords], half, stroke.share)
+        through = one.bounds[1] <= low + 1e-6 and one.bounds[3] >= high - 1e-6
+        across = kerf.intersection(LineString([(-1e6, z), (1e6, z)])) if through else kerf
+        x0, _, x1, _ = across.bounds
+        met = Polygon([
+            (x0 - back[0], ys[0]), (x1 - back[0], ys[0]), (x1 - back[1], ys[1]),
+            (x0 - back[1], ys[1]),
+        ])  # fmt: skip
+        least = one.intersection(box(-1e6, low, 1e6, high)).bounds
+        along = bool(least) and least[2] - least[0] > SLANTED * (high - low) + 2 * half
+        yield met if through and not along else Polygon(), met
 
 
 def _hurt(
@@ -182,15 +206,15 @@ def _standing(
 
 
 def _holding(
-    face: str, left: Mapping[str, Left], section: Section, slack: float, name: str
+    face: str, web: Left, flange: Left, section: Section, z: float, slack: float, name: str
 ) -> Iterator[Diagnostic]:
-    """Scrap of the web that a flange of the part holds, or the other way round."""
+    """Scrap of the web that a flange of the part holds at a surface z of the web, or the other way
+    round."""
     from shapely import LineString, force_2d, transform
 
     y = section.web_ends[1] - 1e-3 if face == "o" else section.web_ends[0] + 1e-3
     along = LineString([(-1e6, y), (1e6, y)])
-    middle = LineString([(-1e6, (section.back + section.front) / 2),
-                         (1e6, (section.back + section.front) / 2)])  # fmt: skip
+    beside = LineString([(-1e6, z), (1e6, z)])
 
     def flat(shape: Shape) -> Shape:
         """Stretches along x, whatever their y."""
@@ -202,11 +226,10 @@ def _holding(
 
         return transform(force_2d(shape), to_axis)
 
-    web, flange = left["v"], left[face]
     for scrap, other, names in (
         (web.scrap, flange.part, ("v", face)), (flange.scrap, web.part, (face, "v"))
     ):  # fmt: skip
-        lines = (along, middle) if names[0] == "v" else (middle, along)
+        lines = (along, beside) if names[0] == "v" else (beside, along)
         held = flat(scrap.intersection(lines[0])).intersection(flat(other.intersection(lines[1])))
         if held.length > 2 * slack:
             yield rules.HOLDS.at(
@@ -218,7 +241,8 @@ def _holding(
 def _stroke_faults(
     stroke: Stroke,
     strokes: Sequence[Stroke],
-    wanted: Shape,
+    wanted: Mapping[float, Shape],
+    passes: Sequence[Pass],
     stock: Stock,
     section: Section,
     coper: Coper,
@@ -226,7 +250,8 @@ def _stroke_faults(
     slack: float,
     name: str,
 ) -> Iterator[Diagnostic]:
-    """A stroke beside its wall, along no contour, or at the speed of another thickness."""
+    """A stroke beside its wall, along no contour of any surface, or at the speed of another
+    thickness."""
     from shapely import box
 
     source = Source(name, stroke.line)
@@ -243,8 +268,9 @@ def _stroke_faults(
         )
         return
     steel = stock.wall(stroke.face).intersection(box(-1e6, low, 1e6, high))
-    off = _off_contour(stroke, wanted, steel, slack)
-    if off is not None:
+    is_pass = any(one.stroke is stroke for one in passes)
+    offs = [_off_contour(stroke, one, depth, steel, slack) for depth, one in wanted.items()]
+    if not is_pass and (off := offs[0]) is not None and None not in offs:
         x, y = off
         yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     x, y = stroke.points[0]
@@ -255,6 +281,8 @@ def _stroke_faults(
         x, y = lost or (x, y)
         yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
     least, most = _thickness(stroke, strokes, section, coper)
+    if is_pass:
+        least = most = section.thickness(stroke.face) / stroke.share
     rising = sorted(rows, key=lambda row: row.up_to)
     fits = {next((r.feed_mm_min for r in rising if r.up_to >= t), 0.0) for t in (least, most)}
     if stroke.row.feed_mm_min not in fits:
@@ -289,7 +317,7 @@ def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
         for before in own[:k]:
             if not run.intersects(line_of(before.points)):
                 continue
-            again = run.difference(kerf_of(before.points, before.row.kerf / 2))
+            again = run.difference(jet_of(before.points, before.row.kerf / 2, before.share))
             if again.length < TWICE * run.length:
                 x, y = stroke.points[0]
                 yield rules.EXTRA.at(
@@ -298,18 +326,24 @@ def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
 
 
 def _off_contour(
-    stroke: Stroke, wanted: Shape, steel: Shape, slack: float
+    stroke: Stroke, wanted: Shape, depth: float, steel: Shape, slack: float
 ) -> tuple[float, float] | None:
-    """A place of a stroke that keeps no half a kerf off a contour; None if there is none.
+    """A place of a stroke that keeps no half a kerf off a contour so far below; None if there is
+    none.
 
     Its first stretch is the lead, and beyond the edges of the wall there is air.
     """
-    near = wanted.boundary.buffer(stroke.row.kerf / 2 + slack)
-    off = line_of(stroke.points[1:]).intersection(steel).difference(near)
+    share = stroke.share
+    # A path goes straight on beyond the end of a slanting contour, where an edge of its wall is.
+    seen, off_it = narrowed(wanted, share).simplify(FINE / 2), stroke.row.kerf / 2 + slack
+    around = seen.buffer(off_it, join_style="mitre").difference(seen)
+    near = seen.boundary.buffer(off_it).union(around)
+    run = narrowed(line_of(stroke.at(depth)[1:]).intersection(steel), share)
+    off = run.difference(near)
     if off.length <= slack:
         return None
     x, y = off.representative_point().coords[0]
-    return x, y
+    return x / share, y
 
 
 def _thickness(
@@ -324,26 +358,35 @@ def _thickness(
     if stroke.face == "v":
         low, high = section.extent("v")
         ends = (min(max(y, low + SURE), high - SURE) for y in (min(ys), max(ys)))
-        deep = max(section.web, *(section.steel_through("v", y) for y in ends))
+        deep = max(section.web, *(section.steel_through("v", y) for y in ends)) / stroke.share
         return deep - SURE, deep + SURE
     back, front = section.root(stroke.face)
     if max(ys) <= back or min(ys) >= front:
-        return section.flange, section.flange
+        return (section.flange / stroke.share,) * 2
     over = [y for one in strokes if one.face == "v" for _, y in one.points]
     end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
-    deep = max(section.flange, end) + coper.root_over
+    deep = (max(section.flange, end) + coper.root_over) / stroke.share
     return deep - SURE, deep + SURE
 
 
+def _is_far(
+    stroke: Stroke, wanted: Mapping[Surface, Wanted], ends: Mapping[str, Sequence[EndOnWall]]
+) -> bool:
+    """Whether a stroke is of the far end."""
+    bounds = wanted[stroke.face, 0.0].drawn.bounds
+    return (bool(bounds) and max(x for x, _ in stroke.points) > bounds[2]) or any(
+        end.side > 0 and any(x > end.at + end.more * y for x, y in stroke.points)
+        for end in ends[stroke.face]
+    )
+
+
 def _order_faults(
-    strokes: Sequence[Stroke], wanted: Mapping[str, Wanted], name: str
+    strokes: Sequence[Stroke], far: Mapping[int, bool], name: str
 ) -> Iterator[Diagnostic]:
     """Cuts of anything else behind the first one of the far end."""
     parting = False
     for stroke in strokes:
-        ends = wanted[stroke.face].drawn.bounds
-        is_far = bool(ends) and max(x for x, _ in stroke.points) > ends[2]
-        if parting and not is_far:
+        if parting and not far[stroke.line]:
             yield rules.ORDER.at(Source(name, stroke.line), face=stroke.face)
             return
-        parting = parting or is_far
+        parting = parting or far[stroke.line]

@@ -9,7 +9,7 @@ _ON_THE_WAY = (
 _CUT = (
     "verify-coping-hurt", "verify-coping-left", "verify-coping-gone", "verify-coping-holds",
     "verify-coping-extra", "verify-coping-place", "verify-coping-height", "verify-coping-air",
-    "verify-coping-order",
+    "verify-coping-order", "verify-coping-passes",
 )  # fmt: skip
 _AGAIN = "says again what holds already, or what is said anew before it counts"
 _FAR = "goes where nothing is in the way and nothing is cut"
@@ -17,10 +17,10 @@ _FAR = "goes where nothing is in the way and nothing is cut"
 _LINUXCNC = (
     Owner(("G0", "G1"), (), (*_ON_THE_WAY, *_CUT), "names no place, or where it is already"),
     Owner(("G0", "G1"), ("X", "Y", "Z"), (*_ON_THE_WAY, *_CUT), _FAR),
-    Owner(("G0", "G1"), ("A",), (*_ON_THE_WAY, *_CUT), _FAR),
+    Owner(("G0", "G1"), ("A", "B"), (*_ON_THE_WAY, *_CUT), _FAR),
     Owner(("F",), (), ("verify-coping-feed",), "no cut follows"),
     Owner(("G2", "G3"), (), ("verify-arc", "verify-word", "verify-coping-torch")),
-    Owner(("G2", "G3"), ("X", "Y", "Z", "A", "I", "J"), ("verify-arc", "verify-word",
+    Owner(("G2", "G3"), ("X", "Y", "Z", "A", "B", "I", "J"), ("verify-arc", "verify-word",
         "verify-coping-torch")),
     Owner(("G4",), (), ("verify-word",)),
     Owner(("G4",), ("P",), ("verify-coping-pierce", "verify-coping-torch"),
@@ -34,7 +34,7 @@ _LINUXCNC = (
     Owner(("G64",), (), ("verify-coping-torch",)),
     Owner(("G64",), ("P", "Q"), ("verify-coping-torch",), "within the tolerance of paths"),
     Owner(("G73", "G81", "G82", "G83"), (), (*_ON_THE_WAY, "verify-word", "verify-setting")),
-    Owner(("G73", "G81", "G82", "G83"), ("X", "Y", "Z", "A", "R"), (*_ON_THE_WAY, *_CUT,
+    Owner(("G73", "G81", "G82", "G83"), ("X", "Y", "Z", "A", "B", "R"), (*_ON_THE_WAY, *_CUT,
         "verify-word", "verify-setting"), _FAR),
     Owner(("G73", "G83"), ("Q",), ("verify-word",), _FAR),
     Owner(("G82",), ("P",), ("verify-word", "verify-coping-torch"), _FAR),
@@ -52,7 +52,7 @@ _LINUXCNC = (
 
 _EVENTS = (
     Owner(("Move.rapid",), (), ("verify-coping-torch",)),
-    Owner(("Move.start", "Move.end", "Move.a_deg"), (), (*_ON_THE_WAY, *_CUT), _FAR),
+    Owner(("Move.start", "Move.end", "Move.a_deg", "Move.b_deg"), (), (*_ON_THE_WAY, *_CUT), _FAR),
     Owner(("Move.feed_mm_min", "Move.minutes"), (), ("verify-coping-feed",)),
     Owner(("Move.own_feed",), (), (), "the feed that holds is looked at, wherever it is said"),
     Owner(("Move.curve",), (), ("verify-coping-torch",)),

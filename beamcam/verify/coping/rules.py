@@ -17,6 +17,10 @@ TORCH = error("verify-coping-torch",
 ANGLE = error("verify-coping-angle",
     "found the torch cutting at A {found}; expected -90, 0 or 90, fixed from pierce to end",
     "Any other angle cuts the wall at a slant, or another wall.")
+TILT = error("verify-coping-tilt",
+    "found the torch cutting at B {found}; expected one angle from pierce to end, {expected} "
+    "degrees at most",
+    "B tilts the torch in the plane of the cut, and stands still while it cuts.")
 SQUARE = error("verify-coping-square",
     "found the torch {found} mm beside the normal of the surface below it; expected at most "
     "{expected} mm",
@@ -78,7 +82,10 @@ EXTRA = error("verify-coping-extra",
 ORDER = error("verify-coping-order",
     "found a cut on face {face} behind the first one of the far end; expected those last",
     "A piece that hangs by less and less moves; what is left is cut in the wrong place.")
+PASSES = error("verify-coping-passes",
+    "found the bevel of an edge on face {face} cut; expected {expected}",
+    "A second pass takes the wedge off an edge that is cut, of a piece that is still held.")
 RULES = (
-    PARTS, SECTION, TORCH, ANGLE, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES, LIMIT,
-    PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER,
+    PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES,
+    LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
 )  # fmt: skip

@@ -7,7 +7,7 @@ side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, s
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
-from math import cos, hypot, pi, radians, sin
+from math import cos, hypot, inf, pi, radians, sin
 from typing import Any, Literal
 
 from msgspec.structs import replace
@@ -58,6 +58,19 @@ def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
     if not ways:
         return line_of(points).buffer(half_kerf, ARC)
     return union_all([way.buffer(half_kerf, ARC) for way in ways])
+
+
+def narrowed(shape: Any, share: float) -> Any:
+    """A shape on a wall as a torch sees it that is tilted along x, or back again by 1 / share."""
+    from shapely.affinity import scale
+
+    return shape if share == 1.0 else scale(shape, share, 1.0, origin=(0.0, 0.0))
+
+
+def jet_of(points: Sequence[tuple[float, float]], half_kerf: float, share: float) -> Any:
+    """What a jet takes of a surface along a path, as wide as its kerf square to itself."""
+    seen = [(x * share, y) for x, y in points]
+    return narrowed(kerf_of(seen, half_kerf), 1.0 / share)
 
 
 #: Rotation of a T about X onto its side: Y is then what was Z, and Z what was -Y.
@@ -177,6 +190,13 @@ class Section:
             return 0.0
         begin = line.interpolate(0.0)
         return float(min(pieces, key=lambda one: one.distance(begin)).length)
+
+    def root_reach(self, face: str) -> tuple[float, float]:
+        """The y of a wall between those at which a torch over it meets a root fillet."""
+        if face != "v":
+            return -inf, inf
+        low, high = self.web_ends
+        return low + self.radius, high - self.radius if self.has_upper else inf
 
     def root(self, face: str) -> tuple[float, float]:
         """The y of a flange below which the web and its fillets stand."""

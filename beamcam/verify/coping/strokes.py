@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
-from math import cos, dist, isfinite, radians, sin
+from math import cos, dist, isfinite, radians, sin, tan
 
 from msgspec import Struct
 
@@ -37,13 +37,25 @@ _FIGURES = {
 
 
 class Stroke(Struct, frozen=True):
-    """What is cut between torch on and torch off, square to one wall."""
+    """What is cut between torch on and torch off, square to one wall or tilted along the bar."""
 
     line: int
     face: str
-    points: tuple[tuple[float, float], ...]  #: x of the part and y of the face
+    #: x of the part and y of the face, where the torch points at
+    points: tuple[tuple[float, float], ...]
     places: tuple[tuple[float, float], ...]  #: Y and Z of the tip
     row: TorchRow
+    b_deg: float = 0.0  #: tilt of the torch towards X
+
+    def at(self, depth: float) -> tuple[tuple[float, float], ...]:
+        """Where it goes through a plane so far below the face."""
+        back = depth * tan(radians(self.b_deg))
+        return tuple((x - back, y) for x, y in self.points)
+
+    @property
+    def share(self) -> float:
+        """cos(B): how much narrower the wall is along the bar as the torch sees it."""
+        return cos(radians(self.b_deg))
 
 
 class Way(Struct, frozen=True):
@@ -53,6 +65,7 @@ class Way(Struct, frozen=True):
     start: Place
     end: Place
     a_deg: tuple[float, float]
+    b_deg: tuple[float, float] = (0.0, 0.0)
 
 
 class Torch(ABC):
@@ -75,6 +88,7 @@ class Torch(ABC):
         self._moves: list[Move[Place]] = []  #: since it was started
         self._tip: Place | None = None
         self._a_deg: float | None = None
+        self._tilts = coper.tilt > 0.0
 
     def follow(self, events: Sequence[BarEvent]) -> None:
         """All events of a program, in order."""
@@ -139,32 +153,39 @@ class Torch(ABC):
             self._wrong(move.line, "a move at the feed with the torch off", "a rapid one")
         self._limits(move)
         a_deg = move.a_deg[1]
-        if not all(map(isfinite, (*move.end, a_deg))):
+        tilts = move.b_deg if self._tilts else (0.0, 0.0)
+        if not all(map(isfinite, (*move.end, a_deg, tilts[1]))):
             if is_on:
-                self._wrong(move.line, "a cut from or to nowhere", "X, Y, Z and A before")
+                self._wrong(move.line, "a cut from or to nowhere", "X, Y, Z, A and B before")
+            elif self._tip is not None or all(map(isfinite, (*move.end, a_deg))):
+                self._wrong(move.line, "a move of a torch that may be tilted", "B before")
             self._a_deg = a_deg if isfinite(a_deg) else None
             return
         if is_on and not self.turning and move.a_deg[0] != a_deg:
             self._say(rules.ANGLE.at(Source(self._name, move.line), found=f"{a_deg:g}, turning"))
-        end = self._tip_of(move.end, a_deg)
-        if self._tip is not None and isfinite(move.a_deg[0]) and all(map(isfinite, move.start)):
-            self.ways.append(Way(move.line, move.start, move.end, move.a_deg))
+        if is_on and tilts[0] != tilts[1]:
+            found = f"{tilts[1]:g}, turning"
+            self._say(rules.TILT.at(
+                Source(self._name, move.line), found=found, expected=f"{self._coper.tilt:g}"
+            ))  # fmt: skip
+        end = self._tip_of(move.end, a_deg, tilts[1])
+        if self._tip is not None and all(map(isfinite, (*move.start, move.a_deg[0], tilts[0]))):
+            self.ways.append(Way(move.line, move.start, move.end, move.a_deg, tilts))
         if is_on:
             self._moves.append(move)
         self._tip, self._a_deg = end, a_deg
 
-    def _tip_of(self, place: Place, a_deg: float) -> Place:
-        """Where the tip is: what the program says, or a pivot's length below the axis."""
-        x, y, z = place
-        a, pivot = radians(a_deg), self._coper.pivot
-        return x, y + pivot * sin(a), z - pivot * cos(a)
+    def _tip_of(self, place: Place, a_deg: float, b_deg: float = 0.0) -> Place:
+        """Where the tip is: what the program says, or a pivot's length below the axes."""
+        return below(place, self._coper.pivot, a_deg, b_deg)
 
     def _as_written(self, a_deg: float) -> float:
         """A in the unit of the program and of its axis."""
         return a_deg
 
     def _limits(self, move: Move[Place]) -> None:
-        values = dict(zip("XYZA", (*move.end, self._as_written(move.a_deg[1])), strict=True))
+        turns = (self._as_written(move.a_deg[1]), move.b_deg[1])
+        values = dict(zip("XYZAB", (*move.end, *turns), strict=True))
         for axis in self._machine.axes:
             least, most = axis.limits
             found = values.get(axis.moves, least)
@@ -220,9 +241,14 @@ class ProfileTorch(Torch):
         """A stroke: its wall, its heights, its row."""
         source = Source(self._name, line)
         a_deg = moves[0].a_deg[1]
+        b_deg = moves[0].b_deg[1] if self._tilts else 0.0
         face = next((f for a, f in ANGLES.items() if abs(a - a_deg) <= ANGLE_SLACK_DEG), None)
         if face is None or face not in self._section.faces:
             self._say(rules.ANGLE.at(source, found=f"{a_deg:g}"))
+            return
+        if abs(b_deg) > self._coper.tilt + ANGLE_SLACK_DEG:
+            expected = f"{self._coper.tilt:g}"
+            self._say(rules.TILT.at(source, found=f"{b_deg:g}", expected=expected))
             return
         feeds = {m.feed_mm_min for m in moves}
         rows = [row for row in self._rows if abs(row.feed_mm_min - min(feeds)) < 0.01]
@@ -233,15 +259,32 @@ class ProfileTorch(Torch):
             return
         row = rows[0]
         self._pierce_time(source, row)
-        tips = [self._tip_of(moves[0].start, a_deg), *(self._tip_of(m.end, a_deg) for m in moves)]
+        places = (moves[0].start, *(m.end for m in moves))
+        tips = [self._tip_of(place, a_deg, b_deg) for place in places]
         over = [self._section.over(face, y, z) for _, y, z in tips]
-        self._height(source, face, over[:1], row.pierce_height, "pierces")
-        self._height(source, face, over[1:], row.cut_height, "cuts")
-        if dist(_across(tips[0], face), _across(tips[1], face)) > HEIGHT_SLACK:
+        # The tip is wide; its lower edge keeps the height of the row.
+        lower = self._coper.torch_width / 2 * sin(radians(abs(b_deg)))
+        lowest = [height - lower for height in over]
+        self._height(source, face, lowest[:1], row.pierce_height, "pierces")
+        self._height(source, face, lowest[1:], row.cut_height, "cuts")
+        far = 1.0 / cos(radians(b_deg))
+        feet = [below(tip, far * height, a_deg, b_deg)
+                for tip, height in zip(tips, over, strict=True)]  # fmt: skip
+        if dist(_across(feet[0], face), _across(feet[1], face)) > HEIGHT_SLACK:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         start = self._coper.trim
-        points = tuple((x - start, y if face == "v" else z) for x, y, z in tips[1:])
-        self.strokes.append(Stroke(line, face, points, tuple((y, z) for _, y, z in tips), row))
+        points = tuple((x - start, y if face == "v" else z) for x, y, z in feet[1:])
+        across = tuple((y, z) for _, y, z in tips)
+        self.strokes.append(Stroke(line, face, points, across, row, b_deg))
+
+
+def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
+    """A place so far from another along the torch, away from its head.
+
+    The head is at X sin B, Y -sin A cos B, Z cos A cos B of its tip.
+    """
+    (x, y, z), a, b = place, radians(a_deg), radians(b_deg)
+    return x - far * sin(b), y + far * sin(a) * cos(b), z - far * cos(a) * cos(b)
 
 
 def _across(tip: Place, face: str) -> tuple[float, float]:
@@ -262,18 +305,19 @@ class _Filled(dict[str, str]):
         return ""
 
 
-def poses(way: Way, coper: Coper, step_deg: float) -> Iterator[tuple[float, float, float]]:
-    """Y, Z and A of the tip along a move, so often that the torch turns little between.
+def poses(way: Way, coper: Coper, step_deg: float) -> Iterator[tuple[float, float, float, float]]:
+    """Y, Z, A and B of the tip along a move, so often that the torch turns little between.
 
     Over a bar that turns they are those that the torch has seen from the bar.
     """
-    turn = abs(way.a_deg[1] - way.a_deg[0])
+    turn = max(abs(way.a_deg[1] - way.a_deg[0]), abs(way.b_deg[1] - way.b_deg[0]))
     count = max(1, int(turn / step_deg) + 1) if turn else 1
     for k in range(count + 1):
         share = k / count
         _, y, z = (a + share * (b - a) for a, b in zip(way.start, way.end, strict=True))
-        a_deg = way.a_deg[0] + share * (way.a_deg[1] - way.a_deg[0])
+        a_deg, b_deg = (a + share * (b - a) for a, b in (way.a_deg, way.b_deg))
         a = radians(a_deg)
         if coper.turns == "bar":
             y, z = y * cos(a) - z * sin(a), y * sin(a) + z * cos(a)
-        yield y + coper.pivot * sin(a), z - coper.pivot * cos(a), a_deg
+        _, y, z = below((0.0, y, z), coper.pivot, a_deg, b_deg)
+        yield y, z, a_deg, b_deg

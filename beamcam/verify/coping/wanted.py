@@ -1,6 +1,6 @@
 """What has to stay of each wall of a part, worked out for the read-back alone."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from functools import partial
 from math import degrees, hypot
 from typing import Any
@@ -15,6 +15,7 @@ from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.asked import is_by_hand
 from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, round_ring, slot_ring
 from beamcam.verify.coping.section import Section, areas_of, pieces_of
+from beamcam.verify.coping.skew import EndOnWall
 from beamcam.verify.coping.stock import DRAWN, Stock
 
 Shape = Any  #: of shapely
@@ -29,12 +30,21 @@ class Wanted(Struct, frozen=True):
     drawn: Shape
     cut: Shape
     short: float = 0.0  #: mm that a piece is too short for it
+    steps: Shape = (
+        None  #: what steps of an end that is cut square keep besides, as the jet is round
+    )
+
+    @property
+    def most(self) -> Shape:
+        """What may stay at most."""
+        return self.cut if self.steps is None else self.steps
 
 
 def wanted_on(
-    part: Part, face: str, section: Section, coper: Coper, left: Collection[int], stock: Stock
-) -> Wanted:
-    """What has to stay of a wall; `left` are features that are not made."""
+    part: Part, face: str, section: Section, coper: Coper, left: Collection[int], stock: Stock,
+    ends: Sequence[EndOnWall] = (),
+) -> Wanted:  # fmt: skip
+    """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
     from shapely import Point as Place
     from shapely import Polygon, box, get_coordinates, make_valid, union_all
 
@@ -48,9 +58,8 @@ def wanted_on(
     whole, short = stock.wall(face), 0.0
     drawn: Shape = whole if stock.is_piece else box(0.0, 0.0, part.length, wide)
     if outlines:
-        rings = [
-            outline_ring(one.curves, (0.0, wide), partial(stock.at_end, face)) for one in outlines
-        ]
+        at_end = partial(_at_ends, ends) if ends else partial(stock.at_end, face)
+        rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]
         drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
         drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
         if stock.is_piece:
@@ -58,6 +67,12 @@ def wanted_on(
             short = max((whole.distance(p) for p in map(Place, get_coordinates(over))), default=0.0)
             drawn = drawn.intersection(whole)
         drawn = areas_of(drawn)
+    for end in ends:
+        over = drawn.intersection(end.beyond) if outlines else Polygon()
+        inside = drawn.difference(end.beyond)
+        far = max((inside.distance(p) for p in map(Place, get_coordinates(over))), default=0.0)
+        short = max(short, far - end.apart)
+        drawn = areas_of(inside)
     corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
     for feature in features:
         if isinstance(feature, Hole):
@@ -73,8 +88,17 @@ def wanted_on(
         gone = make_valid(Polygon(ring))
         drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
     drawn = areas_of(drawn)
+    # What is at a root is cut with it, or stays there.
+    near = section.root_reach(face)
+    corners = [(x, y) for x, y in corners if near[0] <= y <= near[1]]
     cut = with_round_corners(drawn, corners, coper.corner_radius)
     return Wanted(drawn, cut, short if short > DRAWN else 0.0)
+
+
+def _at_ends(ends: Sequence[EndOnWall], place: Point) -> Point:
+    for end in ends:
+        place = end.moved(place)
+    return place
 
 
 def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:

@@ -24,8 +24,9 @@ from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file
 from beamcam.planning.begun import RULES as BEGUN_RULES
+from beamcam.planning.coping.ends import ends_on
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.planning.coping.walls import EndLine, ends_on
+from beamcam.planning.coping.walls import EndLine
 from beamcam.readers import read
 from beamcam.readers.dstv import MADE
 from beamcam.rest_part import RULES, Stage, chain_for, rest_of_part, stages_of

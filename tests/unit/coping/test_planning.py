@@ -286,6 +286,8 @@ def test_every_rule_has_a_case() -> None:
     )  # in test_box_tubes.py
     tested |= {f"plan-coping-{name}" for name in of_boxes}
     tested |= {"plan-coping-wedge"}  # in test_tube_ends.py
+    tested |= {"plan-coping-crossed", "plan-coping-beyond"}  # in test_skew.py
+    tested |= {"plan-coping-ledge"}  # in test_ledges.py
     assert {rule.code for rule in RULES} <= tested
 
 

@@ -203,21 +203,19 @@ def test_scrap_that_a_flange_holds() -> None:
     web = Left(
         MultiPolygon([box(50.0, 10.7, 600.0, 289.3)]), MultiPolygon([box(0, 200, 40, 289.3)])
     )
-    left = {"v": web, "o": Left(whole, MultiPolygon()), "u": Left(whole, MultiPolygon())}
-    said = list(_holding("o", left, Section(IPE300), 0.2, "JOB"))
+    flange = Left(whole, MultiPolygon())
+    said = list(_holding("o", web, flange, Section(IPE300), 75.0, 0.2, "JOB"))
     assert [d.code for d in said] == ["verify-coping-holds"]
     assert said[0]["found"] == "40.00"
-    assert not list(_holding("u", left, Section(IPE300), 0.2, "JOB"))
+    assert not list(_holding("u", web, flange, Section(IPE300), 75.0, 0.2, "JOB"))
 
 
 def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in WRONG} | {"verify-coping-parts", "verify-coping-holds"}
     tested |= {"verify-coping-short"}  # in test_pieces.py
-    tested |= {
-        "verify-coping-square",
-        "verify-coping-corner",
-        "verify-coping-radius",
-    }  # in test_box_tubes.py
+    tested |= {"verify-coping-tilt", "verify-coping-passes"}  # in test_skew.py, test_bevels.py
+    of_boxes = ("square", "corner", "radius")  # in test_box_tubes.py
+    tested |= {f"verify-coping-{name}" for name in of_boxes}
     assert {rule.code for rule in RULES} == tested
 
 

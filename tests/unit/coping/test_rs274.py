@@ -7,21 +7,25 @@ direction, as deep as its speed is for.
 
 import re
 from collections.abc import Callable
-from math import cos, radians, sin
+from math import cos, radians, sin, tan
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from msgspec.structs import replace
 from shapely import LineString, Polygon
 
-from beamcam.model.part import Contour, Part
+from beamcam.machine import Machine, load
+from beamcam.model.part import Contour, EndCuts, Part
+from beamcam.planning.coping.plan import plan_coping
 from beamcam.solid.kernel import kernel, outline
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import sampled
-from tests.random_copes import random_cope, random_tee
+from tests.random_copes import random_cope, random_mitre, random_tee
 from tests.rs274 import INI, interpreted, needs_rs274
-from tests.unit.coping.samples import COPER, NAMES, program_of, sample
+from tests.unit.coping.samples import COPER, NAMES, part_of, program_of, sample
 
+BEVEL = load("coper-tilt-linuxcnc")
 #: Kerf and depth by the feed, as the machine file has them.
 CHART = {row.feed_mm_min: (row.kerf, row.up_to) for row in COPER.coper.rows} if COPER.coper else {}
 START = 30.0  #: X of a part's x 0
@@ -32,7 +36,7 @@ class Burn(NamedTuple):
     """What is cut between torch on and torch off."""
 
     feed: float
-    points: list[tuple[float, ...]]  #: X, Y, Z, A; the first where it pierces
+    points: list[tuple[float, ...]]  #: X, Y, Z, A, B; the first where it pierces
 
 
 def burns(path: Path) -> list[Burn]:
@@ -52,7 +56,7 @@ def burns(path: Path) -> list[Burn]:
             is_on = False
         move = MOVE.search(line)
         if move is not None:
-            here = tuple(float(v) for v in move[2].split(","))[:4]
+            here = tuple(float(v) for v in move[2].split(","))[:5]
             if is_on:
                 assert move[1] == "FEED"
                 found[-1] = Burn(feed, [*found[-1].points, here])
@@ -60,34 +64,42 @@ def burns(path: Path) -> list[Burn]:
     return [burn for burn in found if len(burn.points) > 1]
 
 
-def written(part: Part, folder: Path) -> Path:
+def written(part: Part, folder: Path, machine: Machine = COPER) -> Path:
     path = folder / "part.ngc"
-    path.write_text(program_of(part))
+    path.write_text(program_of(part, machine))
     return path
 
 
 def slab(burn: Burn) -> Any:
-    """What a stroke takes of the bar: its kerf, along the torch, as deep as the steel is cut."""
+    """What a stroke takes of the bar: its kerf, along the torch, as deep as the steel is cut.
+
+    A torch that is tilted stands off by 6 mm tan B more, half its width, and 3 mm / cos B.
+    """
     m = kernel()
     kerf, deep = CHART[burn.feed]
     tips = burn.points[1:]
-    a = radians(tips[0][3])
-    out = (0.0, -sin(a), cos(a))  # from the steel to the torch
+    a, b = radians(tips[0][3]), radians(tips[0][4])
+    out = (sin(b), -sin(a) * cos(b), cos(a) * cos(b))  # from the steel to the torch
     side = (0.0, cos(a), sin(a))
-    flat = [(x - START, y * side[1] + z * side[2]) for x, y, z, _ in tips]
-    over = {round(y * out[1] + z * out[2], 3) for _, y, z, _ in tips}
-    assert len(over) == 1
-    tip = over.pop()
+    along = (cos(b), sin(a) * sin(b), -cos(a) * sin(b))
+    ways = [
+        tuple(sum(p * q for p, q in zip((x - START, y, z), way, strict=True))
+              for way in (along, side, out))
+        for x, y, z, *_ in tips
+    ]  # fmt: skip
+    flat = [(p, q) for p, q, _ in ways]
+    off = 3.0 / cos(b) + 6.0 * tan(abs(b))
     shape = LineString(flat).buffer(kerf / 2, 16)
     rings = [
         list(ring.coords)[:-1]
         for one in getattr(shape, "geoms", (shape,))
         for ring in (one.exterior, *one.interiors)
     ]
-    body = m.Manifold.extrude(m.CrossSection(rings, m.FillRule.EvenOdd), deep + 3.0)
-    low = tip - 3.0 - deep  # the tip is 3 mm over the steel
-    rows = [(1.0, 0.0, 0.0, 0.0)]
-    rows += [(0.0, side[k], out[k], low * out[k]) for k in (1, 2)]
+    heights = [high for *_, high in ways]  # of a torch that is tilted they differ along the path
+    assert b or max(heights) - min(heights) < 1e-3
+    low = min(heights) - off - deep
+    body = m.Manifold.extrude(m.CrossSection(rings, m.FillRule.EvenOdd), max(heights) - low)
+    rows = [(along[k], side[k], out[k], low * out[k]) for k in (0, 1, 2)]
     return body.transform(rows)
 
 
@@ -118,9 +130,9 @@ def corners(part: Part) -> int:
     return sum(len(c.curves) for c in part.features if isinstance(c, Contour))
 
 
-def check(part: Part, folder: Path) -> None:
+def check(part: Part, folder: Path, machine: Machine = COPER) -> None:
     """The heaviest piece is the part, but for the corners that are rounded and the tolerance."""
-    compare(part, pieces(part, burns(written(part, folder)))[0])
+    compare(part, pieces(part, burns(written(part, folder, machine)))[0])
 
 
 def compare(part: Part, piece: Any) -> None:
@@ -166,6 +178,36 @@ def test_random_tees_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
 
 
 @needs_rs274
+@pytest.mark.parametrize("seed", sampled(range(12), 3))
+def test_random_mitres_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
+    part = random_mitre(seed)
+    if "plan-coping-slant" not in {d.code for d in plan_coping((part,), BEVEL).remarks}:
+        check(part, tmp_path, BEVEL)
+
+
+@needs_rs274
+def test_the_jet_goes_along_the_plane_of_an_end(tmp_path: Path) -> None:
+    part = replace(part_of(length=1500.0), cuts=EndCuts(web_end=30.0, flange_start=20.0))
+    planes = {"far": lambda y, z: 1500.0 - y * tan(radians(30.0)),
+              "near": lambda y, z: (150.0 - z) * tan(radians(20.0))}  # fmt: skip
+    seen = 0
+    for burn in burns(written(part, tmp_path, BEVEL)):
+        kerf, _ = CHART[burn.feed]
+        end = "near" if burn.points[0][0] < 500.0 else "far"
+        for x, y, z, a_deg, b_deg in burn.points[2:-1]:
+            a, b = radians(a_deg), radians(b_deg)
+            for deep in (5.0, 15.0, 25.0):
+                px = x - START - deep * sin(b)
+                py, pz = y + deep * sin(a) * cos(b), z - deep * cos(a) * cos(b)
+                lean = {"far": 30.0, "near": 20.0}[end]
+                off = (px - planes[end](py, pz)) * cos(radians(lean))
+                assert abs(off) == pytest.approx(kerf / 2, abs=2e-3), (burn, deep)
+                assert (off > 0.0) == (end == "far")
+                seen += 1
+    assert seen > 20
+
+
+@needs_rs274
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("random_part", [random_cope, random_tee])
 def test_many_random_parts_fall_out_of_the_bar(
@@ -202,7 +244,7 @@ def test_the_path_of_a_flange_is_its_outline(tmp_path: Path) -> None:
     drawn = Polygon([(80.0, 0.0), (1130.0, 0.0), (1130.0, 150.0), (80.0, 150.0)])
     for burn in ends:
         kerf, _ = CHART[burn.feed]
-        for x, y, z, _ in burn.points[2:]:
+        for x, y, z, *_ in burn.points[2:]:
             assert y == 303.0
             if 0.0 <= z <= 150.0:
                 off = drawn.exterior.distance(LineString([(x - START, z), (x - START, z + 1e-6)]))

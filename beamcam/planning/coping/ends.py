@@ -1,0 +1,281 @@
+"""The ends of a bar or a piece: planes, where they end each wall, and how a torch cuts them.
+
+An end is a plane, x = at - y tan(web) - z tan(flange), with DSTV's angles. A wall that it crosses
+square is cut along a slanted line. One that it leans over is cut with the torch tilted along the
+bar, so that the cut face is the plane, through the root too; without B, or beyond its reach, square
+where the wall reaches farthest. Then web and flange are cut at one x where they meet:
+
+    \\ |    o    x      the plane
+     \\|____|_   \\|     the cut; below a flange it goes square as deep as a pass through
+      |     v   |     the root does, so that no steel is missing
+      |\\
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from math import atan, cos, degrees, radians, sin, tan
+from typing import Any, Literal
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.curves import Line
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Contour, EndCuts, Face, Part
+from beamcam.model.section import corners
+from beamcam.planning import rules as bar_rules
+from beamcam.planning.coping.cuts import borders_of, chains_of
+from beamcam.planning.coping.regions import OUTLINE_NOISE, Region, Shape
+from beamcam.planning.coping.walls import EDGE, WEB_AMID, EndLine, Wall
+
+NOISE_DEG = 0.2  #: of an end cut; header and outlines may differ by as much
+ON_LINE = 0.02  #: mm that an edge of a region lies off the end that it is
+STEEPEST_DEG = 30.0  #: of a line that a square step may begin on
+AT: tuple[Literal["start", "end"], ...] = ("start", "end")
+Pair = tuple[bool, bool]
+
+
+class EndPlane(Struct, frozen=True):
+    """The plane of one end in the section's axes."""
+
+    side: float  #: -1 at the start, 1 at the end
+    at: float  #: x at y 0, z 0
+    by_y: float
+    by_z: float
+
+    def x(self, y: float, z: float) -> float:
+        return self.at - self.by_y * y - self.by_z * z
+
+    @property
+    def is_skew(self) -> bool:
+        return bool(self.by_y or self.by_z)
+
+    def farthest(self, ys: Sequence[float], zs: Sequence[float]) -> float:
+        """The outermost x over some places."""
+        return self.side * max(self.side * self.x(y, z) for y in ys for z in zs)
+
+
+def planes_of(part: Part) -> tuple[EndPlane, EndPlane]:
+    """The start and the end of a part as it lies, each through its outermost corner at x 0 or L."""
+    profile, cuts = part.profile, part.cuts
+    outermost = corners(profile, part.section)
+    if profile.code == "T":
+        back = (profile.width - (profile.web_thickness or 0.0)) / 2
+        flange, front = profile.flange_thickness, back + (profile.web_thickness or 0.0)
+        ends = (0.0, 0.0), (0.0, profile.width), (flange, 0.0), (flange, profile.width)
+        outermost = (*ends, (profile.height, back), (profile.height, front))
+    found = []
+    for side, web_deg, flange_deg in (
+        (-1.0, cuts.web_start, cuts.flange_start), (1.0, cuts.web_end, cuts.flange_end)
+    ):  # fmt: skip
+        by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
+        leans = [side * (y * by_y + z * by_z) for y, z in outermost]
+        at = (0.0 if side < 0.0 else part.length) + side * min(leans)
+        found.append(EndPlane(side, at, by_y, by_z))
+    return found[0], found[1]
+
+
+def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
+    """Where a wall ends, at its outermost."""
+    start, end = planes_of(part)
+    return _outermost(start, face, part), _outermost(end, face, part)
+
+
+def _outermost(plane: EndPlane, face: Face, part: Part) -> EndLine:
+    web, profile = part.profile.web_thickness or 0.0, part.profile
+    back = (profile.width - web) / 2 if profile.code in WEB_AMID else 0.0
+    edge = profile.height - profile.flange_thickness if face == "o" else 0.0
+    slope, across = (plane.by_y, plane.by_z) if face == "v" else (plane.by_z, plane.by_y)
+    near, thick = (back, web) if face == "v" else (edge, profile.flange_thickness)
+    surfaces = [plane.at - across * (near + k * thick) for k in (0.0, 1.0)]
+    at = min(surfaces) if plane.side < 0.0 else max(surfaces)
+    return EndLine(at, -slope, abs(across) * thick)
+
+
+def _tilted(plane: EndPlane, face: Face, part: Part) -> EndLine:
+    """Where a plane meets the surface that the torch looks at, and the tilt that lies in it."""
+    web, profile = part.profile.web_thickness or 0.0, part.profile
+    line = _outermost(plane, face, part)
+    if face == "v":
+        front = web + ((profile.width - web) / 2 if profile.code in WEB_AMID else 0.0)
+        return replace(line, at=plane.x(0.0, front), b_deg=-degrees(atan(plane.by_z)))
+    if face == "o":
+        return replace(line, at=plane.x(profile.height, 0.0), b_deg=-degrees(atan(plane.by_y)))
+    return replace(line, at=plane.x(0.0, 0.0), b_deg=degrees(atan(plane.by_y)))
+
+
+def with_skew(wall: Wall, part: Part, tilts: Pair) -> Wall:
+    """A wall of a bar with its skew ends; `tilts` says at which of them the torch is tilted."""
+    lines = [
+        None if not plane.is_skew
+        else _tilted(plane, wall.face, part) if tilt
+        else _outermost(plane, wall.face, part)
+        for plane, tilt in zip(planes_of(part), tilts, strict=True)
+    ]  # fmt: skip
+    return replace(wall, skew=(lines[0], lines[1]))
+
+
+def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
+    """A part whose header has the ends that its outlines have, and what is wrong with them.
+
+    A header without an angle takes that of the web's outline, or of all flanges' outlines, where a
+    straight side goes from edge to edge there.
+    """
+    said: list[Diagnostic] = []
+    found: dict[str, float] = {}
+    kinds: tuple[tuple[Literal["web", "flange"], tuple[Face, ...]], ...] = (
+        ("web", ("v", "h")), ("flange", ("u",) if part.profile.code in ("L", "T") else ("o", "u"))
+    )  # fmt: skip
+    for kind, faces in kinds:
+        drawn = [*map(partial(_drawn, part), faces)]
+        for k, at in enumerate(AT):
+            angle, source = getattr(part.cuts, f"{kind}_{at}"), part.cut_source(kind, at)
+            seen = [one[k] for one in drawn if one[k] is not None]
+            needed = 1 if kind == "web" else len(faces)
+            if abs(angle) <= NOISE_DEG:
+                same = len(seen) >= needed and max(seen) - min(seen) <= NOISE_DEG
+                angle = seen[0] if same and abs(seen[0]) > NOISE_DEG else 0.0
+                if angle:
+                    said.append(bar_rules.CUT_FROM_CONTOUR.at(
+                        source, kind=kind, found=f"{angle:.3f}", end=at))  # fmt: skip
+            else:
+                denied = [one for one in seen if abs(one - angle) > NOISE_DEG]
+                if denied:
+                    said.append(bar_rules.CUT_DENIED.at(
+                        source, kind=kind, found=f"{angle:g}", end=at,
+                        expected=f"{denied[0]:.3f}"))  # fmt: skip
+            found[f"{kind}_{at}"] = angle
+    return replace(part, cuts=EndCuts(**found)), said
+
+
+def _drawn(part: Part, face: Face) -> list[Any]:
+    """The angles of the sides of a face's outline that go from edge to edge, at start and end; None
+    without one."""
+    wide = part.profile.face_width(face)
+    angles: list[float | None] = [None, None]
+    for contour in part.contours:
+        if contour.face != face or contour.kind != "outer" or contour.process != "cut":
+            continue
+        middle = sum(c.start[0] for c in contour.curves) / len(contour.curves)
+        for curve in contour.curves:
+            (xa, ya), (xb, yb) = sorted((curve.start, curve.end), key=lambda p: p[1])
+            if isinstance(curve, Line) and ya <= OUTLINE_NOISE and yb >= wide - OUTLINE_NOISE:
+                angles[(xa + xb) / 2 > middle] = degrees(atan((xa - xb) / (yb - ya)))
+    return angles
+
+
+# --- how a skew end is cut ------------------------------------------------------------------------
+
+
+def is_on(line: EndLine, points: Sequence[tuple[float, float]], off: float = 0.0) -> bool:
+    """Whether places lie on an end, or `off` beside it."""
+    long = cos(atan(line.slope))
+    return all(abs(abs(x - line.x(y)) * long - off) <= ON_LINE for x, y in points)
+
+
+def crossed(wall: Wall, length: float) -> bool:
+    """Whether the skew ends of a wall leave nothing of it at one of its edges."""
+    start, end = (
+        line or EndLine(at, 0.0) for line, at in zip(wall.skew, (0.0, length), strict=True)
+    )
+    return any(start.x(y) >= end.x(y) - OUTLINE_NOISE for y in (0.0, wall.width))
+
+
+def edges_at(region: Region, k: int) -> Iterator[tuple[tuple[float, float], ...]]:
+    """The stretches of a wall's edge, from one side of what is cut to the other, that lie on an end
+    at least in part."""
+    wall, line = region.wall, region.wall.skew[k]
+    if line is None:
+        return
+    low, high = max(wall.low, EDGE), min(wall.high, wall.width - EDGE)
+    for chain in chains_of(region.shape, borders_of(wall, low, high, 0.0)):
+        if any(is_on(line, pair) for pair in zip(chain.points, chain.points[1:], strict=False)):
+            yield chain.points
+
+
+def room_at(b_deg: float, coper: Coper) -> float:
+    """How deep between flanges a tilted torch reaches before its holder, mm."""
+    b = radians(abs(b_deg))
+    return coper.torch_length * cos(b) - coper.head_width / 2 * sin(b) - coper.clearance
+
+
+def tilts_at(regions: Mapping[Face, Region], part: Part, k: int, coper: Coper) -> bool:
+    """Whether the torch can be tilted to an end: each wall that it leans over ends in it alone."""
+    front = part.profile.web_thickness or 0.0
+    if part.profile.code in WEB_AMID:
+        front += (part.profile.width - front) / 2
+    for region in regions.values():
+        line = region.wall.skew[k]
+        for edge in edges_at(region, k):
+            assert line is not None
+            if region.wall.face == "v" and part.profile.width - front > room_at(line.b_deg, coper):
+                return False
+            if abs(line.b_deg) > coper.tilt or (line.b_deg and not is_on(line, edge)):
+                return False
+    return True
+
+
+def shown_by_ends(part: Part, tilts: Sequence[bool], least: float) -> list[int]:
+    """The contours whose bevels of `least` degrees are all what tilted ends show of themselves."""
+    found = []
+    for f, contour in enumerate(part.features):
+        if not isinstance(contour, Contour):
+            continue
+        angles = [
+            degrees(atan(plane.by_z if contour.face in ("v", "h") else plane.by_y))
+            for plane, tilt in zip(planes_of(part), tilts, strict=True) if tilt
+        ]  # fmt: skip
+        bevels = [abs(bevel.angle) for bevel in contour.bevels if abs(bevel.angle) >= least]
+        if all(any(abs(one - abs(a)) <= NOISE_DEG for a in angles) for one in bevels):
+            found.append(f)
+    return found
+
+
+def squared(
+    regions: Mapping[Face, Region], part: Part, k: int, depth: float
+) -> tuple[dict[Face, Region], dict[Face, float]]:
+    """Regions whose walls meet square at an end that no tilt is for, and mm too much by wall.
+
+    `depth` is that to which a pass through a root cuts.
+    """
+    found, plane = dict(regions), planes_of(part)[k]
+    lines = {face: region.wall.skew[k] for face, region in regions.items()}
+    there = {face: [*edges_at(region, k)] for face, region in regions.items()}
+    off = {face: line.play for face, line in lines.items() if line is not None and there[face]}
+    for face in ("o", "u"):
+        if face not in regions:
+            continue
+        line, web_line = lines[face], lines["v"]
+        if line is None or web_line is None or not (there[face] and there["v"]):
+            continue
+        wall, high = regions[face].wall, regions["v"].wall.width
+        (root,) = wall.roots
+        zs = max(root.low - EDGE, 0.0), min(root.high + EDGE, wall.width)
+        ys = (high - depth - EDGE, high) if face == "o" else (0.0, depth + EDGE)
+        x = plane.farthest(ys, zs)
+        for one, edge, band in ((face, line, zs), ("v", web_line, ys)):
+            more = _stepped(edge, band, x, plane.side, regions[one].wall.width)
+            found[one] = replace(found[one], shape=found[one].shape.union(more))
+            off[one] = max(off[one], *(abs(x - edge.x(y)) for y in band))
+    return found, off
+
+
+def _stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wide: float) -> Shape:
+    """What a wall has more where it ends at x on a band of it.
+
+    Off the band it goes on until it meets the line where that is steep and reaches farther.
+    """
+    from shapely import Polygon
+
+    ys = list(band)
+    for j, (y, edge, way) in enumerate(zip(band, (0.0, wide), (-1.0, 1.0), strict=True)):
+        if abs(y - edge) <= EDGE:
+            continue
+        rises = side * line.slope * way > 0.0  # whether the line reaches farther on that side
+        if rises and degrees(atan(abs(line.slope))) > STEEPEST_DEG:
+            ys[j] = y + way * abs((x - line.x(y)) / line.slope)
+            ys[j] = min(max(ys[j], 0.0), wide)
+    inside = [(line.x(y) - side * OUTLINE_NOISE, y) for y in ys]
+    (a, b), (c, d) = inside, [(side * max(side * x, side * line.x(y)), y) for y in ys]
+    return Polygon([a, b, d, c])

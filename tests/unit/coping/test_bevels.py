@@ -1,0 +1,185 @@
+"""Weld preparations of walls by a second pass: where it runs, what it leaves, what is refused."""
+
+import random
+from math import cos, radians, tan
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from beamcam.errors import PlanError, errors_in
+from beamcam.geometry.plane import Point
+from beamcam.machine import Machine, load
+from beamcam.model.part import Bevel, Contour, EndCuts, Part
+from beamcam.model.plan import CopeCut, CopePlan
+from beamcam.model.request import Request
+from beamcam.planning.coping.plan import plan_coping
+from beamcam.report.hand_list import hand_rows
+from beamcam.solid.opinion import solid_faults
+from beamcam.verify.coping import verify_coping
+from benchmarks import coping_faults
+from tests.conftest import examples, sampled
+from tests.random_copes import random_bevel
+from tests.unit.coping.samples import (
+    COPER,
+    L100,
+    job_of,
+    outline,
+    part_of,
+    program_of,
+    sample,
+)
+
+TILT = load("coper-tilt-linuxcnc")
+FLANGE: list[Point] = [(0.0, 0.0), (800.0, 0.0), (800.0, 150.0), (0.0, 150.0)]
+
+
+def prepared(*bevels: Bevel, points: list[Point] = FLANGE, face: str = "u") -> Contour:
+    return replace(outline(face, points), bevels=bevels)
+
+
+def flanged(*bevels: Bevel) -> Part:
+    return part_of(prepared(*bevels), length=800.0)
+
+
+def planned(part: Part, machine: Machine = TILT) -> CopePlan:
+    return plan_coping((part,), machine)
+
+
+def passes(part: Part) -> list[CopeCut]:
+    return [cut for cut in planned(part).operations if cut.bevel]
+
+
+def found(text: str, part: Part, machine: Machine = TILT) -> set[str]:
+    return {d.code for d in errors_in(verify_coping(text, (part,), machine, (), "JOB"))}
+
+
+def test_a_second_pass_takes_the_wedge_off() -> None:
+    (cut,) = passes(flanged(Bevel(1, 30.0, 2.0)))
+    assert (cut.kind, cut.face, cut.b_deg) == ("far", "u", pytest.approx(-30.0))
+    # 10.7 mm of flange along the torch.
+    assert cut.thickness == pytest.approx(10.7 / cos(radians(30.0)))
+    assert cut.row.up_to == 13.0
+    # The bevel meets the surface 8.7 tan 30 inside of the edge; half a kerf goes into the scrap.
+    inside = 8.7 * tan(radians(30.0)) - 1.2 / cos(radians(30.0))
+    assert cut.path == (
+        (800.0, 0.0), (pytest.approx(800.0 - inside), pytest.approx(-3.2)),
+        (pytest.approx(800.0 - inside), pytest.approx(153.2)),
+    )  # fmt: skip
+
+
+def test_it_follows_the_square_cut_and_the_web_parts_the_piece() -> None:
+    part = part_of(
+        prepared(Bevel(1, 30.0, 2.0), face="o"), prepared(Bevel(1, 30.0, 2.0)), length=800.0
+    )
+    order = [(c.face, c.bevel) for c in planned(part).operations if c.kind == "far"]
+    assert order == [("o", False), ("o", True), ("u", False), ("u", True), ("v", False)]
+    assert not hand_rows(planned(part))
+
+
+def test_the_last_wall_of_a_bar_has_no_second_pass() -> None:
+    leg = [(0.0, 0.0), (500.0, 0.0), (500.0, 65.0), (0.0, 65.0)]
+    web = [(0.0, 0.0), (500.0, 0.0), (500.0, 100.0), (0.0, 100.0)]
+    part = part_of(
+        prepared(Bevel(1, 30.0, 0.0), points=leg), prepared(Bevel(1, 30.0, 0.0), points=web,
+                                                            face="v"),
+        profile=L100, length=500.0,
+    )  # fmt: skip
+    assert [(c.face, c.kind) for c in passes(part)] == [("u", "far")]
+    assert [row["face"] for row in hand_rows(planned(part))] == ["v"]
+
+
+def test_a_coped_web_has_its_own() -> None:
+    points = [(0.0, 0.0), (720.0, 0.0), (720.0, 50.0), (800.0, 50.0), (800.0, 250.0),
+              (720.0, 250.0), (720.0, 300.0), (0.0, 300.0)]  # fmt: skip
+    short = [(0.0, 0.0), (720.0, 0.0), (720.0, 150.0), (0.0, 150.0)]
+    part = part_of(
+        prepared(Bevel(3, 35.0, 1.0), points=points, face="v"),
+        *(outline(face, short) for face in "ou"), length=800.0,
+    )  # fmt: skip
+    (cut,) = passes(part)
+    assert (cut.face, cut.b_deg) == ("v", pytest.approx(-35.0))
+    text = program_of(part, TILT)
+    assert not found(text, part)
+    codes = {d.code for d in solid_faults(text, Request((part,), TILT), None)}
+    assert codes <= {"solid-rounded"}
+
+
+BY_HAND = [
+    Bevel(1, -30.0, 2.0),  # on the inside, where the root is
+    Bevel(0, 30.0, 2.0),  # along the bar
+    Bevel(1, 50.0, 2.0),  # beyond the reach of B
+    Bevel(1, 30.0, 10.7),  # nothing but land
+    Bevel(1, 15.0, 4.0),  # a wedge that is narrower than what piercing burns
+]
+
+
+@pytest.mark.parametrize("bevel", BY_HAND)
+def test_what_no_pass_makes_is_manual_work(bevel: Bevel) -> None:
+    part = flanged(bevel)
+    assert not passes(part)
+    assert [row["angle"] for row in hand_rows(planned(part))] == [bevel.angle]
+    said = verify_coping(program_of(part, TILT), (part,), TILT, (), "JOB")
+    assert [d.code for d in said] == ["verify-by-hand"]
+
+
+def test_some_bevels_of_a_contour_leave_it_on_the_list() -> None:
+    part = flanged(Bevel(1, 30.0, 2.0), Bevel(3, -30.0, 2.0))
+    assert len(passes(part)) == 1
+    assert {row["angle"] for row in hand_rows(planned(part))} == {30.0, -30.0}
+    assert not found(program_of(part, TILT), part)
+
+
+def test_without_b_and_at_skew_ends_all_are() -> None:
+    part = flanged(Bevel(1, 30.0, 2.0))
+    assert len(hand_rows(planned(part, COPER))) == 1
+    skew = replace(part_of(length=800.0), cuts=EndCuts(web_start=10.0))
+    drawn = [(0.0, 0.0), (800.0, 0.0), (800.0, 150.0), (0.0, 150.0)]
+    skew = replace(skew, features=(prepared(Bevel(1, 30.0, 2.0), points=drawn, face="o"),))
+    assert not passes(skew)
+    assert not found(program_of(skew, TILT), skew)
+
+
+def test_without_its_pass_a_bevel_is_told_as_manual_work() -> None:
+    part = sample("splice")
+    plan = planned(part)
+    square = replace(plan, operations=tuple(c for c in plan.operations if not c.bevel))
+    text = coping_faults.program_of(square, job_of(part, TILT))
+    said = verify_coping(text, (part,), TILT, (), "JOB")
+    assert [d.code for d in said] == ["verify-by-hand"] * 2
+
+
+@pytest.mark.parametrize(
+    ("name", "code"),
+    [
+        ("wrong land", "verify-coping-hurt"), ("passes in the wrong order", "verify-coping-passes"),
+        ("bevel behind the parting", "verify-coping-passes"), ("B dropped", "verify-coping-extra"),
+        ("B the other way", "verify-coping-hurt"),
+    ],
+)  # fmt: skip
+def test_wrong_passes_are_refused(name: str, code: str) -> None:
+    part = sample("splice")
+    wrong = dict(coping_faults.faults(part, TILT, random.Random(2)))
+    assert code in found(wrong[name], part)
+
+
+@given(st.integers(0, 5000))
+@settings(max_examples=examples(25))
+def test_no_random_bevel_that_is_planned_is_refused(seed: int) -> None:
+    part = random_bevel(seed)
+    try:
+        plan = planned(part)
+    except PlanError:
+        return
+    assert not found(coping_faults.program_of(plan, job_of(part, TILT)), part)
+
+
+@pytest.mark.parametrize("seed", sampled(range(10), 4))
+def test_the_solid_agrees(seed: int) -> None:
+    part = random_bevel(seed)
+    text = program_of(part, TILT)
+    said = solid_faults(text, Request((part,), TILT), None)
+    assert {d.code for d in said} <= {"solid-square"}
+    if not hand_rows(planned(part)):
+        assert not said
