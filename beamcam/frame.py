@@ -25,7 +25,7 @@ from beamcam.model.program import (
 )
 from beamcam.pipeline import Posted, RefusedProgram
 from beamcam.planning.contours.place import worked_box
-from beamcam.verify.sheets.frame import frame_faults, said_of
+from beamcam.verify.sheets.remainder import frame_faults, said_of
 
 
 def frame_of(posted: Posted) -> Posted:

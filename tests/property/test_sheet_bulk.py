@@ -19,7 +19,7 @@ from beamcam.controllers.rs274 import grbl, linuxcnc
 from beamcam.controllers.track import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
-from beamcam.verify.sheets.gaps import widest_gap
+from beamcam.verify.sheets.grid import widest_gap
 from beamcam.verify.sheets.toolpaths import Toolpaths
 from tests.conftest import examples
 

@@ -29,14 +29,12 @@ def verify_sheet(
     comes back for a program that makes exactly the part. Raises TypeError for a machine without a
     torch.
     """
-    from beamcam.verify.sheets.chains import link_faults, unchained
     from beamcam.verify.sheets.compare import compare_part
-    from beamcam.verify.sheets.controller_state import as_one
-    from beamcam.verify.sheets.heights import height_faults
+    from beamcam.verify.sheets.controller_state import as_one, radius_faults
+    from beamcam.verify.sheets.heights import height_faults, output_faults
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.order import passes_folded
-    from beamcam.verify.sheets.outputs import output_faults
-    from beamcam.verify.sheets.sides import radius_faults
+    from beamcam.verify.sheets.remainder import link_faults, unchained
     from beamcam.verify.sheets.strokes import is_far, strokes_of
     from beamcam.verify.sheets.work import told_apart, with_contours
 

@@ -16,8 +16,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.sheets.contours import cover
-from beamcam.verify.sheets.dark import dark_faults
-from beamcam.verify.sheets.hole_feeds import find_small, hole_faults, middle_faults
+from beamcam.verify.sheets.leads import dark_faults, find_small, hole_faults, middle_faults
 from beamcam.verify.sheets.need import Need, shift_of
 from beamcam.verify.sheets.order import (
     OrderPlace,
@@ -39,7 +38,7 @@ def compare_part(
 ) -> list[Diagnostic]:  # fmt: skip
     """All differences of the strokes from a part with its texts, and what its need says itself."""
     if need.spots or any(stroke.process == "spot" for stroke in strokes.each):
-        from beamcam.verify.sheets.spots import spot_faults, without_spots
+        from beamcam.verify.sheets.texts import spot_faults, without_spots
 
         step = machine.format.resolution
         near = torch.tolerance + 2 * step

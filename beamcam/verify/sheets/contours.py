@@ -18,11 +18,10 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.left_out import UNCUT
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.bridges import in_bridges
 from beamcam.verify.sheets.grid import Pairs
-from beamcam.verify.sheets.paths import on_contour
-from beamcam.verify.sheets.region import aligned, beside_bends
+from beamcam.verify.sheets.paths import aligned, beside_bends, on_contour
 from beamcam.verify.sheets.sides import on_own_side
+from beamcam.verify.sheets.tabs import in_bridges
 from beamcam.verify.sheets.toolpaths import Samples, Toolpaths, kept_samples
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
 

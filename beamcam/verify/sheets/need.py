@@ -165,7 +165,7 @@ def _leave_small_openings(
         features.setdefault(owners[k], []).append(ways[k])
     if not any(_may_be_narrower(curves, least) for curves in features.values()):
         return
-    from beamcam.verify.sheets.small_openings import small_openings
+    from beamcam.verify.sheets.region import small_openings
 
     paths = need.toolpaths("cut", torch.tolerance / 8)
     left: set[int] = set()

@@ -16,8 +16,8 @@ from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.controller_state import SKELETON
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.joining import Chain
-from beamcam.verify.sheets.paths import on_contour
-from beamcam.verify.sheets.region import aligned, region_of
+from beamcam.verify.sheets.paths import aligned, on_contour
+from beamcam.verify.sheets.region import region_of
 from beamcam.verify.sheets.sides import waste_sides
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Samples, kept_samples

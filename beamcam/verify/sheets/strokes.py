@@ -32,8 +32,13 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.description import PART_DATA
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.controller_state import ControllerState, Setting, expected_feeds
-from beamcam.verify.sheets.corner_feeds import NearCorners, near_corners
+from beamcam.verify.sheets.controller_state import (
+    ControllerState,
+    NearCorners,
+    Setting,
+    expected_feeds,
+    near_corners,
+)
 
 ENDS = (2, 30)
 _TURNING = (3, 4, 5)  #: M words of a spindle or a tool

@@ -13,7 +13,7 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.gaps import widest_gap
+from beamcam.verify.sheets.grid import widest_gap
 from beamcam.verify.sheets.need import Need
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Toolpaths
