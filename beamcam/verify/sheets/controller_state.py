@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
-from beamcam.errors import Diagnostic, Rule, Source
+from beamcam.errors import Diagnostic, Rule, Source, errors_in
 from beamcam.geometry.array_types import Flags, Floats
 from beamcam.geometry.curves import Bezier, EllipseArc, Line
 from beamcam.geometry.plane import Point
@@ -221,16 +221,23 @@ def radius_faults(moves: Moves, machine: Machine, torch: Torch, name: str) -> It
 SKELETON = "skeleton"  #: where the cuts through what is left of a sheet are said to be
 
 
-def as_one(
-    parts: Sequence[Part], machine: Machine, skips: Collection[str]
-) -> tuple[Part, Machine, list[Diagnostic]]:
-    """One part with all that has to be on the sheet, the machine that leaves it there, and faults.
+class SharedSheet(Struct, frozen=True):
+    """One part with all that has to be on a sheet, and the machine that leaves it there."""
+
+    part: Part
+    machine: Machine
+    places: list[Point]  #: of the x 0, y 0 of each of several parts
+    said: list[Diagnostic]
+
+
+def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> SharedSheet:
+    """The parts of a sheet as one, and what is wrong with their sharing it.
 
     A part that is alone stays as it is.
     """
     torch = machine.torch
     if torch is None or len(parts) == 1:
-        return parts[0], machine, []
+        return SharedSheet(parts[0], machine, [], [])
     features: list[Feature] = []
     said = [
         rules.OTHER_SHEET.at(
@@ -239,7 +246,8 @@ def as_one(
         for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
     ]  # fmt: skip
     tops: dict[float, float] = {}  #: upper edge of each row of parts, by its lower one
-    for part, (here, need) in zip(parts, places_of(parts, machine, torch, skips), strict=True):
+    lie = list(_places(parts, machine, torch, skips))
+    for part, (here, need) in zip(parts, lie, strict=True):
         _, low, _, high = _box(need)
         row = round(here[1] + low, 6)
         tops[row] = max(tops.get(row, row), here[1] + high)
@@ -257,10 +265,11 @@ def as_one(
             source = replace(parts[0].source, where=SKELETON, line=None)
             features.append(Contour("v", "open", (line,), source, closed=False))
     whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
-    return whole, replace(machine, torch=replace(torch, place="drawn")), said
+    machine = replace(machine, torch=replace(torch, place="drawn"))
+    return SharedSheet(whole, machine, [place for place, _ in lie], said)
 
 
-def places_of(
+def _places(
     parts: Sequence[Part], machine: Machine, torch: Torch, skips: Collection[str]
 ) -> Iterator[tuple[Point, Need]]:
     """Where each of several parts lies on the table, its x 0, y 0; and what of it has to be cut."""
@@ -281,24 +290,37 @@ def _box(need: Need) -> tuple[float, float, float, float]:
     return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
 
 
+def with_told(
+    said: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
+    machine: Machine, skips: Collection[str], name: str,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
+    """What was said of a program; of a sound one also what its head says otherwise."""
+    if not head or errors_in(said):
+        return tuple(said)
+    return (*said, *told_faults(head, parts, places, machine, skips, name))
+
+
 def told_faults(
-    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str], name: str
-) -> Iterator[Diagnostic]:
-    """All differences of the head that `text` begins with from the parts as they have to lie."""
+    text: str, parts: Sequence[Part], places: Sequence[Point], machine: Machine,
+    skips: Collection[str], name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """All differences of the head that `text` begins with from the parts as they have to lie.
+
+    `places` are those of their x 0, y 0; without them that of a part that is alone is worked out.
+    """
     head = head_of(text)
     if head is None or machine.torch is None:
         return
     yield from stock_faults(
         head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
     )
-    if len(parts) == 1:
+    at: Sequence[tuple[float, ...]] = places
+    if not places:
         need = need_of(parts[0], machine, machine.torch, skips)
-        places: list[tuple[float, ...]] = [shift_of(need, machine.torch)]
+        at = [shift_of(need, machine.torch)]
         if not need.curves and head.parts:  # texts alone are found wherever the program has them
-            places = [head.parts[0].at]
-    else:
-        places = [place for place, _ in places_of(parts, machine, machine.torch, skips)]
-    lie = [*zip(parts, places, strict=True)]
+            at = [head.parts[0].at]
+    lie = [*zip(parts, at, strict=True)]
     yield from part_faults(head, lie, machine.torch.tolerance, False, name)
 
 

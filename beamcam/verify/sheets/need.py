@@ -23,6 +23,7 @@ from beamcam.verify.left_out import by_hand, is_by_hand, left_out
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:
+    from beamcam.verify.sheets.region import Region
     from beamcam.verify.sheets.toolpaths import Toolpaths
 
 Needs = dict[TorchProcess, list[Curve]]
@@ -44,12 +45,14 @@ class Need(Struct):
     spots: dict[Point, int] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Toolpaths]" = field(default_factory=dict)
+    regions: "dict[float, Region]" = field(default_factory=dict)
 
     def add(
         self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source,
         look: str = "",
     ) -> None:  # fmt: skip
         self.sources[feature] = source
+        self._forget(process)
         self.looks.setdefault(process, []).extend([look] * len(curves))
         self.curves.setdefault(process, []).extend(curves)
         self.features.setdefault(process, []).extend([feature] * len(curves))
@@ -67,6 +70,12 @@ class Need(Struct):
         """Where the input has a curve of a process, which is known by its number."""
         return self.sources[self.features[process][curve]]
 
+    def _forget(self, process: TorchProcess) -> None:
+        """Curves of a process are others now."""
+        self.drawn = {key: drawn for key, drawn in self.drawn.items() if key[0] != process}
+        if process == "cut":
+            self.regions = {}
+
     def toolpaths(self, process: TorchProcess, tolerance: float) -> "Toolpaths":
         """The curves of a process as elements, where the part has them; made once."""
         from beamcam.verify.sheets.toolpaths import Toolpaths
@@ -75,6 +84,16 @@ class Need(Struct):
         if key not in self.drawn:
             self.drawn[key] = Toolpaths(self.curves.get(process, []), tolerance)
         return self.drawn[key]
+
+    def region(self, torch: Torch) -> "Region":
+        """What the cuts enclose, where the part has them; made once."""
+        from beamcam.verify.sheets.region import region_of
+
+        fine = torch.tolerance / 8
+        if fine not in self.regions:
+            features = np.array(self.features.get("cut", []), dtype=np.int64)
+            self.regions[fine] = region_of(self.toolpaths("cut", fine), features, torch.gap, fine)
+        return self.regions[fine]
 
 
 def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) -> Need:
@@ -167,9 +186,8 @@ def _leave_small_openings(
         return
     from beamcam.verify.sheets.region import small_openings
 
-    paths = need.toolpaths("cut", torch.tolerance / 8)
     left: set[int] = set()
-    for opening in small_openings(paths, ways, owners, drawn, torch, least):
+    for opening in small_openings(need.region(torch), ways, owners, drawn, torch, least):
         left.update(opening.features, opening.twins)
         for index in opening.features:
             feature = part.features[index]
@@ -181,11 +199,13 @@ def _leave_small_openings(
                 need.said += left_out(part, (index,))
             else:
                 _not_made(need, part, feature, lack)
+    if not left:
+        return
     kept = [feature not in left for feature in owners]
     need.curves["cut"] = list(compress(ways, kept))
     need.looks["cut"] = list(compress(need.looks["cut"], kept))
     need.features["cut"] = list(compress(owners, kept))
-    need.drawn.clear()
+    need._forget("cut")
 
 
 def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:

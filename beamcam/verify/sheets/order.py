@@ -17,7 +17,6 @@ from beamcam.verify.sheets.controller_state import SKELETON
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.joining import Chain
 from beamcam.verify.sheets.paths import aligned, on_contour
-from beamcam.verify.sheets.region import region_of
 from beamcam.verify.sheets.sides import waste_sides
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Samples, kept_samples
@@ -161,9 +160,7 @@ def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     if work.process != "cut" or not heads or not work.need.count:
         return []
     if work.region is None:
-        features = np.array(work.asked.features[work.process])
-        region = region_of(work.need, features, work.torch.gap, work.fine)
-        work = replace(work, region=region)
+        work = replace(work, region=work.asked.region(work.torch).moved(work.shift))
     assert work.region is not None
     asked = _asked(work)
     said = []

@@ -14,6 +14,7 @@ from math import pi
 import numpy as np
 import shapely
 from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
@@ -51,6 +52,10 @@ class Region(Struct, frozen=True):
     closed: Flags  #: ways of a ring, and those that lie on one
     twins: Flags  #: ways that lie on others
     apart: Floats  #: how far a way may be from where it is cut: from its twin, from its neighbours
+
+    def moved(self, shift: Point) -> "Region":
+        """The same elsewhere."""
+        return replace(self, polygons=shapely.transform(self.polygons, lambda at: at + shift))
 
     def depth(self, points: Floats) -> Counts:
         """Number of contours that enclose each point (n, 2)."""
@@ -257,7 +262,7 @@ class SmallOpening(Struct, frozen=True):
 
 
 def small_openings(
-    toolpaths: Toolpaths, ways: Sequence[Curve], owners: Sequence[int], drawn: Sequence[int],
+    region: Region, ways: Sequence[Curve], owners: Sequence[int], drawn: Sequence[int],
     torch: Torch, least: float,
 ) -> list[SmallOpening]:  # fmt: skip
     """The openings among the cuts that are circles or slots narrower than `least`, by their ways.
@@ -265,7 +270,6 @@ def small_openings(
     An opening is what an odd number of contours enclose, or what lies within one that is too small.
     `owners` are the features of the `ways`, `drawn` those of contours.
     """
-    region = region_of(toolpaths, np.array(owners), torch.gap, torch.tolerance / 8)
     found = []
     for number, centres in _openings(region, ways, torch.tolerance, least).items():
         mine = sorted({owners[way] for way, _ in region.rings[number]})

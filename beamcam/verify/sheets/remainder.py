@@ -49,10 +49,11 @@ def rest_faults(
     laid, said = as_asked(parts, machine.torch)
     if said:
         return tuple(said)
-    part, machine, said = as_one(laid, machine, skips)
+    sheet = as_one(laid, machine, skips)
+    part, machine = sheet.part, sheet.machine
     begun, more = _strokes(whole, part, machine, whole_name)
     left, wrong = _strokes(rest, part, machine, name)
-    said = [*said, *more, *wrong]
+    said = [*sheet.said, *more, *wrong]
     if errors_in(said):
         return tuple(said)
     lines = _contour_lines(begun, part, machine, skips, whole_name)

@@ -49,8 +49,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
     if not need.curves.get("cut"):  # a sheet that is only marked lies where its marks do
         for index, text in asked:
             _need(need, process, index, text, text.feature.x, text.feature.y, text.height)
-        need.drawn.clear()
-        return
+            return
     steel = steel_within([piece for curve in _once(need) for piece in _chords(curve)])
     pieces = _pieces(strokes, process, shift_of(need, torch))
     if machine.stepper is not None:
@@ -67,7 +66,6 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: "
         else:
             need.said += one.said
             _need(need, process, index, text, one.x, one.y, one.height)
-    need.drawn.clear()
 
 
 def _where_they_are(
@@ -98,7 +96,6 @@ def _where_they_are(
             boxes.append(box)
         else:
             need.said.append(by_hand(feature, part, machine))
-    need.drawn.clear()
 
 
 def text_process(machine: Machine) -> TorchProcess:

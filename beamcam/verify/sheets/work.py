@@ -243,9 +243,7 @@ def work_of(
     tolerance = torch.tolerance + 2 * step + fine
     # What joining ends may move is allowed where there is something to join.
     if half_kerf and len(curves):
-        from beamcam.verify.sheets.region import region_of
-
-        region = region_of(toolpaths, np.array(need.features[process]), torch.gap, fine)
+        region = need.region(torch).moved(shift)
         joined = region.apart
     else:
         tolerance += widest_joint(toolpaths, torch.gap)
