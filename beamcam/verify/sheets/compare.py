@@ -129,7 +129,7 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
 
         said += tab_faults(work, traced)
     if work.half_kerf:
-        from beamcam.verify.sheets.sides import band_faults
+        from beamcam.verify.sheets.areas import band_faults
 
         said += band_faults(work, traced)
     led = work.torch.lead != "none" and work.torch.kerf_by == "offset"

@@ -118,9 +118,7 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     ]
     if row is None or not rings or not row.pierce_radius:
         return []
-    points, begins = work.need.outlines(work.fine)
-    owner = np.repeat(np.arange(work.need.count), np.diff(begins))
-    contours = shapely.STRtree(shapely.linestrings(points, indices=owner))
+    contours = shapely.STRtree(work.contours)
     firsts = [int(np.searchsorted(work.of_way, work.of_way[t.first])) for t in rings]
     pierced = work.path.starts[firsts]
     away, nearest = _distances(contours, pierced)
@@ -255,9 +253,7 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         return []
     import shapely
 
-    points, begins = work.need.outlines(work.fine)
-    owner = np.repeat(np.arange(work.need.count), np.diff(begins))
-    contours = shapely.STRtree(shapely.linestrings(points, indices=owner))
+    contours = shapely.STRtree(work.contours)
     said: list[Diagnostic] = []
     for t in traced:
         if not t.small or t.joined:

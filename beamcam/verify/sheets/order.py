@@ -13,11 +13,11 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.torch import LookSettings, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.areas import waste_sides
 from beamcam.verify.sheets.controller_state import SKELETON
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.joining import Chain
 from beamcam.verify.sheets.paths import aligned, on_contour
-from beamcam.verify.sheets.sides import waste_sides
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Samples, kept_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work

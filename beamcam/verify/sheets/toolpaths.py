@@ -305,7 +305,7 @@ def joined_samples(*several: Samples) -> Samples:
     return element, share, way
 
 
-def kept_samples(samples: Samples, which: Flags) -> Samples:
+def kept_samples(samples: Samples, which: Flags | Counts) -> Samples:
     """Some of the samples."""
     element, share, way = samples
     return element[which], share[which], way[which]

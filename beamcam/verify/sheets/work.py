@@ -1,12 +1,14 @@
 """The strokes of one process and the curves that they should follow."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from math import inf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec import Struct, field
 from msgspec.structs import replace
+from numpy.typing import NDArray
 
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
@@ -87,7 +89,7 @@ class Traced(Struct):
         return found
 
 
-class Work(Struct, frozen=True):
+class Work(Struct, dict=True):
     """One process: what is needed, what is followed, and how near that has to be."""
 
     process: TorchProcess
@@ -113,6 +115,17 @@ class Work(Struct, frozen=True):
     def beside(self) -> Flags:
         """The required curves with kerf compensation."""
         return np.zeros(self.need.count, dtype=bool) if self.region is None else self.region.closed
+
+    @cached_property
+    def contours(self) -> NDArray[np.object_]:
+        """The required curves as lines; chords are at most `fine` off."""
+        import shapely
+
+        points, begins = self.need.outlines(self.fine)
+        lines: NDArray[np.object_] = shapely.linestrings(
+            points, indices=np.repeat(np.arange(self.need.count), np.diff(begins))
+        )
+        return lines
 
     def on_kept_off(self, points: Floats) -> Flags:
         """Points that lie on a contour which the beam keeps off.
