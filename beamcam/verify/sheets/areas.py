@@ -277,7 +277,7 @@ def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
     for n, k in enumerate(rings):
         (way, back), *_ = region.rings[k]
         waste_left = (sides[way] > 0.0) != back
-        signs[n] = -1.0 if waste_left == shapely.is_ccw(outlines[n]) else 1.0
+        signs[n] = -1.0 if waste_left == region.anticlockwise[k] else 1.0
     kinds, firsts, count = np.unique(group, return_index=True, return_counts=True)
     found = areas[firsts]
     for n in np.flatnonzero(count > 1).tolist():

@@ -18,6 +18,7 @@ from beamcam.verify.sheets.controller_state import SKELETON
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.joining import Chain
 from beamcam.verify.sheets.paths import aligned, on_contour
+from beamcam.verify.sheets.region import signed_areas
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Samples, kept_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
@@ -164,9 +165,9 @@ def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     assert work.region is not None
     asked = _asked(work)
     said = []
-    for t, ring in zip(heads, _rings_of(work, heads).tolist(), strict=True):
+    rows = zip(heads, _rings_of(work, heads).tolist(), _turns(work, heads), strict=True)
+    for t, ring, found in rows:
         wanted = asked[ring] if ring >= 0 else None
-        found = _is_anticlockwise(work, t)
         if wanted is None or found is None or found == wanted:
             continue
         said.append(
@@ -186,11 +187,15 @@ def _asked(work: Work) -> list[bool | None]:
     """Of each ring whether it is to be followed counter-clockwise; None if that is left open."""
     assert work.region is not None
     rings, polygons = work.region.rings, work.region.polygons
-    turned = [_area(np.array(polygon.exterior.coords)) > 0.0 for polygon in polygons]
+    turned = work.region.anticlockwise.tolist()
     # Of contours that cross, neither lies inside of the other.
     clear = shapely.is_valid(polygons)
-    crossing, _ = shapely.STRtree(polygons[clear]).query(polygons[clear], "overlaps")
-    clear[np.flatnonzero(clear)[crossing]] = False
+    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
+    one, other = one[one < other], other[one < other]
+    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
+    one, other = one[crossing], other[crossing]
+    crossing = shapely.overlaps(polygons[one], polygons[other])
+    clear[one[crossing]] = clear[other[crossing]] = False
     way = work.torch.direction
     sides = waste_sides(work) if way != "drawn" else np.zeros(0)
     found: list[bool | None] = []
@@ -232,39 +237,39 @@ def _rings_of(work: Work, heads: Sequence[Traced]) -> Counts:
     ring_of = np.full(work.need.count, -1)
     for k, ring in enumerate(work.region.rings):
         ring_of[[way for way, _ in ring]] = k
-    ways = [np.unique(np.linspace(t.first, t.last - 1, ASKED).astype(np.int64)) for t in heads]
-    owner = np.repeat(np.arange(len(heads)), [len(own) for own in ways])
-    every = np.concatenate(ways)
+    ends = np.array([(t.first, t.last - 1) for t in heads])
+    ways = np.linspace(ends[:, 0], ends[:, 1], ASKED, axis=1).astype(np.int64)
+    owner, column = np.nonzero(np.diff(ways, axis=1, prepend=-1))
+    every = ways[owner, column]
     places = work.path.point(every, work.path.lengths[every] / 2)
     most = float(work.slack.max(initial=0.0))
     reaches = (work.half_kerf + most, MITRE * work.half_kerf + 2 * most)
     away, nearest, _ = work.need.nearest_within(places, reaches, ring_of >= 0)
     rings = np.where(np.isfinite(away), ring_of[nearest], -1)
-    found = np.full(len(heads), -1)
-    for k in range(len(heads)):
-        own = rings[owner == k]
-        kinds, times = np.unique(own[own >= 0], return_counts=True)
-        if len(kinds) and 2 * times.max() > len(own):
-            found[k] = kinds[np.argmax(times)]
+    near, found = rings >= 0, np.full(len(heads), -1)
+    count = max(len(work.region.rings), 1)
+    pairs, times = np.unique(owner[near] * count + rings[near], return_counts=True)
+    ruling = 2 * times > np.bincount(owner, minlength=len(heads))[pairs // count]
+    found[pairs[ruling] // count] = pairs[ruling] % count
     return found
 
 
-def _is_anticlockwise(work: Work, head: Traced) -> bool | None:
-    """The turn of strokes that go round a contour together; None of what has no inside."""
-    points = np.concatenate(
-        [work.path.outline(m.first, m.last, work.fine) for m in head.members or [head]]
-    )
-    if len(points) < 3:
-        return None
-    area = _area(points)
-    length = float(np.hypot(*np.diff(points, axis=0, append=points[:1]).T).sum())
-    return None if abs(area) <= MIN_WIDTH * length else area > 0.0
+def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
+    """Which strokes that go round a contour together do so counter-clockwise.
 
-
-def _area(points: Floats) -> float:
-    """What a ring encloses, above 0 counter-clockwise."""
-    x, y = (points - points[0]).T
-    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum()) / 2
+    None of what has no inside.
+    """
+    points, begins = work.path.outlines(work.fine)
+    members = [(m.first, m.last) for head in heads for m in head.members or [head]]
+    rows = [np.arange(begins[first], begins[last]) for first, last in members]
+    first = np.cumsum([0, *(len(head.members or [head]) for head in heads)])
+    ends = np.cumsum([0, *map(len, rows)])[first]
+    areas, lengths = signed_areas(points[np.concatenate(rows)], ends)
+    wide = np.abs(areas) > MIN_WIDTH * lengths
+    return [
+        turned if is_wide else None
+        for turned, is_wide in zip((areas > 0.0).tolist(), wide.tolist(), strict=True)
+    ]
 
 
 # --- passes ---------------------------------------------------------------------------------------

@@ -52,6 +52,7 @@ class Region(Struct, frozen=True):
     closed: Flags  #: ways of a ring, and those that lie on one
     twins: Flags  #: ways that lie on others
     apart: Floats  #: how far a way may be from where it is cut: from its twin, from its neighbours
+    anticlockwise: Flags  #: rings that run so
 
     def moved(self, shift: Point) -> "Region":
         """The same elsewhere."""
@@ -100,7 +101,23 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     apart[[k for r in _looped(polygons, gap) for k, _ in once[r]]] += gap
     once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
-    return Region(polygons, once, closed, twins, apart)
+    points, ring = shapely.get_coordinates(polygons, return_index=True)
+    turned = signed_areas(points, np.searchsorted(ring, np.arange(len(once) + 1)))[0] > 0.0
+    return Region(polygons, once, closed, twins, apart, turned)
+
+
+def signed_areas(points: Floats, begins: Counts) -> tuple[Floats, Floats]:
+    """What rings of points (n, 2) enclose, above 0 counter-clockwise, and how long they are.
+
+    `begins` tells where the points of each begin, and where the last end.
+    """
+    if len(begins) < 2:
+        return np.zeros(0), np.zeros(0)
+    after = np.arange(1, len(points) + 1)
+    after[begins[1:] - 1] = begins[:-1]
+    x, y = (points - np.repeat(points[begins[:-1]], np.diff(begins), axis=0)).T
+    areas = np.add.reduceat(x * y[after] - x[after] * y, begins[:-1]) / 2
+    return areas, np.add.reduceat(np.hypot(x[after] - x, y[after] - y), begins[:-1])
 
 
 def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
@@ -293,15 +310,16 @@ def _openings(
         corners = np.asarray(region.polygons[number].exterior.coords)
         if centres := _centres(corners, curves, tolerance, least):
             found[number] = centres
-    openings = {
-        k for k, (middle, *_) in found.items()
-        if np.count_nonzero(
-            shapely.contains(region.polygons[areas > areas[k]], shapely.Point(middle))
-        ) % 2
-    }  # fmt: skip
-    outer = [shapely.buffer(region.polygons[k], tolerance) for k in openings]
-    openings |= {k for k in found if any(o.contains(region.polygons[k]) for o in outer)}
-    return {k: found[k] for k in sorted(openings)}
+    if not found:
+        return {}
+    rings = np.array(list(found), dtype=np.int64)
+    middles = shapely.points([centres[0] for centres in found.values()])
+    own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
+    larger = areas[around_it] > areas[rings[own]]
+    openings = rings[np.bincount(own[larger], minlength=len(rings)) % 2 == 1]
+    wider = shapely.STRtree(shapely.buffer(region.polygons[openings], tolerance))
+    inside, _ = wider.query(region.polygons[rings], "covered_by")
+    return {k: found[k] for k in sorted({*openings.tolist(), *rings[inside].tolist()})}
 
 
 def _centres(
@@ -315,6 +333,8 @@ def _centres(
     sides = [curve for curve in curves if isinstance(curve, Line)]
     ux, uy = max(sides, key=lambda side: side.length).tangent(0.0) if sides else (1.0, 0.0)
     axes = np.array([[ux, uy], [-uy, ux]])
+    if float(np.ptp(corners @ axes[1])) >= least:
+        return ()
     turned = [curve.transformed(((ux, uy, 0.0), (-uy, ux, 0.0))) for curve in curves]
     low, high = np.array(extent(turned) or (0.0, 0.0, 0.0, 0.0)).reshape(2, 2)
     long, wide = (high - low).tolist()
