@@ -14,37 +14,10 @@ from beamcam.verify.sheets import rules
 
 # Lines and arcs in arrays, the elements of every chain.
 #
-# Arcs are kept as they are. Other curves are chains of arcs and chords.
+# Arcs are kept as they are. Other curves are chains of chords.
 
 
 QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
-
-
-class Pieces(Struct, frozen=True):
-    """What curves are drawn with: lines and arcs one after the other, curve by curve."""
-
-    counts: Counts  #: of the pieces of each curve
-    start: Floats  #: (n, 2)
-    end: Floats
-    is_arc: Flags
-    arcs: Floats  #: as those of elements
-
-    @property
-    def columns(self) -> tuple[Floats, Floats, Flags, Floats]:
-        """What there is of each piece."""
-        return self.start, self.end, self.is_arc, self.arcs
-
-    def some(self, which: Flags) -> "Pieces":
-        """Some of the pieces of curves that have one each."""
-        return Pieces(
-            self.counts[which], self.start[which], self.end[which], self.is_arc[which],
-            self.arcs[which],
-        )  # fmt: skip
-
-
-def straight_pieces(counts: Counts, start: Floats, end: Floats) -> Pieces:
-    """Curves that are drawn with chords alone."""
-    return Pieces(counts, start, end, np.zeros(len(start), dtype=bool), np.zeros((len(start), 5)))
 
 
 class Elements:

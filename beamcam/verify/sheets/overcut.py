@@ -146,6 +146,8 @@ def _tangent(work: Work, t: Traced) -> float:
 def _retraced(work: Work, t: Traced) -> float:
     """How far a stroke that does not end where it began has gone on along its own first curves."""
     path = work.path
+    if path.first(np.array(t.first)) == path.last(np.array(t.last - 1)):
+        return 0.0  # one line or arc
     begin = path.begins[t.first]
     length = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - begin)
     places = np.array([path.starts[t.first], path.ends[t.last - 1]])
@@ -174,10 +176,8 @@ def _runs_again(work: Work, t: Traced, place: float, over: float) -> bool:
 
 def _is_drawn_twice(work: Work, t: Traced, along: float) -> bool:
     """Whether the part itself has more than one curve a little behind the start of a stroke."""
-    place = work.path.begins[t.first] + along
-    way = np.searchsorted(work.path.begins, [place], "right") - 1
-    point = work.path.point(way, place - work.path.begins[way])
-    pairs = work.need.near(point, work.tolerance)
+    place = _places(work, np.array([work.path.begins[t.first] + along]))
+    pairs = work.need.near(place, work.tolerance)
     at = np.sort(work.need.at(pairs.element, pairs.along))
     return bool((np.diff(at) > 8 * work.tolerance).any())
 

@@ -8,7 +8,7 @@ Which contours are closed says `joining`. All other curves are open and have no 
 no order is asked of them, they bound no part, and the beam stays centred on them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import pi
 
 import numpy as np
@@ -80,25 +80,26 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     rank = _ranks(toolpaths, own)
     twins = _lie_on(toolpaths, rank, SAME_PLACE)
     drawn = whole(toolpaths, fine)
-    rings = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
+    drawn_so = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
     loose = [k for k in real.tolist() if not own[k] and not twins[k]]
-    once = [ring for ring in rings if not all(twins[k] for k, _ in ring)]
+    once = [ring for ring in drawn_so if not all(twins[k] for k, _ in ring)]
     trim(drawn, toolpaths, loose, np.where(twins, toolpaths.count, rank), WRITTEN_SAME)
     once += rings_of(drawn, loose, gap)
-    sizes = np.diff(drawn.begins)
-    once = [ring for ring in once if sizes[[k for k, _ in ring]].sum() > 3]
-    polygons = _polygons(drawn, once)
+    sizes = np.diff(drawn.begins).tolist()
+    once = [ring for ring in once if sum(sizes[k] for k, _ in ring) > 3]
+    rings = _Rings.of(once)
+    polygons = rings.polygons(drawn) if once else np.zeros(0, dtype=object)
     # A line there and back again has no inside.
     wide = shapely.area(polygons) > MIN_WIDTH * shapely.length(polygons)
     again, under = _same_rings(polygons, gap)
-    closed, apart = np.zeros(toolpaths.count, dtype=bool), _joined(drawn, once) + SAME_PLACE * twins
-    closed[[k for ring, is_wide in zip(once, wide, strict=True) if is_wide for k, _ in ring]] = True
-    closed |= twins & _on(toolpaths, closed, SAME_PLACE)
-    twins[[k for r in again for k, _ in once[r]]] = True
+    closed, apart = np.zeros(toolpaths.count, dtype=bool), rings.gaps(drawn) + SAME_PLACE * twins
+    closed[rings.ways[wide[rings.ring]]] = True
+    closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
+    twins[rings.ways_of(again)] = True
     apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(toolpaths, gap)))
-    apart[[k for r in again | under for k, _ in once[r]]] += gap
+    apart[rings.ways_of(again | under)] += gap
     wide[list(again)] = False
-    apart[[k for r in _looped(polygons, gap) for k, _ in once[r]]] += gap
+    apart[rings.ways_of(_looped(polygons, gap))] += gap
     once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
     points, ring = shapely.get_coordinates(polygons, return_index=True)
@@ -168,11 +169,6 @@ def _ranks(toolpaths: Toolpaths, own: Flags) -> Counts:
     return rank
 
 
-def _on(toolpaths: Toolpaths, which: Flags, same: float) -> Flags:
-    """Toolpaths that lie on some of them."""
-    return _lie_on(toolpaths, np.where(which, 0, 1), same)
-
-
 def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:
     """How far the ends of each way are from other ends that they may be joined to, at most."""
     found = np.zeros(toolpaths.count)
@@ -232,34 +228,48 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     return found
 
 
-def _joined(toolpaths: Stretches, rings: Sequence[Chain]) -> Floats:
-    """The greater of the gaps at both ends of each way, between it and its neighbours in a ring."""
-    found = np.zeros(len(toolpaths.starts))
-    for ring in rings:
-        numbers = np.array([k for k, _ in ring])
-        turned = np.array([back for _, back in ring])[:, None]
-        begins = np.where(turned, toolpaths.ends[numbers], toolpaths.starts[numbers])
-        ends = np.where(turned, toolpaths.starts[numbers], toolpaths.ends[numbers])
-        gaps = np.hypot(*(np.roll(begins, -1, axis=0) - ends).T)
-        if gaps.any():
-            found[numbers] = np.maximum(gaps, np.roll(gaps, 1))
-    return found
+class _Rings(Struct, frozen=True):
+    """Rings as arrays, one behind the other."""
 
+    ways: Counts
+    turned: Flags  #: of each way
+    ring: Counts  #: that each way is of
+    begins: Counts  #: of each ring, and where the last ends
 
-def _polygons(toolpaths: Stretches, rings: Sequence[Chain]) -> NDArray[np.object_]:
-    """The inside of each ring."""
-    if not rings:
-        return np.zeros(0, dtype=object)
-    rows, sizes = [], []
-    for ring in rings:
-        own = [toolpaths.rows(k)[:: -1 if turned else 1] for k, turned in ring]
-        rows += own
-        sizes.append(sum(map(len, own)))
-    indices = np.repeat(np.arange(len(rings)), sizes)
-    polygons: NDArray[np.object_] = shapely.polygons(
-        shapely.linearrings(toolpaths.points[np.concatenate(rows)], indices=indices)
-    )
-    return polygons
+    @classmethod
+    def of(cls, rings: Sequence[Chain]) -> "_Rings":
+        begins = np.cumsum([0, *map(len, rings)])
+        columns = np.array([way for ring in rings for way in ring], dtype=np.int64).reshape(-1, 2)
+        ring = np.repeat(np.arange(len(rings)), np.diff(begins))
+        return cls(columns[:, 0], columns[:, 1] == 1, ring, begins)
+
+    def ways_of(self, rings: Iterable[int]) -> Counts:
+        """The ways of some rings."""
+        found: Counts = self.ways[np.isin(self.ring, list(rings))]
+        return found
+
+    def polygons(self, drawn: Stretches) -> NDArray[np.object_]:
+        """The inside of each ring."""
+        begins, sizes = drawn.begins[self.ways], np.diff(drawn.begins)[self.ways]
+        step = np.where(self.turned, -1, 1)
+        first = begins + np.where(self.turned, sizes - 1, 0)
+        number = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        rows = np.repeat(first, sizes) + np.repeat(step, sizes) * number
+        outlines = shapely.linearrings(drawn.points[rows], indices=np.repeat(self.ring, sizes))
+        found: NDArray[np.object_] = shapely.polygons(outlines)
+        return found
+
+    def gaps(self, drawn: Stretches) -> Floats:
+        """The greater of the gaps at both ends of each way, to its neighbours in the ring."""
+        after = np.arange(1, len(self.ways) + 1)
+        after[self.begins[1:] - 1] = self.begins[:-1]
+        back = self.turned[:, None]
+        starts, ends = drawn.starts[self.ways], drawn.ends[self.ways]
+        apart = np.hypot(*(np.where(back, ends, starts)[after] - np.where(back, starts, ends)).T)
+        found = np.zeros(len(drawn.starts))
+        found[self.ways] = apart
+        found[self.ways[after]] = np.maximum(apart, found[self.ways[after]])
+        return found
 
 
 # --- small openings -------------------------------------------------------------------------------
