@@ -17,13 +17,9 @@ from beamcam.model.part import Part
 
 
 def verify_sheet(
-    text: str,
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-    head: str = "",
-) -> tuple[Diagnostic, ...]:
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
+    name: str = "program", head: str = "",
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a program, by itself and against the part of its sheet.
 
     `skips` are the kinds of features that may be missing, as `--allow-skips` names them; `head` is
@@ -32,7 +28,7 @@ def verify_sheet(
     """
     from beamcam.verify.sheets.compare import compare_part
     from beamcam.verify.sheets.controller_state import as_one, radius_faults, with_told
-    from beamcam.verify.sheets.heights import height_faults, output_faults
+    from beamcam.verify.sheets.heights import switching_faults
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
     from beamcam.verify.sheets.order import passes_folded
     from beamcam.verify.sheets.remainder import link_faults, unchained
@@ -56,8 +52,7 @@ def verify_sheet(
         done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
     )
     said += more
-    said += height_faults(done, strokes, machine, torch, name)
-    said += output_faults(done, strokes, machine, name)
+    said += switching_faults(done, strokes, machine, torch, name)
     if is_far(strokes.moves, torch):
         return tuple(said)
     strokes = passes_folded(strokes, rows)

@@ -130,8 +130,7 @@ def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagn
     if not len(closed) or not len(strokes):
         return []
     contours = work.contours[closed]
-    points, begins = work.path.outlines(work.fine)
-    ways = shapely.linestrings(points, indices=np.repeat(work.of_way, np.diff(begins)))[strokes]
+    ways = work.path.lines(work.fine, work.of_way)[strokes]
     least = work.half_kerf - work.slack[closed] - 2 * work.fine
     a, b = shapely.STRtree(contours).query(ways, "dwithin", distance=float(least.max()))
     away = shapely.distance(ways[a], contours[b])

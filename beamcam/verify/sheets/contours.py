@@ -16,7 +16,7 @@ import numpy as np
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.areas import on_own_side
+from beamcam.verify.sheets.areas import in_corners, left_faults, on_own_side
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.paths import aligned, beside_bends, on_contour
 from beamcam.verify.sheets.tabs import in_bridges
@@ -42,8 +42,6 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     missing = np.flatnonzero((away > reach) & ~work.small[owner])
     said: list[Diagnostic] = []
     if len(missing) and work.half_kerf:
-        from beamcam.verify.sheets.areas import in_corners, left_faults
-
         missing = missing[~work.on_kept_off(points[missing]) | beside[owner[missing]]]
         is_left, corners = in_corners(work, missing, samples)
         missing = missing[~is_left]
@@ -110,14 +108,9 @@ def _own(work: Work, traced: Sequence[Traced], pairs: Pairs, beside: Flags) -> P
 
 
 def _twice(
-    work: Work,
-    traced: Sequence[Traced],
-    points: Floats,
-    owner: Counts,
-    slack: Floats,
-    covered: Counts,
-    pairs: Pairs,
-) -> list[Diagnostic]:
+    work: Work, traced: Sequence[Traced], points: Floats, owner: Counts, slack: Floats,
+    covered: Counts, pairs: Pairs,
+) -> list[Diagnostic]:  # fmt: skip
     """Stretches of a contour that have more than one path.
 
     `points` are places of the path, or of the contour where the beam stays on that; `pairs` are

@@ -39,25 +39,28 @@ SECONDS_PER_MINUTE = 60.0
 SLOWER = 0.99  #: share of the row's feed below which a move is one in a small hole or at a corner
 
 
-def height_faults(
+def switching_faults(
     run: TableRun, strokes: Strokes, machine: Machine, torch: Torch, name: str
 ) -> list[Diagnostic]:
-    """What is wrong with where the torch stands over the sheet, and what holds it there."""
-    watch = _Watch(run.moves, machine, torch, name)
+    """What is wrong with where the torch stands, what holds it there, and with its outputs."""
+    watches = _Watch(run.moves, machine, torch, name), _Outputs(machine, name)
     starts = {stroke.on: stroke for stroke in strokes.each}
-    stops = {stroke.off: stroke for stroke in strokes.each}
-    done, line = 0, 1
-    for place, (before, event) in enumerate(run.others):
-        said = [*watch.moves(done, before, run.moves.line[done:before].tolist())]
-        done, line = before, event.line
-        if place in starts:
-            said = [*said, *watch.starts(event.line, starts[place])]
-        elif place in stops:
-            said = [*said, *watch.stops(event.line)]
-        watch.said += [*said, *watch.take(event)]
-    watch.said += watch.moves(done, len(run.moves), run.moves.line[done:].tolist())
-    watch.said += watch.ends(line)
-    return watch.said
+    stops = {stroke.off for stroke in strokes.each}
+    for watch in watches:
+        done, line = 0, 1
+        for place, (before, event) in enumerate(run.others):
+            if before > done:
+                watch.said += watch.moves(done, before, run.moves.line[done:before].tolist())
+            done, line = before, event.line
+            if place in starts:
+                watch.said += watch.starts(line, starts[place])
+            elif place in stops:
+                watch.said += watch.stops(line)
+            watch.said += watch.take(event)
+        if len(run.moves) > done:
+            watch.said += watch.moves(done, len(run.moves), run.moves.line[done:].tolist())
+        watch.said += watch.ends(line)
+    return [one for watch in watches for one in watch.said]
 
 
 class _Watch:
@@ -89,8 +92,6 @@ class _Watch:
 
     def moves(self, first: int, last: int, lines: list[int]) -> Iterator[Diagnostic]:
         """What is wrong with the moves in X and Y of one height."""
-        if first == last:
-            return
         rapids = self._rapid[first:last].tolist()
         if True in rapids:
             self._touched = self._touched and self._torch.touch != "each"
@@ -232,27 +233,6 @@ SECONDS_SLACK = 1e-6
 FIGURE_SLACK = 0.00051  #: of a figure of a row, which programs write to three decimals
 
 
-def output_faults(run: TableRun, strokes: Strokes, machine: Machine, name: str) -> list[Diagnostic]:
-    """What is wrong with the outputs of a program."""
-    watch = _Outputs(machine, name)
-    starts = {stroke.on: stroke for stroke in strokes.each}
-    stops = {stroke.off for stroke in strokes.each}
-    done, line = 0, 1
-    for place, (before, event) in enumerate(run.others):
-        if before > done:
-            watch.moved()
-        done, line = before, event.line
-        if place in starts:
-            watch.said += watch.starts(event.line, starts[place])
-        elif place in stops:
-            watch.stroke = None
-        watch.said += watch.take(event)
-    if len(run.moves) > done:
-        watch.moved()
-    watch.said += watch.ends(line)
-    return watch.said
-
-
 class _Outputs:
     """The outputs while a program runs."""
 
@@ -272,11 +252,17 @@ class _Outputs:
     def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
         return rule.at(Source(self._name, line), found=found, expected=expected)
 
-    def moved(self) -> None:
+    def moves(self, *_: object) -> Iterator[Diagnostic]:
         """The head was moved in X or Y."""
         self._pending = ""
         if self._flame_s is not None:
             self._flame_s = 0.0
+        yield from ()
+
+    def stops(self, _: int) -> Iterator[Diagnostic]:
+        """A tool is stopped."""
+        self.stroke = None
+        yield from ()
 
     def starts(self, line: int, stroke: HeadStroke) -> Iterator[Diagnostic]:
         """What is wrong as a tool is started."""

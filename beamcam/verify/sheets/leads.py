@@ -1,6 +1,6 @@
 """Lead-ins, lead-outs and overcuts of strokes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import dist, pi
 
 import numpy as np
@@ -209,23 +209,22 @@ ROUND, ROUND_DEG = 1e-6, 1e-6  #: mm and degrees that the arcs of a round hole m
 ROUND_DOUBT = 2e-3  #: of the way round a hole, by which it may be a small one or not
 
 
-def hole_faults(work: Work, traced: Sequence[Traced]) -> Iterator[Diagnostic]:
+def hole_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Strokes that run as in a small hole elsewhere, or in one as elsewhere."""
-    if not any(s.row.slows_holes for s in work.strokes):
-        return
-    told = 0
+    said: list[Diagnostic] = []
     for t in traced:
         expected, found = t.small, t.stroke.in_hole
         if expected is None or found is None or expected == found or not t.stroke.row.slows_holes:
             continue
-        told += 1
-        if told <= SHOWN:
-            share = f"{t.stroke.row.hole_feed_share * 100:g} %"
-            contour = work.contour_at(work.path.starts[t.first])
-            yield rules.HOLE_FEED.at(
-                Source(work.name, t.stroke.line), contour=contour,
-                found=share if found else "all", expected=share if expected else "all",
-            )  # fmt: skip
+        share = f"{t.stroke.row.hole_feed_share * 100:g} %"
+        said.append(
+            rules.HOLE_FEED.at(
+                Source(work.name, t.stroke.line), found=share if found else "all",
+                expected=share if expected else "all",
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
 
 
 def find_small(work: Work, traced: Sequence[Traced]) -> None:
@@ -251,8 +250,6 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Small round holes that are not entered from their middle, by half a circle."""
     if work.torch.hole_lead != "middle" or not any(t.small for t in traced):
         return []
-    import shapely
-
     contours = shapely.STRtree(work.contours)
     said: list[Diagnostic] = []
     for t in traced:
@@ -320,12 +317,13 @@ def _is_half_circle(work: Work, way: int, middle: Floats, at: Floats) -> bool:
 # What of a cut is run with the arc out: what follows where its contour is closed, and no more.
 
 
-def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> Iterator[Diagnostic]:
+def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagnostic]:
     """Cuts that are left dark before they are closed, or burn on behind that where they must not.
 
     `asked` says that the arc goes out where a cut with an overcut is closed.
     """
-    told, by_machine = 0, work.torch.kerf_by == "machine"
+    by_machine = work.torch.kerf_by == "machine"
+    said: list[Diagnostic] = []
     for t in traced:
         last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
         closed = t.closed and len(t.members) == 1
@@ -334,27 +332,21 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> Iterator[D
         dark, beyond = t.stroke.dark, last - t.last if due else 0
         if dark == beyond and bool(dark) == due:
             continue
-        if due and dark and _closes(work, t, last - dark):
-            continue
-        told += 1
-        if told <= SHOWN:
-            expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
-            yield rules.DARK.at(
-                Source(work.name, t.stroke.line), found=_shown(dark),
-                expected=expected, contour=work.contour_at(work.path.starts[t.first]),
-            )  # fmt: skip
-
-
-def _closes(work: Work, t: Traced, way: int) -> bool:
-    """Whether the path comes back to where a stroke joins its contour as `way` begins.
-
-    What comes along the contour for no longer than a lead may be one, or the contour's beginning.
-    """
-    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
-    if not t.first < way < t.last:
-        return False
-    away = work.path.starts[first : t.first] - work.path.starts[way]
-    return bool((np.hypot(*away.T) <= work.meeting).any())
+        # The path may come back to where it joins its contour: what comes along that for no longer
+        # than a lead may be one, or the contour's beginning.
+        first, way = int(np.searchsorted(work.of_way, work.of_way[t.first])), last - dark
+        if due and dark and t.first < way < t.last:
+            away = work.path.starts[first : t.first] - work.path.starts[way]
+            if (np.hypot(*away.T) <= work.meeting).any():
+                continue
+        expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
+        said.append(
+            rules.DARK.at(
+                Source(work.name, t.stroke.line), found=_shown(dark), expected=expected,
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
 
 
 def _shown(moves: int) -> str:

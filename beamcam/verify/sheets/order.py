@@ -1,12 +1,12 @@
 """In which order contours are cut: marks first, and what lies in a contour before it."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Polygon
 
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
@@ -22,9 +22,6 @@ from beamcam.verify.sheets.region import signed_areas
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Samples, kept_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
-
-if TYPE_CHECKING:
-    from shapely import Polygon
 
 TOUCHING = 0.01  #: mm by which a contour may leave the one around it
 AT_ONCE = 64  #: rings that are looked at together
@@ -97,8 +94,6 @@ def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
     done for some rings at a time, so that it takes no more memory the more of them lie above one
     another.
     """
-    import shapely
-
     rings = [k for k, t in enumerate(cuts) if t.ring or t.contour is not None]
     tree = shapely.STRtree(shapely.points(np.array([t.middle for t in cuts]).reshape(-1, 2)))
     pairs: list[tuple[int, int]] = []
@@ -118,8 +113,6 @@ def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[i
 
     They may touch it. One that lies on it all round has the same inside, and either may be first.
     """
-    import shapely
-
     polygon = cuts[ring].inside()
     if polygon is None:
         return []
@@ -134,10 +127,8 @@ def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[i
     ]
 
 
-def _covers(polygon: "Polygon | None", other: "Polygon") -> bool:
+def _covers(polygon: Polygon | None, other: Polygon) -> bool:
     """Whether a polygon has all of another within it, but for what counts as touching."""
-    import shapely
-
     return polygon is not None and bool(shapely.covers(shapely.buffer(polygon, TOUCHING), other))
 
 

@@ -10,6 +10,7 @@ With r half the kerf of a beam that keeps off, 0 of any other:
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
@@ -224,8 +225,6 @@ def _gaping(work: Work, starts: Floats, ends: Floats, asked: Flags) -> Flags:
     asked = asked & (np.hypot(*(ends - starts).T) > 2 * work.step)
     if not asked.any():
         return found
-    import shapely
-
     stops = shapely.points(np.concatenate((work.need.starts, work.need.ends)))
     tree = shapely.STRtree(stops)
     first, second = tree.query(stops, "dwithin", distance=work.torch.gap)

@@ -19,7 +19,6 @@ from beamcam.controllers.events import Switch
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.curves import Arc
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Part
@@ -30,21 +29,16 @@ from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of
 from beamcam.verify.sheets.order import passes_folded
 from beamcam.verify.sheets.paths import follow
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
+from beamcam.verify.sheets.toolpaths import Toolpaths
 from beamcam.verify.sheets.work import work_of
 
 SAID = "REST FROM CONTOUR {first} OF {count}."  #: in a comment of the rest
 
 
 def rest_faults(
-    whole: str,
-    rest: str,
-    first: int,
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-    whole_name: str = "whole program",
-) -> tuple[Diagnostic, ...]:
+    whole: str, rest: str, first: int, parts: Sequence[Part], machine: Machine,
+    skips: Collection[str] = (), name: str = "program", whole_name: str = "whole program",
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of the rest from contour `first` on of a whole program, which is sound itself."""
     laid, said = as_asked(parts, machine.torch)
     if said:
@@ -142,6 +136,7 @@ FRAMED, FRAMED_LOW = "FRAME OF THE JOB, THE TOOL OFF", "FRAME OF THE JOB, AT LOW
 #: M words of a frame: the end, the tool off, coolant and overrides.
 HARMLESS = frozenset({2, 30, 5, 9, 48, 49, 52, 53})
 FASTEST = 1.001  #: by the feed of frames
+FINE = 1e-4  #: mm that chords of curves which are no arcs may be off
 
 
 def said_of(torch: Torch) -> str:
@@ -203,16 +198,8 @@ def _box(moves: Moves) -> Floats:
     slow = moves.take(np.flatnonzero(~moves.rapid))
     if not len(slow):
         return np.full(4, np.nan)
-    boxes = [
-        Arc((x, y), r, a, s).bbox
-        for (x, y, r, a, s), is_arc in zip(slow.arcs.tolist(), slow.is_arc.tolist(), strict=True)
-        if is_arc
-    ]
-    boxes += [curve.bbox for curve in slow.curves.values()]
-    places = np.concatenate((slow.start, slow.end))
-    boxes.append((*places.min(axis=0).tolist(), *places.max(axis=0).tolist()))
-    every = np.array(boxes)
-    return np.concatenate((every[:, :2].min(axis=0), every[:, 2:].max(axis=0)))
+    low, high = Toolpaths.of_moves(slow, FINE).boxes
+    return np.concatenate((low.min(axis=0), high.max(axis=0)))
 
 
 # --- chains ---------------------------------------------------------------------------------------
@@ -291,22 +278,17 @@ def _links(moves: Moves, stroke: HeadStroke, step: float) -> list[int]:
 
 
 def link_faults(
-    links: Sequence[Link],
-    strokes: Strokes,
-    need: Need,
-    torch: Torch,
-    shift: tuple[float, float],
+    links: Sequence[Link], strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, float],
     name: str,
-) -> Iterator[Diagnostic]:
+) -> Iterator[Diagnostic]:  # fmt: skip
     """Links that are too long, touch a part, or run into what is cut."""
     if not links:
         return
     fine = torch.tolerance / 8
     kerf = max((one.row.kerf for one in strokes.each if one.process == "cut"), default=0.0)
-    points, begins = need.toolpaths("cut", fine).moved(shift).outlines(fine)
-    owner = np.repeat(np.arange(len(begins) - 1), np.diff(begins))
-    parts = shapely.STRtree(shapely.linestrings(points, indices=owner))
-    paths = [_way(strokes.moves, one) for one in strokes.each]
+    parts = shapely.STRtree(need.toolpaths("cut", fine).moved(shift).lines(fine))
+    owner = np.repeat(np.arange(len(strokes.each)), [s.last - s.first for s in strokes.each])
+    paths = Toolpaths.of_moves(strokes.moves, fine).lines(fine, owner)
     tree = shapely.STRtree(paths)
     slack = torch.tolerance + 2 * fine
     for link in links:
@@ -331,19 +313,3 @@ def link_faults(
                 Source(name, link.line), x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}",
                 y1=f"{y1:.3f}", found=found, expected=expected,
             )  # fmt: skip
-
-
-def _way(moves: Moves, stroke: HeadStroke) -> shapely.LineString:
-    """The corners of a stroke, and the middles of its arcs."""
-    own = slice(stroke.first, stroke.last)
-    places = [moves.start[stroke.first].tolist()]
-    for end, is_arc, (x, y, radius, first, sweep) in zip(
-        moves.end[own].tolist(), moves.is_arc[own].tolist(), moves.arcs[own].tolist(), strict=True
-    ):
-        if is_arc:
-            turns = np.radians(first + sweep * np.linspace(0.0, 1.0, 33)[1:-1])
-            places += np.column_stack(
-                (x + radius * np.cos(turns), y + radius * np.sin(turns))
-            ).tolist()
-        places.append(end)
-    return shapely.LineString(places)

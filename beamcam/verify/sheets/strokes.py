@@ -104,13 +104,9 @@ class _Started(Struct):
 
 
 def strokes_of(
-    run: TableRun,
-    machine: Machine,
-    torch: Torch,
-    rows: Iterable[TorchRow],
-    parse: Callable[[str], list[TableEvent]],
-    name: str,
-) -> tuple[Strokes, list[Diagnostic]]:
+    run: TableRun, machine: Machine, torch: Torch, rows: Iterable[TorchRow],
+    parse: Callable[[str], list[TableEvent]], name: str,
+) -> tuple[Strokes, list[Diagnostic]]:  # fmt: skip
     """The strokes of a program whose sheet is worked with `rows`, and what is wrong between them.
 
     `parse` gives the events of a few blocks.

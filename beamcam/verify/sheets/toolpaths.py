@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
+import shapely
 from msgspec.structs import replace
+from numpy.typing import NDArray
 
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
@@ -132,12 +134,9 @@ class Toolpaths:
         return self._grids[-1]
 
     def nearest_within(
-        self,
-        points: Floats,
-        reaches: Sequence[float],
-        which: Flags | None = None,
+        self, points: Floats, reaches: Sequence[float], which: Flags | None = None,
         fits: Callable[[Pairs], Flags] | None = None,
-    ) -> tuple[Floats, Counts, Floats]:
+    ) -> tuple[Floats, Counts, Floats]:  # fmt: skip
         """Of each point the nearest way, of some of them: how far it is, which, how far along it.
 
         Of the ways `which`, and the pairs that `fits`. Infinitely far where there is none within
@@ -234,6 +233,15 @@ class Toolpaths:
         points, counts = self._points(0, len(self.elements), tolerance)
         behind = np.concatenate(([0], np.cumsum(counts)))
         return points, behind[np.concatenate(([0], self._behind))]
+
+    def lines(self, tolerance: float, owner: Counts | None = None) -> NDArray[np.object_]:
+        """A line along each way, or along all ways of each owner, as `outline` has them."""
+        points, begins = self.outlines(tolerance)
+        own = np.arange(self.count) if owner is None else owner
+        found: NDArray[np.object_] = shapely.linestrings(
+            points, indices=np.repeat(own, np.diff(begins))
+        )
+        return found
 
     def _points(self, low: int, high: int, tolerance: float) -> tuple[Floats, Counts]:
         """Points along some elements, and how many of each."""

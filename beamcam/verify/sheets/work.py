@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from math import inf, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 from msgspec import Struct, field
 from msgspec.structs import replace
 from numpy.typing import NDArray
+from shapely import Polygon
 
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
@@ -17,14 +18,9 @@ from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.grid import widest_gap
 from beamcam.verify.sheets.need import Need
+from beamcam.verify.sheets.region import Region, small_ways
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Toolpaths
-
-if TYPE_CHECKING:
-    from shapely import Polygon
-
-    from beamcam.verify.sheets.region import Region
-    from beamcam.verify.sheets.toolpaths import Toolpaths
 
 SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
@@ -49,7 +45,7 @@ class Traced(Struct):
     box: tuple[float, float, float, float]  #: around the ring
     group: int  #: of strokes of one contour
     goes_round: bool  #: by itself, or with others and the bridges between them
-    contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
+    contour: Polygon | None = None  #: inside of the closed contour that it keeps off
     over: float = 0.0  #: mm of its ways that are not part of the ring, and run along a contour
     before: float = 0.0  #: of `over`, what lies before the ring
     beyond: float = 0.0  #: mm behind the ring that do not run along it
@@ -60,14 +56,12 @@ class Traced(Struct):
     joined: bool = False  #: whether it goes round a contour together with others
     small: bool | None = False  #: whether it goes round a small hole; None: as good as either
 
-    def inside(self) -> "Polygon | None":
+    def inside(self) -> Polygon | None:
         """The polygon that it goes round; None of less than a triangle, or if another has it.
 
         And of a path that runs round many times, which no contour does: parting it into rings
         that do not meet would take gigabytes.
         """
-        import shapely
-
         if self.contour is not None or not self.ring:
             return self.contour
         points = np.concatenate([self.path.outline(a, b, self.fine) for a, b in self.ring])
@@ -81,8 +75,6 @@ class Traced(Struct):
 
     def corners(self) -> Floats:
         """Places of the contour, (n, 2); chords between them are at most `fine` off."""
-        import shapely
-
         if self.contour is None:
             return self.path.outline(self.first, self.last, self.fine)
         found: Floats = shapely.get_coordinates(self.contour)
@@ -105,7 +97,7 @@ class Work(Struct, dict=True):
     tolerance: float
     slack: Floats  #: what each needed curve may be off: the tolerance and what joining may move
     half_kerf: float  #: of the beam, that keeps off closed contours; 0 stays on them
-    region: "Region | None"  #: of a beam that keeps off
+    region: Region | None  #: of a beam that keeps off
     small: Flags  #: needed curves that are too small to be cut
     shift: tuple[float, float]
     name: str
@@ -119,13 +111,7 @@ class Work(Struct, dict=True):
     @cached_property
     def contours(self) -> NDArray[np.object_]:
         """The required curves as lines; chords are at most `fine` off."""
-        import shapely
-
-        points, begins = self.need.outlines(self.fine)
-        lines: NDArray[np.object_] = shapely.linestrings(
-            points, indices=np.repeat(np.arange(self.need.count), np.diff(begins))
-        )
-        return lines
+        return self.need.lines(self.fine)
 
     def on_kept_off(self, points: Floats) -> Flags:
         """Points that lie on a contour which the beam keeps off.
@@ -232,15 +218,9 @@ class Work(Struct, dict=True):
 
 
 def work_of(
-    process: TorchProcess,
-    strokes: Strokes,
-    need: Need,
-    step: float,
-    torch: Torch,
-    shift: tuple[float, float],
-    name: str,
-    stepped: bool = False,
-) -> Work:
+    process: TorchProcess, strokes: Strokes, need: Need, step: float, torch: Torch,
+    shift: tuple[float, float], name: str, stepped: bool = False,
+) -> Work:  # fmt: skip
     """The strokes of a process among all, and the curves that it needs."""
     mine = [s for s in strokes.each if s.process == process]
     counts = np.array([s.last - s.first for s in mine], dtype=np.int64)
@@ -273,8 +253,6 @@ def _small(toolpaths: Toolpaths, gap: float) -> Flags:
     """Curves no larger than the gap that is closed between two ends."""
     if not (toolpaths.lengths <= 4 * gap).any():
         return np.zeros(toolpaths.count, dtype=bool)
-    from beamcam.verify.sheets.region import small_ways
-
     return small_ways(toolpaths, gap)
 
 
@@ -319,7 +297,7 @@ def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, f
     return Strokes(each, strokes.moves)
 
 
-def _away(toolpaths: "Toolpaths") -> Away:
+def _away(toolpaths: Toolpaths) -> Away:
     """Median distance of points from the nearest curve."""
 
     def measured(places: Floats) -> float:
