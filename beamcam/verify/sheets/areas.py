@@ -227,7 +227,7 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
     swept = shapely.buffer(kept_off, -signs * wider, quad_segs=QUADRANT)
     is_part = signs > 0.0
     rests = shapely.difference(np.where(is_part, swept, areas), np.where(is_part, areas, swept))
-    rests = shapely.get_parts(rests)
+    rests, group = shapely.get_parts(rests, return_index=True)
     points, own = shapely.get_coordinates(rests, return_index=True)
     corners = np.concatenate([shapely.get_coordinates(some) for some in (areas, swept)])
     is_end = ~np.isin(_complex(points), _complex(corners))
@@ -246,11 +246,15 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
         aside = np.array((ends[0, 1] - ends[1, 1], ends[1, 0] - ends[0, 0])) / mouth
         aside *= np.sqrt(max(wider**2 - mouth**2 / 4, 0.0))
         middle = ends.mean(axis=0)
-        inward = np.sum((ring.mean(axis=0) - middle) * aside) > 0.0
-        depths = np.hypot(*(ring - middle + (aside if inward else -aside)).T) - half
+        middle -= aside if np.sum((ring.mean(axis=0) - middle) * aside) > 0.0 else -aside
+        depths = np.hypot(*(ring - middle).T) - half
         deepest = int(np.argmax(depths))
         depth = float(depths[deepest])
         if depth <= SHALLOW * half or sizes[k] <= NARROWS * mouth * depth:
+            if depth > TOLD * 2 * half:  # the beam's middle is a corner of where that has room
+                middles = shapely.get_coordinates(kept_off[group[k]])
+                middle = middles[np.argmin(np.hypot(*(middles - middle).T))]
+                depth = float(np.hypot(*(ring[deepest] - middle))) - half
             x, y = ring[deepest].tolist()
             found.append(UncutCorner(rests[k], depth, (x, y)))
     return found
