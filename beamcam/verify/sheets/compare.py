@@ -1,10 +1,24 @@
-"""Paths travelled with the tool on, compared with the contours of the part.
+r"""Paths travelled with the tool on, compared with the contours of the part.
 
-paths      every path runs along a contour, and every stroke closes
-contours   every stretch of a contour has a path, and one only
-band       the beam takes nothing of the part, with its leads neither
-direction  every closed cut goes round as it is drawn, or with the material at the right side
-order      no contour is cut after one around it, none marked after a cut
+    waste            *  pierce                  r  half the kerf
+                     :  lead
+    - - - - - - - - -o- - - - -     - - - -     path of the beam's middle, r off its contour; it
+         |r            over         bridge      is on its curve if that is open or marked
+    ______________________________________      contour
+    part      \    /
+               \  /  rest of waste: the beam does not come into the corner
+
+paths      each path runs along a contour but for its leads, and each stroke closes (`paths`)
+contours   each stretch of a contour has a path, and one only, but for bridges (`contours`)
+areas      the beam takes nothing of the part, its leads neither; what it does not reach is a
+           corner of the waste (`areas`)
+tabs       the bridges are as many and as wide as asked, at places that hold the part (`tabs`)
+overcut    a stroke goes on beyond its start as far as asked; open ones end where contours do
+leads      the torch pierces where it does no harm, small holes in their middle
+direction  a closed cut goes round as it is drawn, or with the material at the right side
+order      no contour is cut after one around it, none marked after a cut (`order`)
+
+A controller that keeps off the contour by itself changes nothing but the path (`compensation`).
 """
 
 from collections.abc import Mapping, Sequence

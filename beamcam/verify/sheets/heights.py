@@ -50,7 +50,7 @@ def switching_faults(
         done, line = 0, 1
         for place, (before, event) in enumerate(run.others):
             if before > done:
-                watch.said += watch.moves(done, before, run.moves.line[done:before].tolist())
+                watch.said += watch.moves(done, before)
             done, line = before, event.line
             if place in starts:
                 watch.said += watch.starts(line, starts[place])
@@ -58,7 +58,7 @@ def switching_faults(
                 watch.said += watch.stops(line)
             watch.said += watch.take(event)
         if len(run.moves) > done:
-            watch.said += watch.moves(done, len(run.moves), run.moves.line[done:].tolist())
+            watch.said += watch.moves(done, len(run.moves))
         watch.said += watch.ends(line)
     return [one for watch in watches for one in watch.said]
 
@@ -68,7 +68,7 @@ class _Watch:
 
     def __init__(self, moves: Moves, machine: Machine, torch: Torch, name: str) -> None:
         self.said: list[Diagnostic] = []
-        self._rapid, self._feeds = moves.rapid, moves.feed_mm_min
+        self._rapid, self._feeds, self._lines = moves.rapid, moves.feed_mm_min, moves.line
         self._torch, self._name = torch, name
         self._follows = torch.z == "program"
         speeds = [axis.speed for axis in machine.axes if axis.moves == "Z"]
@@ -90,19 +90,21 @@ class _Watch:
         """Whether the torch stands elsewhere, or where nothing says."""
         return not abs(self._height - height) <= self._slack
 
-    def moves(self, first: int, last: int, lines: list[int]) -> Iterator[Diagnostic]:
+    def moves(self, first: int, last: int) -> Iterator[Diagnostic]:
         """What is wrong with the moves in X and Y of one height."""
         rapids = self._rapid[first:last].tolist()
         if True in rapids:
             self._touched = self._touched and self._torch.touch != "each"
             clear = self._height >= self._torch.clearance - self._slack
             if self._follows and not clear:
-                line, expected = lines[rapids.index(True)], f"{self._torch.clearance:g} mm or more"
+                line = int(self._lines[first + rapids.index(True)])
+                expected = f"{self._torch.clearance:g} mm or more"
                 found = f"a traverse {_shown(self._height)}"
                 yield self._fault(rules.HEIGHT, line, found, f"{expected} (torch.clearance)")
         if self._stroke is None or False not in rapids:
             return
-        line, asked = lines[rapids.index(False)], self._stroke.row.cut_height
+        line = int(self._lines[first + rapids.index(False)])
+        asked = self._stroke.row.cut_height
         if self._follows and asked and self._off(asked):
             found, process = f"a feed {_shown(self._height)}", self._stroke.process
             yield self._fault(rules.HEIGHT, line, found, f"{asked:g} mm to {process}")
@@ -252,7 +254,7 @@ class _Outputs:
     def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
         return rule.at(Source(self._name, line), found=found, expected=expected)
 
-    def moves(self, *_: object) -> Iterator[Diagnostic]:
+    def moves(self, *_: int) -> Iterator[Diagnostic]:
         """The head was moved in X or Y."""
         self._pending = ""
         if self._flame_s is not None:

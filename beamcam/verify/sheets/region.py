@@ -171,11 +171,13 @@ def _ranks(toolpaths: Toolpaths, own: Flags) -> Counts:
 
 def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:
     """How far the ends of each way are from other ends that they may be joined to, at most."""
-    found = np.zeros(toolpaths.count)
-    ends = np.concatenate((toolpaths.starts, toolpaths.ends))
-    places = shapely.points(ends)
-    a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
-    np.maximum.at(found, a % max(toolpaths.count, 1), np.hypot(*(ends[a] - ends[b]).T))
+    ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
+    places, which = np.unique(ends.view(np.complex128).ravel(), return_inverse=True)
+    points = shapely.points(places.real, places.imag)
+    a, b = shapely.STRtree(points).query(points, "dwithin", distance=gap + SAME_POINT)
+    apart = np.zeros(len(places))
+    np.maximum.at(apart, a, np.abs(places[a] - places[b]))
+    found: Floats = apart[which.ravel()].reshape(2, -1).max(axis=0)
     return found
 
 
