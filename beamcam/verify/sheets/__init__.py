@@ -27,11 +27,11 @@ def verify_sheet(
     program that makes exactly the part. Raises TypeError for a machine without a torch.
     """
     from beamcam.verify.sheets.compare import compare_part
-    from beamcam.verify.sheets.controller_state import as_one, radius_faults, with_told
+    from beamcam.verify.sheets.compensation import radius_faults
+    from beamcam.verify.sheets.controller_state import as_one, with_told
     from beamcam.verify.sheets.heights import switching_faults
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
-    from beamcam.verify.sheets.order import passes_folded
-    from beamcam.verify.sheets.remainder import link_faults, unchained
+    from beamcam.verify.sheets.remainder import link_faults, passes_folded, unchained
     from beamcam.verify.sheets.strokes import is_far, strokes_of
     from beamcam.verify.sheets.work import told_apart, with_contours
 

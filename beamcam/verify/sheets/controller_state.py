@@ -185,31 +185,6 @@ class ControllerState:
             yield self._fault(rules.RAMP, line, "no E word before the first move", expected)
 
 
-# --- radii ----------------------------------------------------------------------------------------
-
-# Arcs of a program that its controller does not take.
-
-
-EPSILON = 1e-6
-ROUNDED_STEPS = 4  #: of the program's numbers, by which three rounded places change a radius
-
-
-def radius_faults(moves: Moves, machine: Machine, torch: Torch, name: str) -> Iterator[Diagnostic]:
-    """Arcs below the least radius of the machine or above its greatest.
-
-    The radius is that from the start to the centre. An arc of just the greatest comes out larger
-    by what both ends and the centre are rounded to.
-    """
-    radius, slack = moves.arcs[:, 2], ROUNDED_STEPS * machine.format.resolution
-    odd = (radius < torch.min_radius - EPSILON) | (radius > torch.max_radius + slack)
-    for k in np.flatnonzero(moves.is_arc & odd).tolist():
-        x, y = moves.end[k].tolist()
-        yield rules.RADIUS.at(
-            Source(name, int(moves.line[k])), found=f"{radius[k]:.6g}", x=f"{x:g}", y=f"{y:g}",
-            least=f"{torch.min_radius:g}", greatest=f"{torch.max_radius:g}",
-        )  # fmt: skip
-
-
 # --- shared ---------------------------------------------------------------------------------------
 
 # Parts that share a sheet, each at the place where the machine lays it, as one part to compare.
@@ -364,7 +339,7 @@ def near_corners(moves: Moves, row: TorchRow, step: float) -> NearCorners:
     sure: list[float] = []
     maybe: list[float] = []
     for a, b in zip(real[:-1].tolist(), real[1:].tolist(), strict=True):
-        turn = _turn_deg(leaves[a], enters[b])
+        turn = turn_deg(leaves[a], enters[b])
         short = min(lengths[a], lengths[b])
         doubt = DOUBT_DEG + 2 * degrees(2 * step / short)
         if turn > row.corner_angle - doubt:
@@ -373,7 +348,7 @@ def near_corners(moves: Moves, row: TorchRow, step: float) -> NearCorners:
             sure.append(float(behind[a]))
     long = real[lengths[real] >= LONG_MOVE]
     for a, b in zip(long[:-1].tolist(), long[1:].tolist(), strict=True):
-        if b > a + 1 and _turn_deg(leaves[a], enters[b]) > row.corner_angle - 2 * DOUBT_DEG:
+        if b > a + 1 and turn_deg(leaves[a], enters[b]) > row.corner_angle - 2 * DOUBT_DEG:
             maybe += behind[a:b].tolist()  # round a corner in moves that are too short
     reach = row.corner_distance
     begins = behind - lengths
@@ -400,7 +375,8 @@ def _measures(moves: Moves) -> tuple[Floats, Floats, Floats]:
     return lengths, enters, leaves
 
 
-def _turn_deg(one: Floats, other: Floats) -> float:
+def turn_deg(one: Floats, other: Floats) -> float:
+    """The angle between two directions."""
     return float(np.degrees(np.arccos(np.clip(np.dot(one, other), -1.0, 1.0))))
 
 

@@ -9,7 +9,6 @@ from math import ceil, cos, radians, sin
 
 import numpy as np
 import shapely
-from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Floats
@@ -196,16 +195,11 @@ def spot_faults(
 
 def without_spots(strokes: Strokes) -> Strokes:
     """The strokes that follow something, with their own moves alone."""
-    kept = [s for s in strokes.each if s.process != "spot"]
-    if len(kept) == len(strokes.each):
-        return strokes
-    spans = [np.arange(s.first, s.last) for s in kept]
-    lasts = np.cumsum([len(span) for span in spans]).tolist()
-    each = [
-        replace(s, first=last - len(span), last=last)
-        for s, span, last in zip(kept, spans, lasts, strict=True)
-    ]
-    return Strokes(each, strokes.moves.take(np.concatenate([np.zeros(0, dtype=np.int64), *spans])))
+    kept = np.zeros(len(strokes.moves), dtype=bool)
+    each = [s for s in strokes.each if s.process != "spot"]
+    for stroke in each:
+        kept[stroke.first : stroke.last] = True
+    return strokes.kept(each, kept)
 
 
 # --- hatches --------------------------------------------------------------------------------------

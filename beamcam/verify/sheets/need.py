@@ -141,7 +141,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
             if look == (None, None):
-                process: str | None = _plain(feature.process)
+                said = feature.process
+                process: str | None = "mark" if said in ("punch", "powder") else said
             else:
                 if look not in known:
                     known[look] = process_of(feature, table)
@@ -150,7 +151,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                 _not_made(need, part, feature, "map")
             elif process != "ignore":
                 key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
-                if _is_filled_only(feature, key or "", torch):
+                own = torch.settings.get(key or "")
+                closes = feature.closed or feature.curves[0].start == feature.curves[-1].end
+                if own is not None and own.hatch is not None and not own.hatch_outline and closes:
                     need.filled.setdefault(key or "", []).append(feature)
                     continue
                 kind = cast("TorchProcess", process)
@@ -220,14 +223,6 @@ def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:
     return max(x1 - x0, y1 - y0) < least
 
 
-def _is_filled_only(contour: Contour, key: str, torch: Torch) -> bool:
-    """Whether a closed contour is to be filled by a hatch, and not followed."""
-    own = torch.settings.get(key)
-    if own is None or own.hatch is None or own.hatch_outline:
-        return False
-    return contour.closed or contour.curves[0].start == contour.curves[-1].end
-
-
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
     """Whether the machine only begins a feature, and the rest is manual work."""
     if isinstance(feature, Contour):
@@ -282,10 +277,6 @@ def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
     need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
-
-
-def _plain(process: Process) -> str:
-    return "mark" if process in ("punch", "powder") else process
 
 
 def _cross(x: float, y: float, size: float) -> list[Curve]:

@@ -1,6 +1,6 @@
 """In which order contours are cut: marks first, and what lies in a contour before it."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import shapely
@@ -8,7 +8,6 @@ from msgspec import Struct
 from msgspec.structs import replace
 from shapely import Polygon
 
-from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.torch import LookSettings, TorchProcess, TorchRow
@@ -19,7 +18,6 @@ from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.joining import Chain
 from beamcam.verify.sheets.paths import aligned, on_contour
 from beamcam.verify.sheets.region import signed_areas
-from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Samples, kept_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
 
@@ -261,46 +259,6 @@ def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
         turned if is_wide else None
         for turned, is_wide in zip((areas > 0.0).tolist(), wide.tolist(), strict=True)
     ]
-
-
-# --- passes ---------------------------------------------------------------------------------------
-
-# Contours that are followed several times: passes one after the other, taken for one stroke.
-
-
-def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
-    """Strokes of which each counts its passes; equal ones count as such only behind one another.
-
-    Where no row has more than one pass the strokes come back as they are.
-    """
-    if all(row.passes == 1 for row in rows):
-        return strokes
-    each: list[HeadStroke] = []
-    kept: list[range] = []
-    count = 0
-    for stroke in strokes.each:
-        if kept and _is_repeat(each[-1], kept[-1], stroke, strokes.moves):
-            each[-1] = replace(each[-1], passes=each[-1].passes + 1)
-            continue
-        kept.append(range(stroke.first, stroke.last))
-        last = count + len(kept[-1])
-        each.append(replace(stroke, first=count, last=last))
-        count = last
-    rows_kept = np.concatenate([np.zeros(0, dtype=np.int64), *(np.array(span) for span in kept)])
-    return Strokes(each, strokes.moves.take(rows_kept.astype(np.int64)))
-
-
-def _is_repeat(first: HeadStroke, span: range, other: HeadStroke, moves: Moves) -> bool:
-    """Whether a stroke repeats the path of one before it, with the same words."""
-    said = (first.row, first.side, first.radius, len(span))
-    if said != (other.row, other.side, other.radius, other.last - other.first):
-        return False
-    a, b = slice(span.start, span.stop), slice(other.first, other.last)
-    columns = (moves.start, moves.end, moves.is_arc, moves.arcs, moves.feed_mm_min)
-    if not all(np.array_equal(column[a], column[b]) for column in columns):
-        return False
-    pairs = zip(span, range(other.first, other.last), strict=True)
-    return all(moves.curves.get(i) == moves.curves.get(k) for i, k in pairs)
 
 
 # --- look settings --------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ Contours are counted in what the whole program makes: strokes with bridges betwe
 so are passes one on the other.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -20,13 +20,12 @@ from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import Torch, TorchRow
 from beamcam.model.part import Part
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.asked_layout import as_asked
 from beamcam.verify.sheets.controller_state import as_one
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of
-from beamcam.verify.sheets.order import passes_folded
 from beamcam.verify.sheets.paths import follow
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.verify.sheets.toolpaths import Toolpaths
@@ -254,9 +253,7 @@ def unchained(strokes: Strokes, torch: Torch, step: float) -> tuple[Strokes, lis
                 links.append(Link(line, tuple(start), tuple(end), len(each) - 1))
     if not links:
         return strokes, []
-    place = np.concatenate(([0], np.cumsum(kept)))
-    moved = [replace(s, first=int(place[s.first]), last=int(place[s.last])) for s in each]
-    return Strokes(moved, strokes.moves.take(np.flatnonzero(kept))), links
+    return strokes.kept(each, kept), links
 
 
 def _links(moves: Moves, stroke: HeadStroke, step: float) -> list[int]:
@@ -313,3 +310,39 @@ def link_faults(
                 Source(name, link.line), x0=f"{x0:.3f}", y0=f"{y0:.3f}", x1=f"{x1:.3f}",
                 y1=f"{y1:.3f}", found=found, expected=expected,
             )  # fmt: skip
+
+
+# --- passes ---------------------------------------------------------------------------------------
+
+# Contours that are followed several times: passes one after the other, taken for one stroke.
+
+
+def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
+    """Strokes of which each counts its passes; equal ones count as such only behind one another.
+
+    Where no row has more than one pass the strokes come back as they are.
+    """
+    if all(row.passes == 1 for row in rows):
+        return strokes
+    each: list[HeadStroke] = []
+    kept = np.ones(len(strokes.moves), dtype=bool)
+    for stroke in strokes.each:
+        if each and _is_repeat(each[-1], stroke, strokes.moves):
+            each[-1] = replace(each[-1], passes=each[-1].passes + 1)
+            kept[stroke.first : stroke.last] = False
+        else:
+            each.append(stroke)
+    return strokes.kept(each, kept)
+
+
+def _is_repeat(one: HeadStroke, other: HeadStroke, moves: Moves) -> bool:
+    """Whether a stroke repeats the path of one before it, with the same words."""
+    said = (one.row, one.side, one.radius, one.last - one.first)
+    if said != (other.row, other.side, other.radius, other.last - other.first):
+        return False
+    a, b = slice(one.first, one.last), slice(other.first, other.last)
+    columns = (moves.start, moves.end, moves.is_arc, moves.arcs, moves.feed_mm_min)
+    if not all(np.array_equal(column[a], column[b]) for column in columns):
+        return False
+    pairs = zip(range(one.first, one.last), range(other.first, other.last), strict=True)
+    return all(moves.curves.get(i) == moves.curves.get(k) for i, k in pairs)

@@ -9,6 +9,7 @@ from itertools import dropwhile, takewhile
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.controllers.events import (
     Other,
@@ -81,6 +82,12 @@ class Strokes(Struct, frozen=True):
 
     each: list[HeadStroke]
     moves: Moves
+
+    def kept(self, each: Sequence[HeadStroke], which: Flags) -> "Strokes":
+        """Some strokes of these moves, with some of the moves alone."""
+        place = np.concatenate(([0], np.cumsum(which))).tolist()
+        moved = [replace(s, first=place[s.first], last=place[s.last]) for s in each]
+        return Strokes(moved, self.moves.take(np.flatnonzero(which)))
 
 
 class _Words(Struct, frozen=True):

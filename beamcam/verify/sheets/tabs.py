@@ -17,11 +17,13 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
+from shapely.ops import substring
 
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Flags, Floats
 from beamcam.machine.torch import CORNER_DEG
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.controller_state import turn_deg
 from beamcam.verify.sheets.work import MITRE, SHOWN, STAIRS, Traced, Work
 
 MOST_ALONG = 1.75  #: of the contour in a bridge, by the distance of its ends
@@ -63,7 +65,8 @@ def _last_of_ring(work: Work, bounds: Bounds, traced: Sequence[Traced], first: i
     while not traced[last].closed:
         if last > first and _close(work, bounds, traced, first, last):
             return last
-        if not _goes_on(work, traced, last):
+        goes_on = last + 1 < len(traced) and not traced[last + 1].closed
+        if not goes_on or not _is_bridge(work, traced[last], traced[last + 1]):
             return last if _is_bridge(work, traced[last], traced[first]) else None
         last += 1
     return None
@@ -88,13 +91,6 @@ def _join(work: Work, mine: Sequence[Traced]) -> None:
     mine[0].box = (*low, *high)
     for t in mine:
         t.group, t.goes_round = mine[0].group, True
-
-
-def _goes_on(work: Work, traced: Sequence[Traced], k: int) -> bool:
-    """Whether the next stroke begins a bridge's width behind the end of stroke `k`."""
-    if k + 1 == len(traced) or traced[k + 1].closed:
-        return False
-    return _is_bridge(work, traced[k], traced[k + 1])
 
 
 def _is_bridge(work: Work, t: Traced, following: Traced) -> bool:
@@ -211,17 +207,13 @@ Limits = tuple[float, float]  #: least and most
 
 
 class _Gap(NamedTuple):
-    """A bridge: the end of a stroke, the start of the next, and the width of it."""
+    """A bridge between the end of a stroke and the start of the next."""
 
     before: Traced
     after: Traced
-    end: Floats
-    start: Floats
+    middle: Floats
     width: float
-
-    @property
-    def middle(self) -> Floats:
-        return (self.end + self.start) / 2
+    turn_deg: float  #: from the one stroke to the other
 
 
 def tab_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -257,7 +249,9 @@ def ring_depths(polygons: Sequence["shapely.Polygon | None"]) -> list[int | None
 
 def _ring_faults(work: Work, t: Traced, depth: int | None, corners: Floats) -> Iterator[Diagnostic]:
     """What is wrong with the bridges of one ring; -1 is the depth of one without an inside."""
-    gaps = [_gap(work, a, b) for a, b in _bridged_pairs(t)]
+    closes = t.members[-1].bridge_to is not None
+    rounds = [(t.members[-1], t.members[0])] if closes else []
+    gaps = [_gap(work, a, b) for a, b in (*pairwise(t.members), *rounds)]
     lengths = [_length(work, m) for m in t.members]
     width = work.torch.tab_width + 2 * t.half_kerf
     total = sum(lengths) + len(gaps) * width
@@ -276,7 +270,6 @@ def _ring_faults(work: Work, t: Traced, depth: int | None, corners: Floats) -> I
     even = total / max(len(gaps), 1)
     apart = [length + width for length in lengths[1:-1]]
     if len(gaps) > 1:
-        closes = t.members[-1].bridge_to is not None
         apart += [lengths[0] + width, lengths[-1] + width] if closes else [
             lengths[0] + lengths[-1] + width
         ]  # fmt: skip
@@ -327,16 +320,11 @@ def _counts(work: Work, depth: int | None, totals: Limits, width: float) -> set[
     return found
 
 
-def _bridged_pairs(t: Traced) -> Iterator[tuple[Traced, Traced]]:
-    yield from pairwise(t.members)
-    if t.members[-1].bridge_to is not None:
-        yield t.members[-1], t.members[0]
-
-
 def _gap(work: Work, before: Traced, after: Traced) -> _Gap:
     """The bridge between two strokes."""
     end, start = work.path.ends[before.last - 1], work.path.starts[after.first]
-    return _Gap(before, after, end, start, float(np.hypot(*(start - end))))
+    turn = turn_deg(work.heading(before, at_end=True), work.heading(after, at_end=False))
+    return _Gap(before, after, (end + start) / 2, float(np.hypot(*(start - end))), turn)
 
 
 def _corners(work: Work) -> Floats:
@@ -353,13 +341,9 @@ def _corners(work: Work) -> Floats:
         ways.setdefault((x, y), []).append(np.concatenate((place, way)))
     found = [
         rows[0][:2] for rows in ways.values()
-        if len(rows) == 2 and _turn_deg(rows[0][2:], -rows[1][2:]) > CORNER_DEG + DOUBT_DEG
+        if len(rows) == 2 and turn_deg(rows[0][2:], -rows[1][2:]) > CORNER_DEG + DOUBT_DEG
     ]  # fmt: skip
     return np.array(found).reshape(-1, 2)
-
-
-def _turn_deg(a: Floats, b: Floats) -> float:
-    return float(np.degrees(np.arccos(np.clip(np.dot(a, b), -1.0, 1.0))))
 
 
 def _is_at_corner(work: Work, gap: _Gap, corners: Floats) -> bool:
@@ -372,38 +356,26 @@ def _is_at_corner(work: Work, gap: _Gap, corners: Floats) -> bool:
     line = shapely.LineString([*back[::-1], *forth])
     near = gap.before.half_kerf + work.tolerance
     ends = shapely.LineString([back[0], forth[0]])
-    a, b = _directions(work, gap)
-    if _turn_deg(a, b) > CORNER_DEG + DOUBT_DEG:
-        inside = shapely.distance(ends, shapely.points(corners)) <= near + gap.width / 2
-        if inside.any():
-            return True
+    if gap.turn_deg > CORNER_DEG + DOUBT_DEG and bool(
+        (shapely.distance(ends, shapely.points(corners)) <= near + gap.width / 2).any()
+    ):
+        return True
     return bool((shapely.distance(line, shapely.points(corners)) <= near).any())
-
-
-def _directions(work: Work, gap: _Gap) -> tuple[Floats, Floats]:
-    return work.heading(gap.before, at_end=True), work.heading(gap.after, at_end=False)
 
 
 def _stretch(work: Work, t: Traced, length: float, backwards: bool) -> Floats:
     """Points of a stroke from its end backwards, or from its start on, so far along it."""
     points = work.path.outline(t.first, t.last, work.fine)
-    points = points[::-1] if backwards else points
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    reached = np.concatenate(([0.0], np.cumsum(steps)))
-    count = int(np.searchsorted(reached, length))
-    if count >= len(points):
-        return points
-    kept = points[: max(count, 1)]
-    share = (length - reached[len(kept) - 1]) / steps[len(kept) - 1]
-    last = kept[-1] + share * (points[len(kept)] - kept[-1])
-    return np.concatenate((kept, last.reshape(1, 2)))
+    line = shapely.LineString(points[::-1] if backwards else points)
+    found: Floats = shapely.get_coordinates(substring(line, 0.0, length))
+    return found
 
 
 def _may_be_clear(work: Work, gap: _Gap, width: float, most: float) -> bool:
     """Whether a place with no corner near it is at most so far along the contour from a bridge."""
     reach = width / 2 + work.torch.min_tab_to_corner + MITRE * gap.before.half_kerf
     # Where in the bridge a corner lies is not known, nor how much of the contour.
-    turned = _turn_deg(*_directions(work, gap)) > CORNER_DEG - DOUBT_DEG
+    turned = gap.turn_deg > CORNER_DEG - DOUBT_DEG
     doubt = 2 * work.tolerance + ((MOST_ALONG - 1) * width / 2 if turned else 0.0)
     reach, most = reach + doubt, most - doubt
     turns = [-width / 2, width / 2] if turned else []
@@ -420,7 +392,7 @@ def _may_be_clear(work: Work, gap: _Gap, width: float, most: float) -> bool:
         for k in range(len(legs)):
             if (
                 k
-                and _turn_deg(legs[k - 1] / sizes[k - 1], legs[k] / sizes[k])
+                and turn_deg(legs[k - 1] / sizes[k - 1], legs[k] / sizes[k])
                 > CORNER_DEG - DOUBT_DEG
             ):
                 turns.append(side * place)
