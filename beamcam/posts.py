@@ -12,7 +12,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import cached
-from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.plan import AnyPlan, CopePlan, Plan, SheetPlan, WorkTime
 from beamcam.model.program import Comment, Program, ToolOff, ToolOn
@@ -240,13 +240,9 @@ def _of_asked(
     parts, said = as_asked(job.parts, job.machine.torch)
     if said:
         return tuple(said)
-    machine, w = job.machine, job.request
-    found = verify(program, parts, machine, w.skips, w.name)
-    if not parts or errors_in(found) or not carries_head(job):
-        return found
-    from beamcam.verify.sheets.controller_state import told_faults
-
-    return (*found, *told_faults(begin, parts, machine, w.skips, w.name))
+    w = job.request
+    head = begin if carries_head(job) else ""
+    return verify(program, parts, job.machine, w.skips, w.name, head)
 
 
 def carries_head(job: Job) -> bool:

@@ -45,7 +45,7 @@ from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
 from beamcam.planning.contours.layout import worked_box
 from beamcam.planning.order import tool_loads
 from beamcam.verify.bars.remainder import verify_remainder
-from beamcam.verify.sheets.frame import frame_faults, said_of
+from beamcam.verify.sheets.remainder import frame_faults, said_of
 
 OPERATION = error("plan-operation",
     "found operation {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",

@@ -15,7 +15,7 @@ from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import Posted, post
 from beamcam.remainder import frame_of
-from beamcam.verify.sheets.frame import frame_faults
+from beamcam.verify.sheets.remainder import frame_faults
 from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import box, circle, contour, drawing
 

@@ -23,8 +23,8 @@ from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
 from beamcam.verify.sheets import verify_sheet
-from beamcam.verify.sheets.chains import unchained
 from beamcam.verify.sheets.need import rows_of
+from beamcam.verify.sheets.remainder import unchained
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)

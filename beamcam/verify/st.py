@@ -334,10 +334,12 @@ def verify_triggers(
     machine: Machine,
     skips: Collection[str] = (),
     name: str = "program",
+    head: str = "",
 ) -> tuple[Diagnostic, ...]:
     """All faults of a trigger program, by itself and against its part.
 
-    Nothing comes back for a program that makes exactly the part.
+    `head` is the text whose head has to say where sound parts lie, if one has to. Nothing comes
+    back for a program that makes exactly the part.
     """
     from beamcam.verify.sheets.need import rows_of, thickness_of
 
@@ -359,12 +361,12 @@ def verify_triggers(
     if errors_in(said):
         return tuple(with_contours(said, job.operations, parts[0], machine, skips))
     from beamcam.verify.polylines import compare_polylines
-    from beamcam.verify.sheets.controller_state import as_one
+    from beamcam.verify.sheets.controller_state import as_one, with_told
 
-    part, machine, faults = as_one(parts, machine, skips)
-    ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(part, torch)))
-    more = compare_polylines(ways, part, machine, skips, triggers.in_position, name)
-    return (*said, *faults, *more)
+    sheet = as_one(parts, machine, skips)
+    ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))
+    more = compare_polylines(ways, sheet.part, sheet.machine, skips, triggers.in_position, name)
+    return with_told((*said, *sheet.said, *more), head, parts, sheet.places, machine, skips, name)
 
 
 def _ways(strokes: Sequence[HeadStroke], counts_passes: bool) -> list[DrawnPath]:

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from beamcam.geometry.chains import join_curves
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.joining import rings_of
-from beamcam.verify.sheets.overlaps import whole
+from beamcam.verify.sheets.joining import rings_of, whole
 from beamcam.verify.sheets.toolpaths import Toolpaths
 
 GAP = 0.05

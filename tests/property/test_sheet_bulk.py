@@ -19,7 +19,7 @@ from beamcam.controllers.rs274 import grbl, linuxcnc
 from beamcam.controllers.track import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
-from beamcam.verify.sheets.gaps import widest_gap
+from beamcam.verify.sheets.grid import widest_gap
 from beamcam.verify.sheets.toolpaths import Toolpaths
 from tests.conftest import examples
 
@@ -276,15 +276,7 @@ def _max_sagitta(points: NDArray[np.float64]) -> float:
     return float(np.hypot(*second.T).max()) / 2
 
 
-def test_a_smooth_spline_takes_few_arcs() -> None:
-    control = [(10 * cos(k), 10 * sin(k)) for k in range(12)]
-    smooth = BSpline(3, tuple(control), tuple(float(k) for k in range(16)))
-    drawn = Toolpaths([smooth], 0.0025)
-    assert drawn.elements.is_arc.all()
-    assert len(drawn.elements) < 100  # it would be 193 chords
-    straight = BSpline(3, tuple((float(k), 0.0) for k in range(8)), tuple(map(float, range(12))))
-    assert not Toolpaths([straight], 0.0025).elements.is_arc.any()
-    # It turns back on itself, where no circle stands for it: chords all the way to the tip.
+def test_a_cusp_is_drawn_to_its_tip() -> None:
     cusp = Bezier(((0.0, 0.0), (10.0, 10.0), (0.0, 10.0), (10.0, 0.0)))
     tip = np.array([[5.0, 7.5]])
     assert Toolpaths([cusp], 0.0025).nearest(tip)[0][0] <= 0.0025

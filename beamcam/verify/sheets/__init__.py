@@ -17,26 +17,21 @@ from beamcam.model.part import Part
 
 
 def verify_sheet(
-    text: str,
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-) -> tuple[Diagnostic, ...]:
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
+    name: str = "program", head: str = "",
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a program, by itself and against the part of its sheet.
 
-    `skips` are the kinds of features that may be missing, as `--allow-skips` names them. Nothing
-    comes back for a program that makes exactly the part. Raises TypeError for a machine without a
-    torch.
+    `skips` are the kinds of features that may be missing, as `--allow-skips` names them; `head` is
+    the text whose head has to say where sound parts lie, if one has to. Nothing comes back for a
+    program that makes exactly the part. Raises TypeError for a machine without a torch.
     """
-    from beamcam.verify.sheets.chains import link_faults, unchained
     from beamcam.verify.sheets.compare import compare_part
-    from beamcam.verify.sheets.controller_state import as_one
-    from beamcam.verify.sheets.heights import height_faults
+    from beamcam.verify.sheets.compensation import radius_faults
+    from beamcam.verify.sheets.controller_state import as_one, with_told
+    from beamcam.verify.sheets.heights import switching_faults
     from beamcam.verify.sheets.need import need_of, rows_of, shift_of
-    from beamcam.verify.sheets.order import passes_folded
-    from beamcam.verify.sheets.outputs import output_faults
-    from beamcam.verify.sheets.sides import radius_faults
+    from beamcam.verify.sheets.remainder import link_faults, passes_folded, unchained
     from beamcam.verify.sheets.strokes import is_far, strokes_of
     from beamcam.verify.sheets.work import told_apart, with_contours
 
@@ -45,8 +40,9 @@ def verify_sheet(
     said = [*said, *radius_faults(done.moves, machine, torch, name)]
     if errors_in(said) or not parts:
         return tuple(said)
-    part, machine, faults = as_one(parts, machine, skips)
-    torch, said = machine.torch or torch, [*said, *faults]
+    sheet, asked = as_one(parts, machine, skips), machine
+    part, machine = sheet.part, sheet.machine
+    torch, said = machine.torch or torch, [*said, *sheet.said]
     rows = rows_of(part, torch)
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
@@ -56,8 +52,7 @@ def verify_sheet(
         done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
     )
     said += more
-    said += height_faults(done, strokes, machine, torch, name)
-    said += output_faults(done, strokes, machine, name)
+    said += switching_faults(done, strokes, machine, torch, name)
     if is_far(strokes.moves, torch):
         return tuple(said)
     strokes = passes_folded(strokes, rows)
@@ -66,5 +61,7 @@ def verify_sheet(
     strokes = told_apart(strokes, need, torch, shift)
     strokes, links = unchained(strokes, torch, machine.format.resolution)
     said += link_faults(links, strokes, need, torch, shift, name)
+    places = sheet.places or ([shift] if need.curves else [])
     said += compare_part(strokes, need, part, machine, torch, name)
-    return tuple(with_contours(said, done.moves, need, shift, torch.tolerance / 8))
+    said = with_contours(said, done.moves, need, shift, torch.tolerance / 8)
+    return with_told(said, head, parts, places, asked, skips, name)

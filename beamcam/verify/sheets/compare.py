@@ -1,10 +1,24 @@
-"""Paths travelled with the tool on, compared with the contours of the part.
+r"""Paths travelled with the tool on, compared with the contours of the part.
 
-paths      every path runs along a contour, and every stroke closes
-contours   every stretch of a contour has a path, and one only
-band       the beam takes nothing of the part, with its leads neither
-direction  every closed cut goes round as it is drawn, or with the material at the right side
-order      no contour is cut after one around it, none marked after a cut
+    waste            *  pierce                  r  half the kerf
+                     :  lead
+    - - - - - - - - -o- - - - -     - - - -     path of the beam's middle, r off its contour; it
+         |r            over         bridge      is on its curve if that is open or marked
+    ______________________________________      contour
+    part      \    /
+               \  /  rest of waste: the beam does not come into the corner
+
+paths      each path runs along a contour but for its leads, and each stroke closes (`paths`)
+contours   each stretch of a contour has a path, and one only, but for bridges (`contours`)
+areas      the beam takes nothing of the part, its leads neither; what it does not reach is a
+           corner of the waste (`areas`)
+tabs       the bridges are as many and as wide as asked, at places that hold the part (`tabs`)
+overcut    a stroke goes on beyond its start as far as asked; open ones end where contours do
+leads      the torch pierces where it does no harm, small holes in their middle
+direction  a closed cut goes round as it is drawn, or with the material at the right side
+order      no contour is cut after one around it, none marked after a cut (`order`)
+
+A controller that keeps off the contour by itself changes nothing but the path (`compensation`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,9 +29,25 @@ from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
+from beamcam.verify.sheets.areas import band_faults
+from beamcam.verify.sheets.compensation import beam_of
 from beamcam.verify.sheets.contours import cover
-from beamcam.verify.sheets.dark import dark_faults
-from beamcam.verify.sheets.hole_feeds import find_small, hole_faults, middle_faults
+from beamcam.verify.sheets.leads import (
+    dark_faults,
+    edge_faults,
+    find_small,
+    hole_faults,
+    middle_faults,
+    pierce_faults,
+)
+from beamcam.verify.sheets.marks import (
+    add_texts,
+    hatch_faults,
+    one_way_faults,
+    overscan_faults,
+    spot_faults,
+    without_spots,
+)
 from beamcam.verify.sheets.need import Need, shift_of
 from beamcam.verify.sheets.order import (
     OrderPlace,
@@ -29,7 +59,7 @@ from beamcam.verify.sheets.order import (
 from beamcam.verify.sheets.overcut import overcut_faults
 from beamcam.verify.sheets.paths import follow
 from beamcam.verify.sheets.strokes import Strokes
-from beamcam.verify.sheets.texts import add_texts
+from beamcam.verify.sheets.tabs import tab_faults
 from beamcam.verify.sheets.work import Traced, Work, work_of
 
 
@@ -39,8 +69,6 @@ def compare_part(
 ) -> list[Diagnostic]:  # fmt: skip
     """All differences of the strokes from a part with its texts, and what its need says itself."""
     if need.spots or any(stroke.process == "spot" for stroke in strokes.each):
-        from beamcam.verify.sheets.spots import spot_faults, without_spots
-
         step = machine.format.resolution
         near = torch.tolerance + 2 * step
         need.said += spot_faults(strokes, need, shift_of(need, torch), near, name)
@@ -49,28 +77,13 @@ def compare_part(
     if not need.curves and not strokes.each:
         return need.said
     shift = shift_of(need, torch)
-    return need.said + compare(strokes, need, machine, torch, shift, name, stepped)
-
-
-def compare(
-    strokes: Strokes,
-    need: Need,
-    machine: Machine,
-    torch: Torch,
-    shift: tuple[float, float],
-    name: str,
-    stepped: bool = False,
-) -> list[Diagnostic]:
-    """All differences of the strokes from the part."""
     said: list[Diagnostic] = []
     traced: list[Traced] = []
     works: dict[TorchProcess, Work] = {}
     if torch.kerf_by == "machine":
-        from beamcam.verify.sheets.compensation import beam_of
-
         strokes, said = beam_of(strokes, name)
         if said:
-            return said
+            return need.said + said
     processes = dict.fromkeys([*need.curves, *(s.process for s in strokes.each)])
     for process in processes:
         work = work_of(
@@ -81,20 +94,15 @@ def compare(
         said += [*more, *dark_faults(work, mine, bool(machine.words.close))]
         traced += mine
         if any(own.hatch_one_way for own in torch.settings.values()) and process in need.curves:
-            from beamcam.verify.sheets.hatch import one_way_faults
-
             said += one_way_faults(work)
         if torch.overscan and not stepped:
-            from beamcam.verify.sheets.hatch import overscan_faults
-
             said += overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
         said += _settings(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
-        from beamcam.verify.sheets.hatch import hatch_faults
-
         said += hatch_faults(need, torch, name)
-    return said + order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
+    said += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
+    return need.said + said
 
 
 def _settings(
@@ -126,17 +134,11 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
     said += direction_faults(work, traced)
     said += hole_faults(work, traced)
     if work.bridged:
-        from beamcam.verify.sheets.tabs import tab_faults
-
         said += tab_faults(work, traced)
     if work.half_kerf:
-        from beamcam.verify.sheets.sides import band_faults
-
         said += band_faults(work, traced)
     led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
     if work.half_kerf and led and not work.stepped:
-        from beamcam.verify.sheets.leads import edge_faults, pierce_faults
-
         said += pierce_faults(work, traced)
         said += middle_faults(work, traced)
         said += edge_faults(work, traced)

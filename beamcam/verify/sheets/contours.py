@@ -10,54 +10,18 @@ tolerance / 8 for others.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.verify.asked import UNCUT
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.bridges import in_bridges
+from beamcam.verify.sheets.areas import in_corners, left_faults, on_own_side
 from beamcam.verify.sheets.grid import Pairs
-from beamcam.verify.sheets.paths import on_contour
-from beamcam.verify.sheets.region import aligned, beside_bends
-from beamcam.verify.sheets.sides import on_own_side
+from beamcam.verify.sheets.paths import aligned, beside_bends, on_contour
+from beamcam.verify.sheets.tabs import in_bridges
 from beamcam.verify.sheets.toolpaths import Samples, Toolpaths, kept_samples
 from beamcam.verify.sheets.work import SHOWN, SPACING, Traced, Work
-
-if TYPE_CHECKING:
-    from beamcam.verify.sheets.corners import UncutCorner
-
-# --- left -----------------------------------------------------------------------------------------
-
-# Waste that stays on the part, where the beam comes no nearer.
-
-
-#: By the kerf, deeper than which it is told what stays in a corner, as in one of 39 degrees.
-TOLD = 1.0
-
-
-def left_faults(work: Work, corners: "Sequence[UncutCorner]") -> list[Diagnostic]:
-    """Of each contour the deepest of its corners, if it is deep enough to be told."""
-    if work.region is None:
-        return []
-    ring_of = np.full(work.need.count, -1)
-    firsts = [min(k for k, _ in ring) for ring in work.region.rings]
-    for number, ring in enumerate(work.region.rings):
-        ring_of[[k for k, _ in ring]] = number
-    deepest: dict[int, UncutCorner] = {}
-    for corner in sorted(corners, key=lambda one: one.depth):
-        if corner.depth > TOLD * 2 * work.half_kerf:
-            deepest[int(ring_of[corner.way])] = corner
-    said = []
-    for number, corner in sorted(deepest.items()):
-        way = firsts[number] if number >= 0 else corner.way
-        x, y = (np.array(corner.place) - np.array(work.shift)).tolist()
-        source = work.asked.source(work.process, way)
-        said.append(UNCUT.at(source, found=f"{corner.depth:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"))
-    return said
-
 
 #: Where each of some ways begins and ends, counted along all, and whether it closes.
 Loops = tuple[Floats, Floats, Flags]
@@ -78,10 +42,8 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     missing = np.flatnonzero((away > reach) & ~work.small[owner])
     said: list[Diagnostic] = []
     if len(missing) and work.half_kerf:
-        from beamcam.verify.sheets.corners import in_corners
-
         missing = missing[~work.on_kept_off(points[missing]) | beside[owner[missing]]]
-        is_left, corners = in_corners(work, traced, missing, samples)
+        is_left, corners = in_corners(work, missing, samples)
         missing = missing[~is_left]
         said = left_faults(work, corners)
     bends, lost = _left_at_bends(work, traced)
@@ -146,14 +108,9 @@ def _own(work: Work, traced: Sequence[Traced], pairs: Pairs, beside: Flags) -> P
 
 
 def _twice(
-    work: Work,
-    traced: Sequence[Traced],
-    points: Floats,
-    owner: Counts,
-    slack: Floats,
-    covered: Counts,
-    pairs: Pairs,
-) -> list[Diagnostic]:
+    work: Work, traced: Sequence[Traced], points: Floats, owner: Counts, slack: Floats,
+    covered: Counts, pairs: Pairs,
+) -> list[Diagnostic]:  # fmt: skip
     """Stretches of a contour that have more than one path.
 
     `points` are places of the path, or of the contour where the beam stays on that; `pairs` are

@@ -6,19 +6,20 @@ passed, and how the head runs up and brakes, is said before the first stroke.
 """
 
 from collections.abc import Collection, Iterator, Sequence
-from math import inf
+from math import degrees, inf
 
 import numpy as np
+from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.controllers.events import Acceleration, Blending, Compensation, Side
 from beamcam.controllers.moves import Moves
-from beamcam.errors import Diagnostic, Rule, Source
-from beamcam.geometry.array_types import Floats
+from beamcam.errors import Diagnostic, Rule, Source, errors_in
+from beamcam.geometry.array_types import Flags, Floats
 from beamcam.geometry.curves import Bezier, EllipseArc, Line
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine, PathLimits, path_limits
-from beamcam.machine.torch import Torch, material_said
+from beamcam.machine.torch import Torch, TorchRow, material_said
 from beamcam.model.part import Contour, Feature, Measures, Part, extent, moved_feature
 from beamcam.verify.head import head_of, part_faults, stock_faults
 from beamcam.verify.sheets import rules
@@ -191,16 +192,23 @@ class ControllerState:
 SKELETON = "skeleton"  #: where the cuts through what is left of a sheet are said to be
 
 
-def as_one(
-    parts: Sequence[Part], machine: Machine, skips: Collection[str]
-) -> tuple[Part, Machine, list[Diagnostic]]:
-    """One part with all that has to be on the sheet, the machine that leaves it there, and faults.
+class SharedSheet(Struct, frozen=True):
+    """One part with all that has to be on a sheet, and the machine that leaves it there."""
+
+    part: Part
+    machine: Machine
+    places: list[Point]  #: of the x 0, y 0 of each of several parts
+    said: list[Diagnostic]
+
+
+def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> SharedSheet:
+    """The parts of a sheet as one, and what is wrong with their sharing it.
 
     A part that is alone stays as it is.
     """
     torch = machine.torch
     if torch is None or len(parts) == 1:
-        return parts[0], machine, []
+        return SharedSheet(parts[0], machine, [], [])
     features: list[Feature] = []
     said = [
         rules.OTHER_SHEET.at(
@@ -209,7 +217,8 @@ def as_one(
         for part in parts[1:] if _shown(part, torch) != _shown(parts[0], torch)
     ]  # fmt: skip
     tops: dict[float, float] = {}  #: upper edge of each row of parts, by its lower one
-    for part, (here, need) in zip(parts, places_of(parts, machine, torch, skips), strict=True):
+    lie = list(_places(parts, machine, torch, skips))
+    for part, (here, need) in zip(parts, lie, strict=True):
         _, low, _, high = _box(need)
         row = round(here[1] + low, 6)
         tops[row] = max(tops.get(row, row), here[1] + high)
@@ -227,10 +236,11 @@ def as_one(
             source = replace(parts[0].source, where=SKELETON, line=None)
             features.append(Contour("v", "open", (line,), source, closed=False))
     whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
-    return whole, replace(machine, torch=replace(torch, place="drawn")), said
+    machine = replace(machine, torch=replace(torch, place="drawn"))
+    return SharedSheet(whole, machine, [place for place, _ in lie], said)
 
 
-def places_of(
+def _places(
     parts: Sequence[Part], machine: Machine, torch: Torch, skips: Collection[str]
 ) -> Iterator[tuple[Point, Need]]:
     """Where each of several parts lies on the table, its x 0, y 0; and what of it has to be cut."""
@@ -251,24 +261,37 @@ def _box(need: Need) -> tuple[float, float, float, float]:
     return extent(c for some in need.curves.values() for c in some) or (0.0, 0.0, 0.0, 0.0)
 
 
+def with_told(
+    said: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
+    machine: Machine, skips: Collection[str], name: str,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
+    """What was said of a program; of a sound one also what its head says otherwise."""
+    if not head or errors_in(said):
+        return tuple(said)
+    return (*said, *told_faults(head, parts, places, machine, skips, name))
+
+
 def told_faults(
-    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str], name: str
-) -> Iterator[Diagnostic]:
-    """All differences of the head that `text` begins with from the parts as they have to lie."""
+    text: str, parts: Sequence[Part], places: Sequence[Point], machine: Machine,
+    skips: Collection[str], name: str,
+) -> Iterator[Diagnostic]:  # fmt: skip
+    """All differences of the head that `text` begins with from the parts as they have to lie.
+
+    `places` are those of their x 0, y 0; without them that of a part that is alone is worked out.
+    """
     head = head_of(text)
     if head is None or machine.torch is None:
         return
     yield from stock_faults(
         head, parts, float(thickness_of(parts[0], machine.torch)), machine, name
     )
-    if len(parts) == 1:
+    at: Sequence[tuple[float, ...]] = places
+    if not places:
         need = need_of(parts[0], machine, machine.torch, skips)
-        places: list[tuple[float, ...]] = [shift_of(need, machine.torch)]
+        at = [shift_of(need, machine.torch)]
         if not need.curves and head.parts:  # texts alone are found wherever the program has them
-            places = [head.parts[0].at]
-    else:
-        places = [place for place, _ in places_of(parts, machine, machine.torch, skips)]
-    lie = [*zip(parts, places, strict=True)]
+            at = [head.parts[0].at]
+    lie = [*zip(parts, at, strict=True)]
     yield from part_faults(head, lie, machine.torch.tolerance, False, name)
 
 
@@ -281,3 +304,84 @@ def _shown(part: Part, torch: Torch) -> str:
     return (
         f"{thickness_of(part, torch):.2f} mm {material_said(part.grade, torch.material)}".rstrip()
     )
+
+
+# --- corner feeds ---------------------------------------------------------------------------------
+
+# What of a path is near its corners, where the tool has to be slower.
+#
+# Corners are looked for in the path as it is written. A place where it turns by nearly the angle
+# of the row, or beside moves so short that rounding turns them, may count as one or not; so may
+# what is as far from a corner as the row's distance.
+
+
+DOUBT_DEG = 1.0
+LONG_MOVE = 0.1  #: mm: the direction of a shorter move is in doubt
+EDGE_MM = 0.05  #: mm by which the stretch that is near a corner may be longer or shorter
+
+
+class NearCorners(Struct, frozen=True):
+    """Of each move, whether it has to be slow, and whether it must not be; neither: either way."""
+
+    slow: Flags
+    fast: Flags
+
+
+def near_corners(moves: Moves, row: TorchRow, step: float) -> NearCorners:
+    """What of the moves of one stroke is near a corner; `step` is that of its numbers, in mm."""
+    lengths, enters, leaves = _measures(moves)
+    real = np.flatnonzero(lengths > 0.0)
+    behind = np.cumsum(lengths)
+    sure: list[float] = []
+    maybe: list[float] = []
+    for a, b in zip(real[:-1].tolist(), real[1:].tolist(), strict=True):
+        turn = turn_deg(leaves[a], enters[b])
+        short = min(lengths[a], lengths[b])
+        doubt = DOUBT_DEG + 2 * degrees(2 * step / short)
+        if turn > row.corner_angle - doubt:
+            maybe.append(float(behind[a]))
+        if turn > row.corner_angle + doubt and short >= LONG_MOVE:
+            sure.append(float(behind[a]))
+    long = real[lengths[real] >= LONG_MOVE]
+    for a, b in zip(long[:-1].tolist(), long[1:].tolist(), strict=True):
+        if b > a + 1 and turn_deg(leaves[a], enters[b]) > row.corner_angle - 2 * DOUBT_DEG:
+            maybe += behind[a:b].tolist()  # round a corner in moves that are too short
+    reach = row.corner_distance
+    begins = behind - lengths
+    inside = _covered(begins, behind, sure, reach - EDGE_MM)
+    outside = lengths - _covered(begins, behind, maybe, reach + EDGE_MM)
+    return NearCorners(inside > EDGE_MM / 100, outside > EDGE_MM / 100)
+
+
+def _measures(moves: Moves) -> tuple[Floats, Floats, Floats]:
+    """The length of each move, and its directions where it begins and where it ends."""
+    way = moves.end - moves.start
+    lengths = np.hypot(way[:, 0], way[:, 1])
+    size = np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    enters, leaves = way / size, way / size
+    arcs = np.flatnonzero(moves.is_arc)
+    if len(arcs):
+        radius, first, sweep = moves.arcs[arcs, 2:5].T
+        lengths[arcs] = radius * np.abs(np.radians(sweep))
+        for found, angle in ((enters, first), (leaves, first + sweep)):
+            rad = np.radians(angle)
+            found[arcs] = np.sign(sweep)[:, None] * np.column_stack((-np.sin(rad), np.cos(rad)))
+    for k, curve in moves.curves.items():
+        lengths[k], enters[k], leaves[k] = curve.length, curve.tangent(0.0), curve.tangent(1.0)
+    return lengths, enters, leaves
+
+
+def turn_deg(one: Floats, other: Floats) -> float:
+    """The angle between two directions."""
+    return float(np.degrees(np.arccos(np.clip(np.dot(one, other), -1.0, 1.0))))
+
+
+def _covered(begins: Floats, ends: Floats, corners: Sequence[float], reach: float) -> Floats:
+    """How much of each move, from where it begins to where it ends, is so near to a corner."""
+    found = np.zeros(len(begins))
+    last = -np.inf
+    for place in sorted(corners):
+        low, high = max(place - reach, last), place + reach
+        found += np.clip(np.minimum(ends, high) - np.maximum(begins, low), 0.0, None)
+        last = max(last, high)
+    return found

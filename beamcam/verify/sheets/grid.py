@@ -14,37 +14,10 @@ from beamcam.verify.sheets import rules
 
 # Lines and arcs in arrays, the elements of every chain.
 #
-# Arcs are kept as they are. Other curves are chains of arcs and chords.
+# Arcs are kept as they are. Other curves are chains of chords.
 
 
 QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
-
-
-class Pieces(Struct, frozen=True):
-    """What curves are drawn with: lines and arcs one after the other, curve by curve."""
-
-    counts: Counts  #: of the pieces of each curve
-    start: Floats  #: (n, 2)
-    end: Floats
-    is_arc: Flags
-    arcs: Floats  #: as those of elements
-
-    @property
-    def columns(self) -> tuple[Floats, Floats, Flags, Floats]:
-        """What there is of each piece."""
-        return self.start, self.end, self.is_arc, self.arcs
-
-    def some(self, which: Flags) -> "Pieces":
-        """Some of the pieces of curves that have one each."""
-        return Pieces(
-            self.counts[which], self.start[which], self.end[which], self.is_arc[which],
-            self.arcs[which],
-        )  # fmt: skip
-
-
-def straight_pieces(counts: Counts, start: Floats, end: Floats) -> Pieces:
-    """Curves that are drawn with chords alone."""
-    return Pieces(counts, start, end, np.zeros(len(start), dtype=bool), np.zeros((len(start), 5)))
 
 
 class Elements:
@@ -326,3 +299,41 @@ def _boxes(elements: Elements, size: float) -> tuple[Floats, Floats, Counts]:
     low[bent] -= rise
     high[bent] += rise
     return low, high, owner
+
+
+# --- gaps -----------------------------------------------------------------------------------------
+
+# Gap between ends that should meet.
+
+
+def widest_gap(points: Floats, reach: float) -> float:
+    """The greatest distance of two points (n, 2) that are no farther than `reach` from each other.
+
+    0 if there are none. Points are sorted into square cells as wide as the reach, column by column,
+    so that those which may be near one stand together:
+
+        . n n      a point looks at those behind it in its own cell and in the one above,
+        . a n      and at three cells of the next column
+        . . n
+    """
+    if reach <= 0.0:
+        return 0.0
+    places = np.sort(np.ascontiguousarray(points).view(np.complex128).ravel())
+    places = places[np.diff(places, prepend=np.nan) != 0.0]
+    # No finer than the last digits of the places, which a tiny reach would be divided by.
+    width = max(reach, float(np.abs(points).max(initial=0.0)) * 1e-12)
+    cells = np.floor(places.real / width) + 1j * np.floor(places.imag / width)
+    order = np.argsort(cells, kind="stable")
+    places, cells = places[order], cells[order]
+    behind = np.arange(1, len(places) + 1)
+    above = np.searchsorted(cells, cells + 1j, "right")
+    next_low = np.searchsorted(cells, cells + (1 - 1j))
+    next_high = np.searchsorted(cells, cells + (1 + 1j), "right")
+    widest = 0.0
+    for first, last in ((behind, above), (next_low, next_high)):
+        # The first neighbour of every point, then the second, until none has any left.
+        while len(left := np.flatnonzero(first < last)):
+            apart = np.abs(places[first[left]] - places[left])
+            widest = max(widest, float(apart[apart <= reach].max(initial=0.0)))
+            first[left] += 1
+    return widest

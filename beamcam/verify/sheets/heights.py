@@ -15,11 +15,22 @@ from math import inf, isnan, nan
 
 import numpy as np
 
-from beamcam.controllers.events import Lift, Other, Output, Touch, Zero
+from beamcam.controllers.events import (
+    Compensation,
+    FeedShare,
+    Lift,
+    Material,
+    Other,
+    Output,
+    Pause,
+    ToolOffset,
+    Touch,
+    Zero,
+)
 from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch
+from beamcam.machine.torch import Torch, TorchRow
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 
@@ -28,25 +39,28 @@ SECONDS_PER_MINUTE = 60.0
 SLOWER = 0.99  #: share of the row's feed below which a move is one in a small hole or at a corner
 
 
-def height_faults(
+def switching_faults(
     run: TableRun, strokes: Strokes, machine: Machine, torch: Torch, name: str
 ) -> list[Diagnostic]:
-    """What is wrong with where the torch stands over the sheet, and what holds it there."""
-    watch = _Watch(run.moves, machine, torch, name)
+    """What is wrong with where the torch stands, what holds it there, and with its outputs."""
+    watches = _Watch(run.moves, machine, torch, name), _Outputs(machine, name)
     starts = {stroke.on: stroke for stroke in strokes.each}
-    stops = {stroke.off: stroke for stroke in strokes.each}
-    done, line = 0, 1
-    for place, (before, event) in enumerate(run.others):
-        said = [*watch.moves(done, before, run.moves.line[done:before].tolist())]
-        done, line = before, event.line
-        if place in starts:
-            said = [*said, *watch.starts(event.line, starts[place])]
-        elif place in stops:
-            said = [*said, *watch.stops(event.line)]
-        watch.said += [*said, *watch.take(event)]
-    watch.said += watch.moves(done, len(run.moves), run.moves.line[done:].tolist())
-    watch.said += watch.ends(line)
-    return watch.said
+    stops = {stroke.off for stroke in strokes.each}
+    for watch in watches:
+        done, line = 0, 1
+        for place, (before, event) in enumerate(run.others):
+            if before > done:
+                watch.said += watch.moves(done, before)
+            done, line = before, event.line
+            if place in starts:
+                watch.said += watch.starts(line, starts[place])
+            elif place in stops:
+                watch.said += watch.stops(line)
+            watch.said += watch.take(event)
+        if len(run.moves) > done:
+            watch.said += watch.moves(done, len(run.moves))
+        watch.said += watch.ends(line)
+    return [one for watch in watches for one in watch.said]
 
 
 class _Watch:
@@ -54,7 +68,7 @@ class _Watch:
 
     def __init__(self, moves: Moves, machine: Machine, torch: Torch, name: str) -> None:
         self.said: list[Diagnostic] = []
-        self._rapid, self._feeds = moves.rapid, moves.feed_mm_min
+        self._rapid, self._feeds, self._lines = moves.rapid, moves.feed_mm_min, moves.line
         self._torch, self._name = torch, name
         self._follows = torch.z == "program"
         speeds = [axis.speed for axis in machine.axes if axis.moves == "Z"]
@@ -76,21 +90,21 @@ class _Watch:
         """Whether the torch stands elsewhere, or where nothing says."""
         return not abs(self._height - height) <= self._slack
 
-    def moves(self, first: int, last: int, lines: list[int]) -> Iterator[Diagnostic]:
+    def moves(self, first: int, last: int) -> Iterator[Diagnostic]:
         """What is wrong with the moves in X and Y of one height."""
-        if first == last:
-            return
         rapids = self._rapid[first:last].tolist()
         if True in rapids:
             self._touched = self._touched and self._torch.touch != "each"
             clear = self._height >= self._torch.clearance - self._slack
             if self._follows and not clear:
-                line, expected = lines[rapids.index(True)], f"{self._torch.clearance:g} mm or more"
+                line = int(self._lines[first + rapids.index(True)])
+                expected = f"{self._torch.clearance:g} mm or more"
                 found = f"a traverse {_shown(self._height)}"
                 yield self._fault(rules.HEIGHT, line, found, f"{expected} (torch.clearance)")
         if self._stroke is None or False not in rapids:
             return
-        line, asked = lines[rapids.index(False)], self._stroke.row.cut_height
+        line = int(self._lines[first + rapids.index(False)])
+        asked = self._stroke.row.cut_height
         if self._follows and asked and self._off(asked):
             found, process = f"a feed {_shown(self._height)}", self._stroke.process
             yield self._fault(rules.HEIGHT, line, found, f"{asked:g} mm to {process}")
@@ -202,3 +216,149 @@ def _shown(height: float) -> str:
     if isnan(height):
         return "at a height that nothing says"
     return "at the top of the axis" if height == inf else f"{height:g} mm over the sheet"
+
+
+# --- outputs --------------------------------------------------------------------------------------
+
+# What a table's program switches besides its tool: in its order, and nothing left behind.
+#
+# preheat            on at the place for the seconds of the row before the cutting oxygen, and as
+#                    long as that
+# tool beside        places are those of the tool that the row's words choose, of none at the end
+# material           the controller has the data of the row that cuts
+# outputs            off at the end
+# share of the feed  all of it at the end
+# arc                out only where a cut is closed already, on again before the next start
+
+
+SECONDS_SLACK = 1e-6
+FIGURE_SLACK = 0.00051  #: of a figure of a row, which programs write to three decimals
+
+
+class _Outputs:
+    """The outputs while a program runs."""
+
+    def __init__(self, machine: Machine, name: str) -> None:
+        self.said: list[Diagnostic] = []
+        self.stroke: HeadStroke | None = None
+        self._name = name
+        self._needs_material = bool(machine.words.material)
+        self._state: dict[str, bool] = {}  #: of what was switched
+        self._pending: str = ""  #: what the next move switches
+        self._flame_s: float | None = None  #: for which the preheat is on here; None: it is off
+        self._share = 1.0
+        self._tool = 0
+        self._material: dict[str, float] | None = None
+        self._beside = False  #: compensation is on
+
+    def _fault(self, rule: Rule, line: int, found: str, expected: str) -> Diagnostic:
+        return rule.at(Source(self._name, line), found=found, expected=expected)
+
+    def moves(self, *_: int) -> Iterator[Diagnostic]:
+        """The head was moved in X or Y."""
+        self._pending = ""
+        if self._flame_s is not None:
+            self._flame_s = 0.0
+        yield from ()
+
+    def stops(self, _: int) -> Iterator[Diagnostic]:
+        """A tool is stopped."""
+        self.stroke = None
+        yield from ()
+
+    def starts(self, line: int, stroke: HeadStroke) -> Iterator[Diagnostic]:
+        """What is wrong as a tool is started."""
+        self.stroke = stroke
+        row = stroke.row
+        if self._tool != stroke.tool:
+            found = f"a start with places of {_tool(self._tool)}"
+            yield self._fault(rules.OUTPUT, line, found, f"those of {_tool(stroke.tool)}")
+        if not self._state.get("arc", True):
+            yield self._fault(rules.OUTPUT, line, "a start with the arc held out", "it on before")
+        if row.preheat_s:
+            flame_s = self._flame_s
+            if flame_s is None or abs(flame_s - row.preheat_s) > SECONDS_SLACK:
+                found = "cutting oxygen " + (
+                    "without the preheat"
+                    if flame_s is None
+                    else (f"after {flame_s:g} s of preheat")
+                )
+                yield self._fault(rules.OUTPUT, line, found, f"{row.preheat_s:g} s of it here")
+        elif self._flame_s is not None:
+            found = f"the preheat on to {stroke.process}"
+            yield self._fault(rules.OUTPUT, line, found, "it off, as the row has none")
+        if self._needs_material and row.process == "cut":
+            yield from self._material_faults(line, row)
+
+    def _material_faults(self, line: int, row: TorchRow) -> Iterator[Diagnostic]:
+        """Whether the controller has the data of the row."""
+        if self._material is None:
+            found, expected = "a cut before a material is chosen", "the words of `material` before"
+            yield self._fault(rules.MATERIAL, line, found, expected)
+            return
+        for figure, value in self._material.items():
+            asked = float(getattr(row, figure, value))
+            if abs(value - asked) > FIGURE_SLACK:
+                found = f"a cut with the material's {figure} {value:g}"
+                yield self._fault(rules.MATERIAL, line, found, f"{asked:g}, as the row says")
+
+    def take(self, event: Other) -> Iterator[Diagnostic]:
+        """Anything but a move in X and Y."""
+        if isinstance(event, Output):
+            yield from self._switch(event)
+        elif isinstance(event, Pause):
+            if self._flame_s is not None:
+                self._flame_s += event.seconds
+        elif isinstance(event, FeedShare):
+            self._share = event.share
+            if self._beside:
+                found = "a share of the feed with compensation on"
+                yield self._fault(rules.OUTPUT, event.line, found, "compensation off")
+        elif isinstance(event, Compensation):
+            self._beside = event.side != "on"
+        elif isinstance(event, ToolOffset):
+            changed, self._tool = event.number != self._tool, event.number
+            if changed and self.stroke is not None:
+                found = f"places of {_tool(event.number)} with a tool on"
+                yield self._fault(rules.OUTPUT, event.line, found, "it off before")
+        elif isinstance(event, Material):
+            self._material = event.values
+
+    def _switch(self, event: Output) -> Iterator[Diagnostic]:
+        name = event.name
+        self._state[name] = event.on
+        if event.with_move:
+            self._pending = name
+        elif self._pending == name:
+            self._pending = ""
+        if name in ("thc", "arc") and self._beside:
+            what = "height control" if name == "thc" else "arc"
+            found = f"the {what} switched with compensation on"
+            yield self._fault(rules.OUTPUT, event.line, found, "compensation off")
+        if name == "preheat":
+            lit = 0.0 if self._flame_s is None else self._flame_s
+            self._flame_s = lit if event.on else None
+            if not event.on and self.stroke is not None and self.stroke.row.preheat_s:
+                found = "the preheat off with the cutting oxygen on"
+                yield self._fault(rules.OUTPUT, event.line, found, "the cutting oxygen off before")
+
+    def ends(self, line: int) -> Iterator[Diagnostic]:
+        """What is wrong when the program ends."""
+        for name, state in self._state.items():
+            if name == "arc" and not state:
+                yield self._fault(rules.OUTPUT, line, "the end with the arc held out", "it on")
+            elif state and name not in ("thc", "arc"):
+                yield self._fault(rules.OUTPUT, line, f"the end with {name} on", "it off")
+        if self._pending:
+            found = f"{self._pending} switched with a move that does not come"
+            yield self._fault(rules.OUTPUT, line, found, "it switched at once")
+        if self._share != 1.0:
+            found = f"the end with {100.0 * self._share:g} % of the feed"
+            yield self._fault(rules.OUTPUT, line, found, "all of it")
+        if self._tool:
+            found = f"the end with places of {_tool(self._tool)}"
+            yield self._fault(rules.OUTPUT, line, found, f"those of {_tool(0)}")
+
+
+def _tool(number: int) -> str:
+    return f"tool {number}" if number else "the torch"

@@ -1,14 +1,17 @@
 """Lead-ins, lead-outs and overcuts of strokes."""
 
 from collections.abc import Sequence
-from math import pi
+from math import dist, pi
 
 import numpy as np
 import shapely
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Flags, Floats
+from beamcam.geometry.curves import Arc
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.overcut import asked_overcut
+from beamcam.verify.sheets.tabs import ring_depths
 from beamcam.verify.sheets.work import SHOWN, Traced, Work
 
 Bounds = Sequence[tuple[int, int]]
@@ -115,9 +118,7 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     ]
     if row is None or not rings or not row.pierce_radius:
         return []
-    points, begins = work.need.outlines(work.fine)
-    owner = np.repeat(np.arange(work.need.count), np.diff(begins))
-    contours = shapely.STRtree(shapely.linestrings(points, indices=owner))
+    contours = shapely.STRtree(work.contours)
     firsts = [int(np.searchsorted(work.of_way, work.of_way[t.first])) for t in rings]
     pierced = work.path.starts[firsts]
     away, nearest = _distances(contours, pierced)
@@ -189,3 +190,164 @@ def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     back = np.array((-tx, -ty))
     found = at + radius * ((1.0 - np.cos(turn)) * normal + np.sin(turn) * back)
     return found
+
+
+# --- small holes ----------------------------------------------------------------------------------
+
+# Small holes: which strokes go round one, their feed, and how they are led into.
+#
+# A round one is entered from its middle where the machine says so:
+#
+#         .-----.         from the middle M half a circle, tangent to the path at C
+#        /   .-. \
+#       C   /   M |       asked where that keeps half a kerf off all contours; what lies in the hole
+#        \_/     /        may be in its way
+#         `-----'
+
+
+ROUND, ROUND_DEG = 1e-6, 1e-6  #: mm and degrees that the arcs of a round hole may be apart
+ROUND_DOUBT = 2e-3  #: of the way round a hole, by which it may be a small one or not
+
+
+def hole_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Strokes that run as in a small hole elsewhere, or in one as elsewhere."""
+    said: list[Diagnostic] = []
+    for t in traced:
+        expected, found = t.small, t.stroke.in_hole
+        if expected is None or found is None or expected == found or not t.stroke.row.slows_holes:
+            continue
+        share = f"{t.stroke.row.hole_feed_share * 100:g} %"
+        said.append(
+            rules.HOLE_FEED.at(
+                Source(work.name, t.stroke.line), found=share if found else "all",
+                expected=share if expected else "all",
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def find_small(work: Work, traced: Sequence[Traced]) -> None:
+    """Tell each stroke whether it goes round a small hole; None where it is as good as either."""
+    if not any(s.row.hole_diameter for s in work.strokes):
+        return
+    rings = [t for t in traced if t.members or (t.contour is not None and not t.joined)]
+    polygons = [t.inside() for t in rings]
+    small: dict[int, bool | None] = {}  #: by stroke; None: as good as either
+    for t, polygon, depth in zip(rings, polygons, ring_depths(polygons), strict=True):
+        row = t.stroke.row
+        around = polygon.length if polygon is not None else 0.0
+        limit, doubt = pi * row.hole_diameter, ROUND_DOUBT * around + 8 * work.tolerance
+        is_small: bool | None = around < limit and depth is not None and depth % 2 == 1
+        if depth is None or (depth % 2 == 1 and abs(around - limit) <= doubt):
+            is_small = None
+        small |= {id(one.stroke): is_small for one in t.members or [t]}
+    for t in traced:
+        t.small = small.get(id(t.stroke), False)
+
+
+def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Small round holes that are not entered from their middle, by half a circle."""
+    if work.torch.hole_lead != "middle" or not any(t.small for t in traced):
+        return []
+    contours = shapely.STRtree(work.contours)
+    said: list[Diagnostic] = []
+    for t in traced:
+        if not t.small or t.joined:
+            continue
+        at = work.path.starts[t.first]
+        circle = _circle(work, work.need.nearest_to(at)[1])
+        if circle is None:
+            continue
+        middle = np.array(circle.centre) + np.array(work.shift)
+        first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
+        away = float(np.hypot(*(work.path.starts[first] - middle)))
+        # What of a short ring comes before its end again may have been traced as a lead.
+        joins = work.path.ends[first]
+        on_ring = abs(float(np.hypot(*(joins - middle)) - np.hypot(*(at - middle))))
+        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, first, middle, joins)
+        if away <= 2 * work.tolerance and smooth:
+            continue
+        half = np.linspace(0.0, np.pi, 65)[:, None]
+        across = (at - middle) / 2
+        ways = [
+            middle + across + np.cos(half) * -across + side * np.sin(half) * across[::-1] * (-1, 1)
+            for side in (-1.0, 1.0)
+        ]
+        kept = work.half_kerf - work.fine
+        if all(len(contours.query(shapely.LineString(w), "dwithin", distance=kept)) for w in ways):
+            continue
+        found = f"{away:.3f} mm off its middle"
+        if away <= 2 * work.tolerance:
+            found = "another way from its middle"
+        contour = work.contour_at(at)
+        said.append(
+            rules.HOLE_LEAD.at(Source(work.name, t.stroke.line), contour=contour, found=found)
+        )
+    return said[:SHOWN]
+
+
+def _circle(work: Work, way: int) -> Arc | None:
+    """The first arc of a needed contour that is round all about; None of another."""
+    need, process = work.asked, work.process
+    feature = need.features[process][way]
+    own = [
+        curve for curve, other in zip(need.curves[process], need.features[process], strict=True)
+        if other == feature
+    ]  # fmt: skip
+    arcs = [curve for curve in own if isinstance(curve, Arc)]
+    if len(arcs) < len(own) or abs(abs(sum(arc.sweep_deg for arc in arcs)) - 360.0) > ROUND_DEG:
+        return None
+    apart = max(dist(arc.centre, arcs[0].centre) + abs(arc.radius - arcs[0].radius) for arc in arcs)
+    return arcs[0] if apart <= ROUND else None
+
+
+def _is_half_circle(work: Work, way: int, middle: Floats, at: Floats) -> bool:
+    """Whether a way goes by half a circle from the middle of a hole to a place of its path."""
+    half = work.path.point(np.array([way]), np.array([work.path.lengths[way] / 2]))[0]
+    radius = float(np.hypot(*(at - middle))) / 2
+    return bool(
+        abs(float(np.hypot(*(half - (at + middle) / 2))) - radius) <= 2 * work.tolerance
+        and abs(float(work.path.lengths[way]) - pi * radius) <= 4 * work.tolerance
+    )
+
+
+# --- dark -----------------------------------------------------------------------------------------
+
+# What of a cut is run with the arc out: what follows where its contour is closed, and no more.
+
+
+def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagnostic]:
+    """Cuts that are left dark before they are closed, or burn on behind that where they must not.
+
+    `asked` says that the arc goes out where a cut with an overcut is closed.
+    """
+    by_machine = work.torch.kerf_by == "machine"
+    said: list[Diagnostic] = []
+    for t in traced:
+        last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
+        closed = t.closed and len(t.members) == 1
+        closed = closed and bool((by_machine and t.half_kerf) or asked_overcut(work, t, t.over))
+        due = closed and asked and work.process == "cut"
+        dark, beyond = t.stroke.dark, last - t.last if due else 0
+        if dark == beyond and bool(dark) == due:
+            continue
+        # The path may come back to where it joins its contour: what comes along that for no longer
+        # than a lead may be one, or the contour's beginning.
+        first, way = int(np.searchsorted(work.of_way, work.of_way[t.first])), last - dark
+        if due and dark and t.first < way < t.last:
+            away = work.path.starts[first : t.first] - work.path.starts[way]
+            if (np.hypot(*away.T) <= work.meeting).any():
+                continue
+        expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
+        said.append(
+            rules.DARK.at(
+                Source(work.name, t.stroke.line), found=_shown(dark), expected=expected,
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _shown(moves: int) -> str:
+    return f"the arc out on the last {moves} moves" if moves else "the arc on to the end"

@@ -31,6 +31,7 @@ from beamcam.verify.asked import by_hand, is_by_hand, left_out
 from beamcam.verify.sheets import rules
 
 if TYPE_CHECKING:
+    from beamcam.verify.sheets.region import Region
     from beamcam.verify.sheets.toolpaths import Toolpaths
 
 Needs = dict[TorchProcess, list[Curve]]
@@ -52,12 +53,14 @@ class Need(Struct):
     spots: dict[Point, int] = field(default_factory=dict)
     said: list[Diagnostic] = field(default_factory=list)
     drawn: "dict[tuple[TorchProcess, float], Toolpaths]" = field(default_factory=dict)
+    regions: "dict[float, Region]" = field(default_factory=dict)
 
     def add(
         self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source,
         look: str = "",
     ) -> None:  # fmt: skip
         self.sources[feature] = source
+        self._forget(process)
         self.looks.setdefault(process, []).extend([look] * len(curves))
         self.curves.setdefault(process, []).extend(curves)
         self.features.setdefault(process, []).extend([feature] * len(curves))
@@ -75,6 +78,12 @@ class Need(Struct):
         """Where the input has a curve of a process, which is known by its number."""
         return self.sources[self.features[process][curve]]
 
+    def _forget(self, process: TorchProcess) -> None:
+        """Curves of a process are others now."""
+        self.drawn = {key: drawn for key, drawn in self.drawn.items() if key[0] != process}
+        if process == "cut":
+            self.regions = {}
+
     def toolpaths(self, process: TorchProcess, tolerance: float) -> "Toolpaths":
         """The curves of a process as elements, where the part has them; made once."""
         from beamcam.verify.sheets.toolpaths import Toolpaths
@@ -83,6 +92,16 @@ class Need(Struct):
         if key not in self.drawn:
             self.drawn[key] = Toolpaths(self.curves.get(process, []), tolerance)
         return self.drawn[key]
+
+    def region(self, torch: Torch) -> "Region":
+        """What the cuts enclose, where the part has them; made once."""
+        from beamcam.verify.sheets.region import region_of
+
+        fine = torch.tolerance / 8
+        if fine not in self.regions:
+            features = np.array(self.features.get("cut", []), dtype=np.int64)
+            self.regions[fine] = region_of(self.toolpaths("cut", fine), features, torch.gap, fine)
+        return self.regions[fine]
 
 
 def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) -> Need:
@@ -130,7 +149,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
             if look == (None, None):
-                process: str | None = _plain(feature.process)
+                said = feature.process
+                process: str | None = "mark" if said in ("punch", "powder") else said
             else:
                 if look not in known:
                     known[look] = process_of(feature, table)
@@ -139,7 +159,9 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                 _not_made(need, part, feature, "map")
             elif process != "ignore":
                 key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
-                if _is_filled_only(feature, key or "", torch):
+                own = torch.settings.get(key or "")
+                closes = feature.closed or feature.curves[0].start == feature.curves[-1].end
+                if own is not None and own.hatch is not None and not own.hatch_outline and closes:
                     need.filled.setdefault(key or "", []).append(feature)
                     continue
                 kind = cast("TorchProcess", process)
@@ -173,11 +195,10 @@ def _leave_small_openings(
         features.setdefault(owners[k], []).append(ways[k])
     if not any(_may_be_narrower(curves, least) for curves in features.values()):
         return
-    from beamcam.verify.sheets.small_openings import small_openings
+    from beamcam.verify.sheets.region import small_openings
 
-    paths = need.toolpaths("cut", torch.tolerance / 8)
     left: set[int] = set()
-    for opening in small_openings(paths, ways, owners, drawn, torch, least):
+    for opening in small_openings(need.region(torch), ways, owners, drawn, torch, least):
         left.update(opening.features, opening.twins)
         for index in opening.features:
             feature = part.features[index]
@@ -189,11 +210,13 @@ def _leave_small_openings(
                 need.said += left_out(part, (index,))
             else:
                 _not_made(need, part, feature, lack)
+    if not left:
+        return
     kept = [feature not in left for feature in owners]
     need.curves["cut"] = list(compress(ways, kept))
     need.looks["cut"] = list(compress(need.looks["cut"], kept))
     need.features["cut"] = list(compress(owners, kept))
-    need.drawn.clear()
+    need._forget("cut")
 
 
 def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:
@@ -206,14 +229,6 @@ def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:
         return 2 * abs(signed_area(tuple(curves))) < least * around
     x0, y0, x1, y1 = curves[0].bbox
     return max(x1 - x0, y1 - y0) < least
-
-
-def _is_filled_only(contour: Contour, key: str, torch: Torch) -> bool:
-    """Whether a closed contour is to be filled by a hatch, and not followed."""
-    own = torch.settings.get(key)
-    if own is None or own.hatch is None or own.hatch_outline:
-        return False
-    return contour.closed or contour.curves[0].start == contour.curves[-1].end
 
 
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
@@ -270,10 +285,6 @@ def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
     need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
-
-
-def _plain(process: Process) -> str:
-    return "mark" if process in ("punch", "powder") else process
 
 
 def _cross(x: float, y: float, size: float) -> list[Curve]:

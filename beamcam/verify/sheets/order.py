@@ -1,30 +1,25 @@
 """In which order contours are cut: marks first, and what lies in a contour before it."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import shapely
 from msgspec import Struct
 from msgspec.structs import replace
+from shapely import Polygon
 
-from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.torch import LookSettings, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
+from beamcam.verify.sheets.areas import waste_sides
 from beamcam.verify.sheets.controller_state import SKELETON
 from beamcam.verify.sheets.grid import Pairs
 from beamcam.verify.sheets.joining import Chain
-from beamcam.verify.sheets.paths import on_contour
-from beamcam.verify.sheets.region import aligned, region_of
-from beamcam.verify.sheets.sides import waste_sides
-from beamcam.verify.sheets.strokes import HeadStroke, Strokes
+from beamcam.verify.sheets.paths import aligned, on_contour
+from beamcam.verify.sheets.region import signed_areas
 from beamcam.verify.sheets.toolpaths import Samples, kept_samples
 from beamcam.verify.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
-
-if TYPE_CHECKING:
-    from shapely import Polygon
 
 TOUCHING = 0.01  #: mm by which a contour may leave the one around it
 AT_ONCE = 64  #: rings that are looked at together
@@ -97,8 +92,6 @@ def _inside_of_earlier(cuts: Sequence[Traced]) -> list[tuple[int, int]]:
     done for some rings at a time, so that it takes no more memory the more of them lie above one
     another.
     """
-    import shapely
-
     rings = [k for k, t in enumerate(cuts) if t.ring or t.contour is not None]
     tree = shapely.STRtree(shapely.points(np.array([t.middle for t in cuts]).reshape(-1, 2)))
     pairs: list[tuple[int, int]] = []
@@ -118,8 +111,6 @@ def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[i
 
     They may touch it. One that lies on it all round has the same inside, and either may be first.
     """
-    import shapely
-
     polygon = cuts[ring].inside()
     if polygon is None:
         return []
@@ -134,10 +125,8 @@ def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[i
     ]
 
 
-def _covers(polygon: "Polygon | None", other: "Polygon") -> bool:
+def _covers(polygon: Polygon | None, other: Polygon) -> bool:
     """Whether a polygon has all of another within it, but for what counts as touching."""
-    import shapely
-
     return polygon is not None and bool(shapely.covers(shapely.buffer(polygon, TOUCHING), other))
 
 
@@ -161,15 +150,13 @@ def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     if work.process != "cut" or not heads or not work.need.count:
         return []
     if work.region is None:
-        features = np.array(work.asked.features[work.process])
-        region = region_of(work.need, features, work.torch.gap, work.fine)
-        work = replace(work, region=region)
+        work = replace(work, region=work.asked.region(work.torch).moved(work.shift))
     assert work.region is not None
     asked = _asked(work)
     said = []
-    for t, ring in zip(heads, _rings_of(work, heads).tolist(), strict=True):
+    rows = zip(heads, _rings_of(work, heads).tolist(), _turns(work, heads), strict=True)
+    for t, ring, found in rows:
         wanted = asked[ring] if ring >= 0 else None
-        found = _is_anticlockwise(work, t)
         if wanted is None or found is None or found == wanted:
             continue
         said.append(
@@ -189,11 +176,15 @@ def _asked(work: Work) -> list[bool | None]:
     """Of each ring whether it is to be followed counter-clockwise; None if that is left open."""
     assert work.region is not None
     rings, polygons = work.region.rings, work.region.polygons
-    turned = [_area(np.array(polygon.exterior.coords)) > 0.0 for polygon in polygons]
+    turned = work.region.anticlockwise.tolist()
     # Of contours that cross, neither lies inside of the other.
     clear = shapely.is_valid(polygons)
-    crossing, _ = shapely.STRtree(polygons[clear]).query(polygons[clear], "overlaps")
-    clear[np.flatnonzero(clear)[crossing]] = False
+    one, other = np.flatnonzero(clear)[shapely.STRtree(polygons[clear]).query(polygons[clear])]
+    one, other = one[one < other], other[one < other]
+    crossing = shapely.intersects(*(shapely.get_exterior_ring(polygons[k]) for k in (one, other)))
+    one, other = one[crossing], other[crossing]
+    crossing = shapely.overlaps(polygons[one], polygons[other])
+    clear[one[crossing]] = clear[other[crossing]] = False
     way = work.torch.direction
     sides = waste_sides(work) if way != "drawn" else np.zeros(0)
     found: list[bool | None] = []
@@ -235,79 +226,39 @@ def _rings_of(work: Work, heads: Sequence[Traced]) -> Counts:
     ring_of = np.full(work.need.count, -1)
     for k, ring in enumerate(work.region.rings):
         ring_of[[way for way, _ in ring]] = k
-    ways = [np.unique(np.linspace(t.first, t.last - 1, ASKED).astype(np.int64)) for t in heads]
-    owner = np.repeat(np.arange(len(heads)), [len(own) for own in ways])
-    every = np.concatenate(ways)
+    ends = np.array([(t.first, t.last - 1) for t in heads])
+    ways = np.linspace(ends[:, 0], ends[:, 1], ASKED, axis=1).astype(np.int64)
+    owner, column = np.nonzero(np.diff(ways, axis=1, prepend=-1))
+    every = ways[owner, column]
     places = work.path.point(every, work.path.lengths[every] / 2)
     most = float(work.slack.max(initial=0.0))
     reaches = (work.half_kerf + most, MITRE * work.half_kerf + 2 * most)
     away, nearest, _ = work.need.nearest_within(places, reaches, ring_of >= 0)
     rings = np.where(np.isfinite(away), ring_of[nearest], -1)
-    found = np.full(len(heads), -1)
-    for k in range(len(heads)):
-        own = rings[owner == k]
-        kinds, times = np.unique(own[own >= 0], return_counts=True)
-        if len(kinds) and 2 * times.max() > len(own):
-            found[k] = kinds[np.argmax(times)]
+    near, found = rings >= 0, np.full(len(heads), -1)
+    count = max(len(work.region.rings), 1)
+    pairs, times = np.unique(owner[near] * count + rings[near], return_counts=True)
+    ruling = 2 * times > np.bincount(owner, minlength=len(heads))[pairs // count]
+    found[pairs[ruling] // count] = pairs[ruling] % count
     return found
 
 
-def _is_anticlockwise(work: Work, head: Traced) -> bool | None:
-    """The turn of strokes that go round a contour together; None of what has no inside."""
-    points = np.concatenate(
-        [work.path.outline(m.first, m.last, work.fine) for m in head.members or [head]]
-    )
-    if len(points) < 3:
-        return None
-    area = _area(points)
-    length = float(np.hypot(*np.diff(points, axis=0, append=points[:1]).T).sum())
-    return None if abs(area) <= MIN_WIDTH * length else area > 0.0
+def _turns(work: Work, heads: Sequence[Traced]) -> list[bool | None]:
+    """Which strokes that go round a contour together do so counter-clockwise.
 
-
-def _area(points: Floats) -> float:
-    """What a ring encloses, above 0 counter-clockwise."""
-    x, y = (points - points[0]).T
-    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum()) / 2
-
-
-# --- passes ---------------------------------------------------------------------------------------
-
-# Contours that are followed several times: passes one after the other, taken for one stroke.
-
-
-def passes_folded(strokes: Strokes, rows: Iterable[TorchRow]) -> Strokes:
-    """Strokes of which each counts its passes; equal ones count as such only behind one another.
-
-    Where no row has more than one pass the strokes come back as they are.
+    None of what has no inside.
     """
-    if all(row.passes == 1 for row in rows):
-        return strokes
-    each: list[HeadStroke] = []
-    kept: list[range] = []
-    count = 0
-    for stroke in strokes.each:
-        if kept and _is_repeat(each[-1], kept[-1], stroke, strokes.moves):
-            each[-1] = replace(each[-1], passes=each[-1].passes + 1)
-            continue
-        kept.append(range(stroke.first, stroke.last))
-        last = count + len(kept[-1])
-        each.append(replace(stroke, first=count, last=last))
-        count = last
-    rows_kept = np.concatenate([np.zeros(0, dtype=np.int64), *(np.array(span) for span in kept)])
-    return Strokes(each, strokes.moves.take(rows_kept.astype(np.int64)))
-
-
-def _is_repeat(first: HeadStroke, span: range, other: HeadStroke, moves: Moves) -> bool:
-    """Whether a stroke repeats the path of one before it, with the same words."""
-    said = (first.row, first.side, first.radius, len(span))
-    if said != (other.row, other.side, other.radius, other.last - other.first):
-        return False
-    a, b = slice(span.start, span.stop), slice(other.first, other.last)
-    columns = (moves.start, moves.end, moves.is_arc, moves.arcs, moves.feed_mm_min)
-    if not all(np.array_equal(column[a], column[b]) for column in columns):
-        return False
-    pairs = zip(span, range(other.first, other.last), strict=True)
-    return all(moves.curves.get(i) == moves.curves.get(k) for i, k in pairs)
+    points, begins = work.path.outlines(work.fine)
+    members = [(m.first, m.last) for head in heads for m in head.members or [head]]
+    rows = [np.arange(begins[first], begins[last]) for first, last in members]
+    first = np.cumsum([0, *(len(head.members or [head]) for head in heads)])
+    ends = np.cumsum([0, *map(len, rows)])[first]
+    areas, lengths = signed_areas(points[np.concatenate(rows)], ends)
+    wide = np.abs(areas) > MIN_WIDTH * lengths
+    return [
+        turned if is_wide else None
+        for turned, is_wide in zip((areas > 0.0).tolist(), wide.tolist(), strict=True)
+    ]
 
 
 # --- look settings --------------------------------------------------------------------------------

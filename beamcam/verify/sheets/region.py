@@ -8,26 +8,33 @@ Which contours are closed says `joining`. All other curves are open and have no 
 no order is asked of them, they bound no part, and the beam stays centred on them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from math import pi
 
 import numpy as np
 import shapely
 from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.near import first_equal
-from beamcam.verify.sheets.grid import Elements, Pairs
+from beamcam.geometry.plane import Point
+from beamcam.machine.torch import Torch
+from beamcam.model.part import extent
 from beamcam.verify.sheets.joining import (
     SLACK,
     WRITTEN_SAME,
     Chain,
+    Stretches,
     closed_features,
     closed_rings,
     rings_of,
+    trim,
+    whole,
 )
-from beamcam.verify.sheets.overlaps import Stretches, trim, whole
-from beamcam.verify.sheets.toolpaths import Samples, Toolpaths
+from beamcam.verify.sheets.toolpaths import Toolpaths
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
@@ -45,6 +52,11 @@ class Region(Struct, frozen=True):
     closed: Flags  #: ways of a ring, and those that lie on one
     twins: Flags  #: ways that lie on others
     apart: Floats  #: how far a way may be from where it is cut: from its twin, from its neighbours
+    anticlockwise: Flags  #: rings that run so
+
+    def moved(self, shift: Point) -> "Region":
+        """The same elsewhere."""
+        return replace(self, polygons=shapely.transform(self.polygons, lambda at: at + shift))
 
     def depth(self, points: Floats) -> Counts:
         """Number of contours that enclose each point (n, 2)."""
@@ -68,28 +80,45 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     rank = _ranks(toolpaths, own)
     twins = _lie_on(toolpaths, rank, SAME_PLACE)
     drawn = whole(toolpaths, fine)
-    rings = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
+    drawn_so = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
     loose = [k for k in real.tolist() if not own[k] and not twins[k]]
-    once = [ring for ring in rings if not all(twins[k] for k, _ in ring)]
+    once = [ring for ring in drawn_so if not all(twins[k] for k, _ in ring)]
     trim(drawn, toolpaths, loose, np.where(twins, toolpaths.count, rank), WRITTEN_SAME)
     once += rings_of(drawn, loose, gap)
-    sizes = np.diff(drawn.begins)
-    once = [ring for ring in once if sizes[[k for k, _ in ring]].sum() > 3]
-    polygons = _polygons(drawn, once)
+    sizes = np.diff(drawn.begins).tolist()
+    once = [ring for ring in once if sum(sizes[k] for k, _ in ring) > 3]
+    rings = _Rings.of(once)
+    polygons = rings.polygons(drawn) if once else np.zeros(0, dtype=object)
     # A line there and back again has no inside.
     wide = shapely.area(polygons) > MIN_WIDTH * shapely.length(polygons)
     again, under = _same_rings(polygons, gap)
-    closed, apart = np.zeros(toolpaths.count, dtype=bool), _joined(drawn, once) + SAME_PLACE * twins
-    closed[[k for ring, is_wide in zip(once, wide, strict=True) if is_wide for k, _ in ring]] = True
-    closed |= twins & _on(toolpaths, closed, SAME_PLACE)
-    twins[[k for r in again for k, _ in once[r]]] = True
+    closed, apart = np.zeros(toolpaths.count, dtype=bool), rings.gaps(drawn) + SAME_PLACE * twins
+    closed[rings.ways[wide[rings.ring]]] = True
+    closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
+    twins[rings.ways_of(again)] = True
     apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(toolpaths, gap)))
-    apart[[k for r in again | under for k, _ in once[r]]] += gap
+    apart[rings.ways_of(again | under)] += gap
     wide[list(again)] = False
-    apart[[k for r in _looped(polygons, gap) for k, _ in once[r]]] += gap
+    apart[rings.ways_of(_looped(polygons, gap))] += gap
     once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
     polygons = polygons[wide]
-    return Region(polygons, once, closed, twins, apart)
+    points, ring = shapely.get_coordinates(polygons, return_index=True)
+    turned = signed_areas(points, np.searchsorted(ring, np.arange(len(once) + 1)))[0] > 0.0
+    return Region(polygons, once, closed, twins, apart, turned)
+
+
+def signed_areas(points: Floats, begins: Counts) -> tuple[Floats, Floats]:
+    """What rings of points (n, 2) enclose, above 0 counter-clockwise, and how long they are.
+
+    `begins` tells where the points of each begin, and where the last end.
+    """
+    if len(begins) < 2:
+        return np.zeros(0), np.zeros(0)
+    after = np.arange(1, len(points) + 1)
+    after[begins[1:] - 1] = begins[:-1]
+    x, y = (points - np.repeat(points[begins[:-1]], np.diff(begins), axis=0)).T
+    areas = np.add.reduceat(x * y[after] - x[after] * y, begins[:-1]) / 2
+    return areas, np.add.reduceat(np.hypot(x[after] - x, y[after] - y), begins[:-1])
 
 
 def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
@@ -140,18 +169,15 @@ def _ranks(toolpaths: Toolpaths, own: Flags) -> Counts:
     return rank
 
 
-def _on(toolpaths: Toolpaths, which: Flags, same: float) -> Flags:
-    """Toolpaths that lie on some of them."""
-    return _lie_on(toolpaths, np.where(which, 0, 1), same)
-
-
 def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:
     """How far the ends of each way are from other ends that they may be joined to, at most."""
-    found = np.zeros(toolpaths.count)
-    ends = np.concatenate((toolpaths.starts, toolpaths.ends))
-    places = shapely.points(ends)
-    a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
-    np.maximum.at(found, a % max(toolpaths.count, 1), np.hypot(*(ends[a] - ends[b]).T))
+    ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
+    places, which = np.unique(ends.view(np.complex128).ravel(), return_inverse=True)
+    points = shapely.points(places.real, places.imag)
+    a, b = shapely.STRtree(points).query(points, "dwithin", distance=gap + SAME_POINT)
+    apart = np.zeros(len(places))
+    np.maximum.at(apart, a, np.abs(places[a] - places[b]))
+    found: Floats = apart[which.ravel()].reshape(2, -1).max(axis=0)
     return found
 
 
@@ -204,146 +230,136 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     return found
 
 
-def _joined(toolpaths: Stretches, rings: Sequence[Chain]) -> Floats:
-    """The greater of the gaps at both ends of each way, between it and its neighbours in a ring."""
-    found = np.zeros(len(toolpaths.starts))
-    for ring in rings:
-        numbers = np.array([k for k, _ in ring])
-        turned = np.array([back for _, back in ring])[:, None]
-        begins = np.where(turned, toolpaths.ends[numbers], toolpaths.starts[numbers])
-        ends = np.where(turned, toolpaths.starts[numbers], toolpaths.ends[numbers])
-        gaps = np.hypot(*(np.roll(begins, -1, axis=0) - ends).T)
-        if gaps.any():
-            found[numbers] = np.maximum(gaps, np.roll(gaps, 1))
-    return found
+class _Rings(Struct, frozen=True):
+    """Rings as arrays, one behind the other."""
+
+    ways: Counts
+    turned: Flags  #: of each way
+    ring: Counts  #: that each way is of
+    begins: Counts  #: of each ring, and where the last ends
+
+    @classmethod
+    def of(cls, rings: Sequence[Chain]) -> "_Rings":
+        begins = np.cumsum([0, *map(len, rings)])
+        columns = np.array([way for ring in rings for way in ring], dtype=np.int64).reshape(-1, 2)
+        ring = np.repeat(np.arange(len(rings)), np.diff(begins))
+        return cls(columns[:, 0], columns[:, 1] == 1, ring, begins)
+
+    def ways_of(self, rings: Iterable[int]) -> Counts:
+        """The ways of some rings."""
+        found: Counts = self.ways[np.isin(self.ring, list(rings))]
+        return found
+
+    def polygons(self, drawn: Stretches) -> NDArray[np.object_]:
+        """The inside of each ring."""
+        begins, sizes = drawn.begins[self.ways], np.diff(drawn.begins)[self.ways]
+        step = np.where(self.turned, -1, 1)
+        first = begins + np.where(self.turned, sizes - 1, 0)
+        number = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        rows = np.repeat(first, sizes) + np.repeat(step, sizes) * number
+        outlines = shapely.linearrings(drawn.points[rows], indices=np.repeat(self.ring, sizes))
+        found: NDArray[np.object_] = shapely.polygons(outlines)
+        return found
+
+    def gaps(self, drawn: Stretches) -> Floats:
+        """The greater of the gaps at both ends of each way, to its neighbours in the ring."""
+        after = np.arange(1, len(self.ways) + 1)
+        after[self.begins[1:] - 1] = self.begins[:-1]
+        back = self.turned[:, None]
+        starts, ends = drawn.starts[self.ways], drawn.ends[self.ways]
+        apart = np.hypot(*(np.where(back, ends, starts)[after] - np.where(back, starts, ends)).T)
+        found = np.zeros(len(drawn.starts))
+        found[self.ways] = apart
+        found[self.ways[after]] = np.maximum(apart, found[self.ways[after]])
+        return found
 
 
-def _polygons(toolpaths: Stretches, rings: Sequence[Chain]) -> NDArray[np.object_]:
-    """The inside of each ring."""
-    if not rings:
-        return np.zeros(0, dtype=object)
-    rows, sizes = [], []
-    for ring in rings:
-        own = [toolpaths.rows(k)[:: -1 if turned else 1] for k, turned in ring]
-        rows += own
-        sizes.append(sum(map(len, own)))
-    indices = np.repeat(np.arange(len(rings)), sizes)
-    polygons: NDArray[np.object_] = shapely.polygons(
-        shapely.linearrings(toolpaths.points[np.concatenate(rows)], indices=indices)
-    )
-    return polygons
+# --- small openings -------------------------------------------------------------------------------
+
+# Round openings and slots of drawings that are smaller than a torch cuts.
 
 
-# --- alignment ------------------------------------------------------------------------------------
-
-# Curves that run along one another, not only near one another at the places that were asked.
-#
-# Places at equal distances on a line may all lie on lines that cross it at equal distances, or on
-# the dashes of a broken line. So a place on one of two sets of curves counts as on the other only
-# where that runs in the same direction, or back; and the first is asked on both sides of each place
-# where the other ends or bends, since nowhere else one can leave the other unseen.
+SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
 
 
-MAX_TURN_RAD = 0.02  #: between lines and arcs that run along one another, of any length
-SMOOTH_RAD = 0.26  #: from one way to the next, where they do not bend
-NEAR_BEND = 4.0  #: slacks from an end or a bend, within which any direction is right
-ASIDE = 8.0  #: slacks from an end or a bend, where the other curve is asked
+class SmallOpening(Struct, frozen=True):
+    """A round opening or a slot of a drawing."""
+
+    centres: tuple[Point, ...]  #: of a slot those of its ends
+    features: tuple[int, ...]  #: that draw it
+    twins: tuple[int, ...]  #: that draw it again
 
 
-def aligned(
-    own: Toolpaths, samples: Samples, other: Toolpaths, pairs: Pairs, slack: float
-) -> Flags:
-    """The pairs of a sample of `own` and an element of `other` in whose direction that runs."""
-    element, share, _ = samples
-    ahead = own.elements.directions(element, share)[pairs.point]
-    length = other.elements.length[pairs.element]
-    at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
-    there = other.elements.directions(pairs.element, at)
-    across = np.abs(ahead[:, 0] * there[:, 1] - ahead[:, 1] * there[:, 0])
-    found: Flags = across <= np.sin(MAX_TURN_RAD)
-    asked = np.flatnonzero(~found)
-    if len(asked):
-        pairs = pairs.kept(asked)
-        most = (
-            _most_turns(own, slack)[element[pairs.point]] + _most_turns(other, slack)[pairs.element]
-        )
-        found[asked] = across[asked] <= np.sin(np.minimum(MAX_TURN_RAD + most, np.pi / 2))
-        found[asked] |= _near_bend(other, pairs, slack)
-    return found
+def small_openings(
+    region: Region, ways: Sequence[Curve], owners: Sequence[int], drawn: Sequence[int],
+    torch: Torch, least: float,
+) -> list[SmallOpening]:  # fmt: skip
+    """The openings among the cuts that are circles or slots narrower than `least`, by their ways.
 
-
-def _most_turns(toolpaths: Toolpaths, slack: float) -> Floats:
-    """Angles in rad by which curves within the slack of elements may differ from their directions.
-
-    A chord of length L, at its middle within the slack s of an arc on one side and at its ends on
-    the other, is 8 s / L off the direction of that at its ends; an arc of radius r is
-    2 sqrt(s / r) off that of such a chord. A chord that the next one leaves at the angle b is one
-    of an arc of radius L / b; of short chords, such as those between whole steps, some may go on
-    straight, so that the next bend counts.
+    An opening is what an odd number of contours enclose, or what lies within one that is too small.
+    `owners` are the features of the `ways`, `drawn` those of contours.
     """
-    elements = toolpaths.elements
-    turns = _turns(elements, slack)
-    bend = _most_near(turns, elements.length, NEAR_BEND * slack)
-    radius = elements.arcs[elements.is_arc, 2]
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # absurdly short or long
-        share = slack / elements.length
-        found: Floats = np.fmin(8.0 * share, bend / 2 + 2.0 * np.sqrt(bend * share))
-        found[elements.is_arc] += 2.0 * np.sqrt(slack / radius)
+    found = []
+    for number, centres in _openings(region, ways, torch.tolerance, least).items():
+        mine = sorted({owners[way] for way, _ in region.rings[number]})
+        hole = shapely.box(*shapely.bounds(shapely.buffer(region.polygons[number], torch.gap)))
+        twins = (k for k in drawn if region.twins[k] and hole.contains(shapely.box(*ways[k].bbox)))
+        found.append(SmallOpening(centres, tuple(mine), tuple(owners[k] for k in twins)))
     return found
 
 
-def _most_near(turns: Floats, lengths: Floats, reach: float) -> Floats:
-    """The greatest turn at an element or no farther from it than `reach`, for each."""
-    places = np.append(0.0, np.cumsum(lengths))
-    first = np.searchsorted(places, places[:-1] - reach)
-    behind = np.searchsorted(places, places[1:] + reach, "right")
-    windows = np.column_stack((first, behind)).ravel()
-    found: Floats = np.maximum.reduceat(np.append(turns, 0.0), windows)[::2]
-    return found
+def _openings(
+    region: Region, ways: Sequence[Curve], tolerance: float, least: float
+) -> dict[int, tuple[Point, ...]]:
+    """The centres of the rings that are small openings, by the rings' numbers."""
+    found: dict[int, tuple[Point, ...]] = {}
+    areas = shapely.area(region.polygons)
+    around = shapely.length(region.polygons)
+    # A slot that has this area and this length all round is as wide as this; chords make it less.
+    widths = (around - np.sqrt(np.maximum(around**2 - 4 * pi * areas, 0.0))) / pi
+    for number in np.flatnonzero(widths < least + tolerance).tolist():
+        curves = [ways[k] for k, _ in region.rings[number]]
+        corners = np.asarray(region.polygons[number].exterior.coords)
+        if centres := _centres(corners, curves, tolerance, least):
+            found[number] = centres
+    if not found:
+        return {}
+    rings = np.array(list(found), dtype=np.int64)
+    middles = shapely.points([centres[0] for centres in found.values()])
+    own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
+    larger = areas[around_it] > areas[rings[own]]
+    openings = rings[np.bincount(own[larger], minlength=len(rings)) % 2 == 1]
+    wider = shapely.STRtree(shapely.buffer(region.polygons[openings], tolerance))
+    inside, _ = wider.query(region.polygons[rings], "covered_by")
+    return {k: found[k] for k in sorted({*openings.tolist(), *rings[inside].tolist()})}
 
 
-def beside_bends(own: Toolpaths, other: Toolpaths, slack: float) -> Samples:
-    """The places of `own` on both sides of where a way of `other` ends or bends beside it.
+def _centres(
+    corners: Floats, curves: Sequence[Curve], tolerance: float, least: float
+) -> tuple[Point, ...]:
+    """The centres of an outline that is a circle or a slot below `least`; none if it is neither.
 
-    Where a way of `own` has no such place inside, the other runs along all of it or nowhere.
+    Its box is that of its curves, as chords of a circle are within it; of one with straight sides
+    that along the longest of them.
     """
-    begins, ends, meets = _bends(other, slack)
-    places = np.concatenate((other.starts[begins], other.ends[ends & ~meets]))
-    pairs = own.near(places, slack)
-    way = own.owner[pairs.element]
-    at = own.at(pairs.element, pairs.along) - own.begins[way]
-    aside = ASIDE * slack
-    inside = np.flatnonzero((at > aside) & (at < own.lengths[way] - aside))
-    way, at = np.tile(way[inside], 2), at[inside]
-    return own.samples_at(way, np.concatenate((at - aside, at + aside)))
-
-
-def _near_bend(toolpaths: Toolpaths, pairs: Pairs, slack: float) -> Flags:
-    """Pairs whose place on the element is near where its way ends or bends."""
-    begins, ends, _ = _bends(toolpaths, slack)
-    way = toolpaths.owner[pairs.element]
-    at, reach = toolpaths.at(pairs.element, pairs.along) - toolpaths.begins[way], NEAR_BEND * slack
-    found: Flags = begins[way] & (at <= reach)
-    return found | (ends[way] & (at >= toolpaths.lengths[way] - reach))
-
-
-def _bends(toolpaths: Toolpaths, slack: float) -> tuple[Flags, Flags, Flags]:
-    """The ways that begin at a bend, those that end at one, and those that end at the next one."""
-    turns, every = _turns(toolpaths.elements, slack), np.arange(toolpaths.count)
-    before, behind = turns[toolpaths.first(every)], turns[toolpaths.last(every) + 1]
-    return before > SMOOTH_RAD, behind > SMOOTH_RAD, np.isfinite(behind)
-
-
-def _turns(elements: Elements, slack: float) -> Floats:
-    """Angles in rad before each element and behind the last, (n + 1,).
-
-    Infinite where nothing goes on, or only what does not come next.
-    """
-    every = np.arange(len(elements))
-    ahead = elements.directions(every, np.zeros(len(every)))
-    behind = elements.directions(every, np.ones(len(every)))
-    meets = np.hypot(*(elements.end[:-1] - elements.start[1:]).T) <= slack
-    turns = np.arccos(np.clip(np.sum(behind[:-1] * ahead[1:], axis=1), -1.0, 1.0))
-    found = np.full(len(every) + 1, np.inf)
-    found[1:-1] = np.where(meets, turns, np.inf)
-    return found
+    sides = [curve for curve in curves if isinstance(curve, Line)]
+    ux, uy = max(sides, key=lambda side: side.length).tangent(0.0) if sides else (1.0, 0.0)
+    axes = np.array([[ux, uy], [-uy, ux]])
+    if float(np.ptp(corners @ axes[1])) >= least:
+        return ()
+    turned = [curve.transformed(((ux, uy, 0.0), (-uy, ux, 0.0))) for curve in curves]
+    low, high = np.array(extent(turned) or (0.0, 0.0, 0.0, 0.0)).reshape(2, 2)
+    long, wide = (high - low).tolist()
+    if abs(long - wide) <= 2 * tolerance:
+        long = wide = (long + wide) / 2
+    if wide > long or wide >= least - SAME_SIZE:
+        return ()
+    middle = (low + high) / 2
+    far = middle + np.array([[-1.0, 0.0], [1.0, 0.0]]) * (long - wide) / 2
+    line = shapely.LineString(far @ axes)
+    places = np.concatenate((corners, (corners[1:] + corners[:-1]) / 2))
+    off = np.abs(shapely.distance(shapely.points(places), line) - wide / 2)
+    if off.max() > tolerance:
+        return ()
+    ends: list[list[float]] = np.unique(far @ axes, axis=0).tolist()
+    return tuple((x, y) for x, y in ends)

@@ -9,6 +9,7 @@ from itertools import dropwhile, takewhile
 
 import numpy as np
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.controllers.dialect import IDLE_SWITCHES, STOPS, tool_words
 from beamcam.controllers.events import (
@@ -32,8 +33,13 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.description import PART_DATA
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.controller_state import ControllerState, Setting, expected_feeds
-from beamcam.verify.sheets.corner_feeds import NearCorners, near_corners
+from beamcam.verify.sheets.controller_state import (
+    ControllerState,
+    NearCorners,
+    Setting,
+    expected_feeds,
+    near_corners,
+)
 
 ENDS = (2, 30)
 _TURNING = (3, 4, 5)  #: M words of a spindle or a tool
@@ -77,6 +83,12 @@ class Strokes(Struct, frozen=True):
     each: list[HeadStroke]
     moves: Moves
 
+    def kept(self, each: Sequence[HeadStroke], which: Flags) -> "Strokes":
+        """Some strokes of these moves, with some of the moves alone."""
+        place = np.concatenate(([0], np.cumsum(which))).tolist()
+        moved = [replace(s, first=place[s.first], last=place[s.last]) for s in each]
+        return Strokes(moved, self.moves.take(np.flatnonzero(which)))
+
 
 class _Words(Struct, frozen=True):
     """The M words of one row: what starts its tool and what stops it."""
@@ -99,13 +111,9 @@ class _Started(Struct):
 
 
 def strokes_of(
-    run: TableRun,
-    machine: Machine,
-    torch: Torch,
-    rows: Iterable[TorchRow],
-    parse: Callable[[str], list[TableEvent]],
-    name: str,
-) -> tuple[Strokes, list[Diagnostic]]:
+    run: TableRun, machine: Machine, torch: Torch, rows: Iterable[TorchRow],
+    parse: Callable[[str], list[TableEvent]], name: str,
+) -> tuple[Strokes, list[Diagnostic]]:  # fmt: skip
     """The strokes of a program whose sheet is worked with `rows`, and what is wrong between them.
 
     `parse` gives the events of a few blocks.

@@ -3,20 +3,20 @@
 A way is one of the curves that they were given as.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import chain
-from typing import TypeGuard, cast
 
 import numpy as np
+import shapely
 from msgspec.structs import replace
+from numpy.typing import NDArray
 
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
+from beamcam.geometry.arrays import CurveTable, arc_ends
+from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.polylines import polylines
-from beamcam.verify.sheets.grid import Elements, Grid, Pairs, Pieces, straight_pieces
-from beamcam.verify.sheets.spline_arcs import spline_pieces
+from beamcam.verify.sheets.grid import Elements, Grid, Pairs
 
 #: Element, share of it and way of each of some places.
 Samples = tuple[Counts, Floats, Counts]
@@ -34,17 +34,10 @@ class Toolpaths:
     def __init__(
         self, curves: Sequence[Curve], tolerance: float, shift: tuple[float, float] = (0.0, 0.0)
     ) -> None:
-        kinds: dict[type, list[int]] = {}
-        for k, curve in enumerate(curves):
-            kinds.setdefault(type(curve), []).append(k)
-        lines = kinds.pop(Line, [])
-        arcs = kinds.pop(Arc, [])
-        rest = sorted(k for which in kinds.values() for k in which)
-        self._build(
-            len(curves), np.array(lines, dtype=np.int64), _line_rows(curves, lines),
-            np.array(arcs, dtype=np.int64), _arc_rows(curves, arcs),
-            {k: curves[k] for k in rest}, tolerance,
-        )  # fmt: skip
+        table = CurveTable(curves)
+        rest = {k: curves[k] for k in table.free()}
+        lines, arcs = table.where(Line), table.where(Arc)
+        self._build(len(curves), lines, table.lines, arcs, table.arcs, rest, tolerance)
         if shift != (0.0, 0.0):
             self._put(self.elements.moved(shift))
 
@@ -71,47 +64,34 @@ class Toolpaths:
         return found
 
     def _build(
-        self,
-        count: int,
-        lines: Counts,
-        line_rows: Floats,
-        arcs: Counts,
-        arc_rows: Floats,
-        rest: Mapping[int, Curve],
-        tolerance: float,
-    ) -> None:
+        self, count: int, lines: Counts, line_rows: Floats, arcs: Counts, arc_rows: Floats,
+        rest: Mapping[int, Curve], tolerance: float,
+    ) -> None:  # fmt: skip
         """From the numbers and rows of the lines and the arcs among `count`, and the other curves.
 
         These by their numbers, ascending. Rows of lines are start and end, those of arcs centre,
         radius, start and sweep in degrees.
         """
         self.count = count
-        drawn = [(lines, _lines(line_rows)), (arcs, _arcs(arc_rows))]
         self.rest: Counts = np.array(list(rest), dtype=np.int64)  #: neither lines nor arcs
-        free = {k: curve for k, curve in rest.items() if _is_free(curve)}
-        others = {k: curve for k, curve in rest.items() if k not in free}
-        if free:
-            drawn.append((np.array(list(free)), spline_pieces(list(free.values()), tolerance)))
-        if others:
-            drawn.append((np.array(list(others)), _chords(list(others.values()), tolerance)))
-        counts = np.zeros(count, dtype=np.int64)
-        for which, pieces in drawn:
-            counts[which] = pieces.counts
+        drawn = polylines(list(rest.values()), tolerance)
+        counts = np.ones(count, dtype=np.int64)
+        counts[self.rest] = np.diff(drawn.begins) - 1
         self._behind = np.cumsum(counts)  #: the element behind the last of each way
         self._first = self._behind - counts
         self.owner: Counts = np.repeat(np.arange(count), counts)
-        total = len(self.owner)
-        start, end, rows = np.empty((total, 2)), np.empty((total, 2)), np.empty((total, 5))
-        is_arc = np.empty(total, dtype=bool)
-        for which, pieces in drawn:
-            at = self._first[which]
-            if len(pieces.start) > len(which):
-                behind = np.cumsum(pieces.counts)
-                at = np.arange(len(pieces.start)) + np.repeat(
-                    at - behind + pieces.counts, pieces.counts
-                )
-            start[at], end[at], is_arc[at], rows[at] = pieces.columns
-        self._put(Elements(start, end, is_arc, rows))
+        ends = np.empty((len(self.owner), 4))
+        is_arc, rows = np.zeros(len(ends), dtype=bool), np.zeros((len(ends), 5))
+        ends[self._first[lines]] = line_rows
+        at = self._first[arcs]
+        ends[at], is_arc[at] = arc_ends(arc_rows), True
+        rows[at] = np.column_stack((arc_rows[:, :3], np.radians(arc_rows[:, 3:])))
+        is_rest = np.zeros(count, dtype=bool)
+        is_rest[self.rest] = True
+        starts = np.delete(np.arange(len(drawn.points)), drawn.begins[1:] - 1)
+        chords = np.hstack((drawn.points[starts], drawn.points[starts + 1]))
+        ends[is_rest[self.owner]] = chords
+        self._put(Elements(ends[:, :2].copy(), ends[:, 2:].copy(), is_arc, rows))
 
     def _put(self, elements: Elements) -> None:
         self.elements = elements
@@ -154,12 +134,9 @@ class Toolpaths:
         return self._grids[-1]
 
     def nearest_within(
-        self,
-        points: Floats,
-        reaches: Sequence[float],
-        which: Flags | None = None,
+        self, points: Floats, reaches: Sequence[float], which: Flags | None = None,
         fits: Callable[[Pairs], Flags] | None = None,
-    ) -> tuple[Floats, Counts, Floats]:
+    ) -> tuple[Floats, Counts, Floats]:  # fmt: skip
         """Of each point the nearest way, of some of them: how far it is, which, how far along it.
 
         Of the ways `which`, and the pairs that `fits`. Infinitely far where there is none within
@@ -257,6 +234,15 @@ class Toolpaths:
         behind = np.concatenate(([0], np.cumsum(counts)))
         return points, behind[np.concatenate(([0], self._behind))]
 
+    def lines(self, tolerance: float, owner: Counts | None = None) -> NDArray[np.object_]:
+        """A line along each way, or along all ways of each owner, as `outline` has them."""
+        points, begins = self.outlines(tolerance)
+        own = np.arange(self.count) if owner is None else owner
+        found: NDArray[np.object_] = shapely.linestrings(
+            points, indices=np.repeat(own, np.diff(begins))
+        )
+        return found
+
     def _points(self, low: int, high: int, tolerance: float) -> tuple[Floats, Counts]:
         """Points along some elements, and how many of each."""
         arcs = self.elements.arcs[low:high]
@@ -305,27 +291,10 @@ def joined_samples(*several: Samples) -> Samples:
     return element, share, way
 
 
-def kept_samples(samples: Samples, which: Flags) -> Samples:
+def kept_samples(samples: Samples, which: Flags | Counts) -> Samples:
     """Some of the samples."""
     element, share, way = samples
     return element[which], share[which], way[which]
-
-
-def _line_rows(curves: Sequence[Curve], which: Sequence[int]) -> Floats:
-    """Start and end of the lines among curves, (n, 4)."""
-    lines = cast("Iterable[Line]", (curves[k] for k in which))
-    return _rows([(*line.start, *line.end) for line in lines], 4)
-
-
-def _arc_rows(curves: Sequence[Curve], which: Sequence[int]) -> Floats:
-    """Centre, radius, start and sweep in degrees of the arcs among curves, (n, 5)."""
-    arcs = cast("Iterable[Arc]", (curves[k] for k in which))
-    return _rows([(*a.centre, a.radius, a.start_deg, a.sweep_deg) for a in arcs], 5)
-
-
-def _rows(values: Iterable[Sequence[float]], width: int) -> Floats:
-    """Records of equally many numbers as the rows of an array."""
-    return np.fromiter(chain.from_iterable(values), dtype=np.float64).reshape(-1, width)
 
 
 def _nearest(pairs: Pairs, group: Counts) -> Pairs:
@@ -336,43 +305,3 @@ def _nearest(pairs: Pairs, group: Counts) -> Pairs:
     least = np.minimum.reduceat(pairs.away, first)
     best = np.flatnonzero(pairs.away == np.repeat(least, np.diff(first, append=len(group))))
     return pairs.kept(best[np.flatnonzero(np.diff(group[best], prepend=-1))])
-
-
-def _arc_ends(arcs: Floats) -> tuple[Floats, Floats]:
-    """Both ends of arcs whose angles are in degrees; exact on the axes, and circles close."""
-    found = []
-    for angle in (arcs[:, 3], arcs[:, 3] + arcs[:, 4]):
-        turn = np.radians(angle)
-        unit = np.column_stack((np.cos(turn), np.sin(turn)))
-        quarter = angle % 90.0 == 0.0
-        unit[quarter] = np.rint(unit[quarter])
-        found.append(arcs[:, :2] + arcs[:, 2:3] * unit)
-    start, end = found
-    whole = np.abs(arcs[:, 4]) == 360.0
-    end[whole] = start[whole]
-    return start, end
-
-
-def _lines(rows: Floats) -> Pieces:
-    return straight_pieces(np.ones(len(rows), dtype=np.int64), rows[:, :2], rows[:, 2:])
-
-
-def _arcs(rows: Floats) -> Pieces:
-    """Arcs whose angles are in degrees."""
-    start, end = _arc_ends(rows)
-    ones = np.ones(len(rows), dtype=np.int64)
-    turned = np.column_stack((rows[:, :3], np.radians(rows[:, 3:])))
-    return Pieces(ones, start, end, ones.astype(bool), turned)
-
-
-def _is_free(curve: Curve) -> TypeGuard[BSpline | Bezier]:
-    """Whether a curve is a polynomial, or some of them."""
-    return isinstance(curve, Bezier) or (isinstance(curve, BSpline) and curve.weights is None)
-
-
-def _chords(curves: Sequence[Curve], tolerance: float) -> Pieces:
-    """Chords along curves that are not polynomials."""
-    drawn = polylines(curves, tolerance)
-    counts = np.diff(drawn.begins) - 1
-    starts = np.delete(np.arange(len(drawn.points)), drawn.begins[1:] - 1)
-    return straight_pieces(counts, drawn.points[starts], drawn.points[starts + 1])

@@ -1,28 +1,26 @@
 """The strokes of one process and the curves that they should follow."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from math import inf, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 from msgspec import Struct, field
 from msgspec.structs import replace
+from numpy.typing import NDArray
+from shapely import Polygon
 
 from beamcam.controllers.moves import Moves
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.verify.sheets import rules
-from beamcam.verify.sheets.gaps import widest_gap
+from beamcam.verify.sheets.grid import widest_gap
 from beamcam.verify.sheets.need import Need
+from beamcam.verify.sheets.region import Region, small_ways
 from beamcam.verify.sheets.strokes import HeadStroke, Strokes
 from beamcam.verify.sheets.toolpaths import Toolpaths
-
-if TYPE_CHECKING:
-    from shapely import Polygon
-
-    from beamcam.verify.sheets.region import Region
-    from beamcam.verify.sheets.toolpaths import Toolpaths
 
 SPACING = 4.0  #: mm between samples
 MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
@@ -47,7 +45,7 @@ class Traced(Struct):
     box: tuple[float, float, float, float]  #: around the ring
     group: int  #: of strokes of one contour
     goes_round: bool  #: by itself, or with others and the bridges between them
-    contour: "Polygon | None" = None  #: inside of the closed contour that it keeps off
+    contour: Polygon | None = None  #: inside of the closed contour that it keeps off
     over: float = 0.0  #: mm of its ways that are not part of the ring, and run along a contour
     before: float = 0.0  #: of `over`, what lies before the ring
     beyond: float = 0.0  #: mm behind the ring that do not run along it
@@ -58,14 +56,12 @@ class Traced(Struct):
     joined: bool = False  #: whether it goes round a contour together with others
     small: bool | None = False  #: whether it goes round a small hole; None: as good as either
 
-    def inside(self) -> "Polygon | None":
+    def inside(self) -> Polygon | None:
         """The polygon that it goes round; None of less than a triangle, or if another has it.
 
         And of a path that runs round many times, which no contour does: parting it into rings
         that do not meet would take gigabytes.
         """
-        import shapely
-
         if self.contour is not None or not self.ring:
             return self.contour
         points = np.concatenate([self.path.outline(a, b, self.fine) for a, b in self.ring])
@@ -79,15 +75,13 @@ class Traced(Struct):
 
     def corners(self) -> Floats:
         """Places of the contour, (n, 2); chords between them are at most `fine` off."""
-        import shapely
-
         if self.contour is None:
             return self.path.outline(self.first, self.last, self.fine)
         found: Floats = shapely.get_coordinates(self.contour)
         return found
 
 
-class Work(Struct, frozen=True):
+class Work(Struct, dict=True):
     """One process: what is needed, what is followed, and how near that has to be."""
 
     process: TorchProcess
@@ -103,7 +97,7 @@ class Work(Struct, frozen=True):
     tolerance: float
     slack: Floats  #: what each needed curve may be off: the tolerance and what joining may move
     half_kerf: float  #: of the beam, that keeps off closed contours; 0 stays on them
-    region: "Region | None"  #: of a beam that keeps off
+    region: Region | None  #: of a beam that keeps off
     small: Flags  #: needed curves that are too small to be cut
     shift: tuple[float, float]
     name: str
@@ -113,6 +107,11 @@ class Work(Struct, frozen=True):
     def beside(self) -> Flags:
         """The required curves with kerf compensation."""
         return np.zeros(self.need.count, dtype=bool) if self.region is None else self.region.closed
+
+    @cached_property
+    def contours(self) -> NDArray[np.object_]:
+        """The required curves as lines; chords are at most `fine` off."""
+        return self.need.lines(self.fine)
 
     def on_kept_off(self, points: Floats) -> Flags:
         """Points that lie on a contour which the beam keeps off.
@@ -219,15 +218,9 @@ class Work(Struct, frozen=True):
 
 
 def work_of(
-    process: TorchProcess,
-    strokes: Strokes,
-    need: Need,
-    step: float,
-    torch: Torch,
-    shift: tuple[float, float],
-    name: str,
-    stepped: bool = False,
-) -> Work:
+    process: TorchProcess, strokes: Strokes, need: Need, step: float, torch: Torch,
+    shift: tuple[float, float], name: str, stepped: bool = False,
+) -> Work:  # fmt: skip
     """The strokes of a process among all, and the curves that it needs."""
     mine = [s for s in strokes.each if s.process == process]
     counts = np.array([s.last - s.first for s in mine], dtype=np.int64)
@@ -243,9 +236,7 @@ def work_of(
     tolerance = torch.tolerance + 2 * step + fine
     # What joining ends may move is allowed where there is something to join.
     if half_kerf and len(curves):
-        from beamcam.verify.sheets.region import region_of
-
-        region = region_of(toolpaths, np.array(need.features[process]), torch.gap, fine)
+        region = need.region(torch).moved(shift)
         joined = region.apart
     else:
         tolerance += widest_joint(toolpaths, torch.gap)
@@ -262,8 +253,6 @@ def _small(toolpaths: Toolpaths, gap: float) -> Flags:
     """Curves no larger than the gap that is closed between two ends."""
     if not (toolpaths.lengths <= 4 * gap).any():
         return np.zeros(toolpaths.count, dtype=bool)
-    from beamcam.verify.sheets.region import small_ways
-
     return small_ways(toolpaths, gap)
 
 
@@ -308,7 +297,7 @@ def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, f
     return Strokes(each, strokes.moves)
 
 
-def _away(toolpaths: "Toolpaths") -> Away:
+def _away(toolpaths: Toolpaths) -> Away:
     """Median distance of points from the nearest curve."""
 
     def measured(places: Floats) -> float:

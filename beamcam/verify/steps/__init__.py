@@ -41,21 +41,24 @@ def verify_table(
     machine: Machine,
     skips: Collection[str] = (),
     name: str = "program",
+    head: str = "",
 ) -> tuple[Diagnostic, ...]:
     """All faults of a table, by itself and against its part.
 
-    `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut. Without
-    parts it is looked at by itself. Raises ValueError for another form.
+    `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut; `head` is
+    the text whose head has to say where sound parts lie, if one has to. Without parts it is
+    looked at by itself. Raises ValueError for another form.
     """
     stepper = machine.needed(machine.stepper, "stepping motors")
     if form not in FORMS:
         raise ValueError(f"found a table of form {form!r}; expected one of {', '.join(FORMS)}")
     stream = Stream(pieces, name)
-    part, faults = None, list[Diagnostic]()
+    part, sheet, asked = None, None, machine
     if parts:
-        from beamcam.verify.sheets.controller_state import as_one
+        from beamcam.verify.sheets.controller_state import as_one, with_told
 
-        part, machine, faults = as_one(parts, machine, skips)
+        sheet = as_one(parts, machine, skips)
+        part, machine = sheet.part, sheet.machine
     table: Followed | Velocities
     if form == VELOCITIES:
         outline = OutlineCheck(part, machine, skips, sqrt(2.0) * ROUND, 0.0, name)
@@ -71,7 +74,10 @@ def verify_table(
     table.finish()
     if errors_in(table.said):
         return (*table.said, *outline.said)
-    return (*table.said, *faults, *outline.compare())
+    if sheet is None:
+        return (*table.said, *outline.compare())
+    said = (*table.said, *sheet.said, *outline.compare())
+    return with_told(said, head, parts, sheet.places, asked, skips, name)
 
 
 def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:

@@ -13,8 +13,8 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Part
 from beamcam.verify.polylines import DrawnPath, compare_polylines
+from beamcam.verify.sheets.marks import text_process
 from beamcam.verify.sheets.need import Need, need_of, rows_of, shift_of
-from beamcam.verify.sheets.texts import text_process
 from beamcam.verify.sheets.toolpaths import Toolpaths
 from beamcam.verify.sheets.work import widest_joint
 from beamcam.verify.steps import rules

@@ -21,7 +21,7 @@ from beamcam.model.hatch import hatched
 from beamcam.model.part import Contour, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.verify.sheets.hatch import hatch_faults
+from beamcam.verify.sheets.marks import hatch_faults
 from beamcam.verify.sheets.need import need_of
 from tests.conftest import SAMPLES, examples, sampled
 from tests.test_grbl_rules import faults

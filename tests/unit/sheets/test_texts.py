@@ -300,6 +300,12 @@ def test_a_drawing_that_is_only_lettered_stands_where_it_is_drawn() -> None:
     assert not errors_in(found_in(posted.text, drawing(text("AB"))))
 
 
+def test_a_drawing_that_is_only_lettered_has_all_of_its_texts() -> None:
+    both = drawing(text("AB"), text("CD", y=80.0))
+    assert not errors_in(found_in(post([both], PLATE).text, both))
+    assert "verify-sheet-missing" in codes(found_in(post([drawing(text("AB"))], PLATE).text, both))
+
+
 # Programs and plans that letter otherwise than the part has it.
 
 
