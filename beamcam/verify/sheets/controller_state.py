@@ -247,8 +247,11 @@ def _places(
     left = bottom = torch.margin
     spacing = between(parts[0], torch)
     top = bottom
+    needs: dict[int, Need] = {}  #: many are the same part
     for part in parts:
-        need = need_of(part, machine, torch, skips)
+        if id(part) not in needs:
+            needs[id(part)] = need_of(part, machine, torch, skips)
+        need = needs[id(part)]
         x0, y0, x1, y1 = _box(need)
         if left + (x1 - x0) > torch.length - torch.margin and top > bottom:
             left, bottom = torch.margin, top + spacing

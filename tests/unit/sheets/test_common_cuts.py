@@ -9,7 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.errors import PlanError
+from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
@@ -17,6 +17,8 @@ from beamcam.model.part import Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
+from beamcam.planning.contours.kerf import in_levels
+from beamcam.planning.contours.outline import Shape
 from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
@@ -328,3 +330,13 @@ def test_a_shared_arc_stays_shared() -> None:
     part = drawing(contour(left), contour(right, line=2), thickness=3.0)
     with pytest.raises(PlanError, match="plan-shared-edge"):
         post((part,), nested())
+
+
+def test_closed_contours_alone_have_their_levels() -> None:
+    inner, outer = (
+        Shape("cut", curves, True, (line,), Source("p.dxf", line), parent=parent)
+        for line, (curves, parent) in enumerate([(circle(50, 50, 20), 1), (box(0, 0, 99, 99), -1)])
+    )
+    torch = nested().torch
+    assert torch is not None
+    assert [shape.level for shape in in_levels([inner, outer], torch)] == [0, 0]
