@@ -67,7 +67,7 @@ def _faults(job: object, bar: object, skips: object) -> Iterator[Diagnostic]:
     if not isinstance(job, str):
         yield ask_type("job", job, "a text")
     elif expected := expected_job(job):
-        from beamcam.conversion.diagnosis import shown
+        from beamcam.conversion import shown
 
         yield ASK_JOB.at(_HERE, found=shown(job), expected=expected)
     if bar is not None:

@@ -32,7 +32,7 @@ from beamcam.model.program import Feed, Movement, Traverse
 from beamcam.motion.sheet import sheet_program
 from beamcam.pipeline import post, read_file
 from beamcam.planning.sheet import plan_sheet
-from beamcam.processes import collector_seldom
+from beamcam.system import collector_seldom
 from beamcam.verify.sheets import verify_sheet
 
 RUNS = 3

@@ -48,9 +48,8 @@ def measure(path: Path) -> dict[str, float]:
     """Seconds of opening and of reading, the members read, and the memory that took."""
     import ifcopenshell
 
-    from beamcam.processes import collector_seldom
     from beamcam.readers.ifc import Options, read
-    from beamcam.system import cores
+    from beamcam.system import collector_seldom, cores
 
     collector_seldom()
     data = path.read_bytes()

@@ -14,7 +14,8 @@ from msgspec import Struct
 
 from beamcam.batch.work import FileResult, Shop, Task, died, make_all, thaw
 from beamcam.interrupts import Asked
-from beamcam.processes import Died, Pool, collector_seldom
+from beamcam.processes import Died, Pool
+from beamcam.system import collector_seldom
 
 Chunk = tuple[Task, ...]
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed

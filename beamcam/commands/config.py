@@ -116,7 +116,7 @@ def _remember(folders: tuple[str, ...], voice: Voice) -> None:
 
 def _rows(key: str) -> tuple[str, ...]:
     """The rows that the table of a key may have, as far as they have names."""
-    from beamcam.conversion.diagnosis import plain
+    from beamcam.conversion import plain
 
     kind = plain(get_type_hints(ConfigFile)[key])
     if isinstance(kind, type) and issubclass(kind, Struct):

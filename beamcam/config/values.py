@@ -315,7 +315,7 @@ def _check_colours(colours: Mapping[str, object]) -> None:
 
 def _said(fault: Fault, place: Place) -> Diagnostic:
     """The message for an invalid key of a configuration."""
-    from beamcam.conversion.diagnosis import shown
+    from beamcam.conversion import shown
 
     at = place.child(*fault.path)
     if fault.kind == "unknown":

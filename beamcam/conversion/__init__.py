@@ -4,13 +4,189 @@ msgspec stops at the first fault and says what it expected. `Fault` adds what it
 of a table's row, the value that was found, the words that may stand there, the nearest known key.
 """
 
+import re
+from collections.abc import Callable, Iterable, Mapping
 from math import isfinite
+from reprlib import Repr
 from threading import Lock
-from typing import Annotated, Any, TypeVar
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
-from msgspec import Meta, Struct, ValidationError, convert
+from msgspec import Meta, Struct, UnsetType, ValidationError, convert
+from msgspec.structs import fields
 
-from beamcam.conversion.diagnosis import Fault, Hook, Path, nearest
+# --- fault ----------------------------------------------------------------------------------------
+
+# A value that a record does not take.
+
+
+Path = tuple[str | int, ...]
+Hook = Callable[[Any, Any], Any]  #: type and value: the value as that type, or ValueError
+
+
+class Fault(ValueError):
+    """A value that a record does not take."""
+
+    def __init__(
+        self,
+        kind: Literal["unknown", "missing", "type", "value"],
+        path: Path,
+        found: object,
+        expected: str,
+        known: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__(kind, path, found, expected)
+        self.kind = kind
+        self.path = path  #: keys and indices from the top; of a missing key its own
+        self.found = found
+        self.expected = expected
+        self.known = known  #: of an unknown key, those that there are
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The known word most like `word`, as a suggestion; all of them where none is like it."""
+    from difflib import get_close_matches
+
+    names = sorted(known)
+    close = get_close_matches(word, names, 1, 0.6)
+    return repr(close[0]) if close else "one of " + ", ".join(names)
+
+
+_SAID = re.compile(r"(.*?)(?: - at (`key` in )?`\$([^`]*)`)?", re.DOTALL)
+_STEP = re.compile(r"([^.\[\]]+)|\[([^\]]+)\]")
+_KEY = re.compile(r"(Object contains unknown|Object missing required) field `(.*)`", re.DOTALL)
+_BOUND = re.compile(r"Expected `(?:float|int)[^`]*` (>=|>|<=|<) (\S+)")
+_TEXT = re.compile(r"Expected `str[^`]*` of length")
+_LENGTH = re.compile(r"Expected `array` of length (>= )?(\d+)")
+_KIND = re.compile(r"Expected `([^`]+)`")
+
+_BOUNDS = {">": "more than {}", ">=": "{} or more", "<": "less than {}", "<=": "at most {}"}
+_KINDS = {
+    "float": "a number", "int": "a whole number", "str": "a text", "bool": "true or false",
+    "object": "a table",
+}  # fmt: skip
+_MANY = {float: " of numbers", str: " of texts"}
+
+
+def fault_of(message: str, value: Any, hint: Any, hook: Hook | None, above: Path = ()) -> Fault:
+    """The fault behind a message of msgspec about `value`, which should have been a `hint`."""
+    said = _SAID.fullmatch(message)
+    assert said is not None  # as it matches any text
+    what, is_key, steps = said[1], said[2], _STEP.findall(said[3] or "")
+    path = above
+    for name, index in steps:
+        inner = inner_hint(hint, name)
+        if index == "...":
+            return _fault_of_row(value, inner, hook, path) or Fault("type", path, value, what)
+        key = int(index) if index else name
+        hint, value, path = inner, value[key], (*path, key)
+    if is_key:
+        names = plain(get_args(plain(hint))[0])
+        if get_origin(names) is Literal:
+            key = next(key for key in value if key not in get_args(names))
+            return Fault("unknown", (*path, key), key, nearest(key, get_args(names)))
+        fault = _fault_of_row({key: key for key in value}, names, hook, path)
+        return fault or Fault("type", path, value, what)
+    field = _KEY.fullmatch(what)
+    if field is None:
+        kind: Literal["type", "value"] = "type" if ", got " in what else "value"
+        return Fault(kind, path, value, _expected(what, hint, value))
+    if field[1].endswith("required"):
+        return Fault("missing", (*path, field[2]), None, field[2])
+    known = tuple(f.encode_name for f in fields(plain(hint, dict)))
+    return Fault("unknown", (*path, field[2]), field[2], nearest(field[2], known), known)
+
+
+def _fault_of_row(rows: Any, hint: Any, hook: Hook | None, path: Path) -> Fault | None:
+    """The fault of the first row of a table that is no `hint`; msgspec does not name its key."""
+    for key, item in rows.items():
+        try:
+            convert(item, hint, dec_hook=hook)
+        except ValidationError as error:
+            return fault_of(str(error), item, hint, hook, (*path, key))
+    return None
+
+
+def plain(hint: Any, holder: type = object) -> Any:
+    """A type without None beside it and without limits.
+
+    Of several types it is the first one, or the one that a dict or a list becomes: the `holder`.
+    """
+    origin = get_origin(hint)
+    if origin is Annotated:
+        return plain(get_args(hint)[0], holder)
+    if origin in (Union, UnionType):
+        kinds = [plain(a) for a in get_args(hint) if a not in (type(None), UnsetType)]
+        return next((kind for kind in kinds if _holds(kind) is holder), kinds[0])
+    return hint
+
+
+def _holds(kind: Any) -> type | None:
+    """Whether a type is read from a dict or a list; None for a single value."""
+    origin = get_origin(kind)
+    if origin is tuple:
+        return list
+    is_record = isinstance(kind, type) and issubclass(kind, Struct)
+    return dict if is_record or (isinstance(origin, type) and issubclass(origin, Mapping)) else None
+
+
+def inner_hint(hint: Any, name: str) -> Any:
+    """The type of a record's field; without a name, that of a list's or table's values."""
+    if name:
+        return next(f.type for f in fields(plain(hint, dict)) if f.encode_name == name)
+    hint = plain(hint, list)
+    return get_args(hint)[1 if issubclass(get_origin(hint), Mapping) else 0]
+
+
+def _expected(what: str, hint: Any, found: object) -> str:
+    """Values allowed in place of `found`, in words."""
+    if what == "Number out of range" or (isinstance(found, float) and not isfinite(found)):
+        return "a finite number"
+    choices = plain(hint)
+    if get_origin(choices) is Literal:
+        others = "".join(f", or {_in_words(kind)}" for kind in _alternatives(hint)[1:])
+        return "one of " + ", ".join(map(repr, get_args(choices))) + others
+    if bound := _BOUND.match(what):
+        return _BOUNDS[bound[1]].format(f"{float(bound[2]):g}")
+    if _TEXT.match(what):
+        return "a text"
+    if length := _LENGTH.match(what):
+        return f"a list of {length[2]}{' or more' if length[1] else ''}"
+    kind = _KIND.match(what)
+    if kind and kind[1].startswith("array"):
+        return "a list" + _MANY.get(plain(inner_hint(hint, "")), "")
+    if kind:
+        return " or ".join(_KINDS[k] for k in kind[1].split(" | ") if k in _KINDS)
+    return what  # a hook's own words, in its own words
+
+
+def _alternatives(hint: Any) -> list[Any]:
+    """The types that a value may have, without None."""
+    if get_origin(hint) not in (Union, UnionType):
+        return [hint]
+    return [kind for kind in get_args(hint) if kind not in (type(None), UnsetType)]
+
+
+def _in_words(kind: Any) -> str:
+    """A type with its least value, if it has one."""
+    meta = next(iter(getattr(kind, "__metadata__", ())), None)
+    least = getattr(meta, "ge", None)
+    said = _KINDS.get(getattr(plain(kind), "__name__", ""), "a table")
+    return said if least is None else f"{said}, {_BOUNDS['>='].format(least)}"
+
+
+_REPR = Repr()
+_REPR.maxlevel, _REPR.maxlist, _REPR.maxdict = 4, 12, 12
+_REPR.maxstring = _REPR.maxother = 80
+
+
+def shown(value: object) -> str:
+    """A value for a message, however long or deep it is."""
+    try:
+        return _REPR.repr(value)
+    except ValueError:  # more digits than Python prints
+        return "a number of thousands of digits"
+
 
 __all__ = [
     "MAX_NUMBER",
@@ -52,8 +228,6 @@ def converted(value: object, record: type[Record], hook: Hook | None = None) -> 
         try:
             result = convert(value, record, dec_hook=hook)
         except ValidationError as error:
-            from beamcam.conversion.diagnosis import fault_of
-
             raise fault_of(str(error), value, record, hook) from None
     odd = _odd_number(value)
     if odd is not None:

@@ -188,7 +188,7 @@ def _checksum(table: dict[str, Any]) -> str:
 
 def _said(fault: Fault, place: Place) -> Diagnostic:
     """The message for an invalid key of a machine file."""
-    from beamcam.conversion.diagnosis import shown
+    from beamcam.conversion import shown
 
     at = place.child(*fault.path)
     if fault.kind == "unknown":

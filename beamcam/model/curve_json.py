@@ -72,7 +72,7 @@ _SHOWN = 60  #: characters of a value that a message shows
 
 def show(value: object) -> str:
     """`value` for a message, cut to a length that can be read."""
-    from beamcam.conversion.diagnosis import shown
+    from beamcam.conversion import shown
 
     text = shown(value)
     return text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "..."

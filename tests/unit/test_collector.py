@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import beamcam
-from beamcam.processes import SELDOM
+from beamcam.system import SELDOM
 
 SAMPLES = Path(__file__).resolve().parents[2] / "samples"
 PACKAGE = SAMPLES.parent / "beamcam"
@@ -47,7 +47,7 @@ def test_rings_are_found_all_the_same() -> None:
     """However long a command runs, what points to itself does not gather."""
     code = (
         "import gc\n"
-        "from beamcam.processes import collector_seldom\n"
+        "from beamcam.system import collector_seldom\n"
         "collector_seldom()\n"
         "before = len(gc.get_objects())\n"
         f"for _ in range({2 * SELDOM[0]}):\n    ring = []\n    ring.append(ring)\n"

@@ -3,7 +3,7 @@
 A drill fits if it differs from the hole by no more than the machine's tolerance for that
 diameter; of those that fit the nearest is taken. Tools that differ by less than `drill.twin` are
 one tool to the shop (20.64 and 13/16 in), so several may be equally near; which of them is taken
-is settled over the whole bar (`planning.bar_operations`):
+is settled over the whole bar (`planning.beam`):
 
     hole 26.99    drills 26.9875 (1 1/16 in) and 27.00    both within 0.02 of the nearest
     hole 27.00    the same two                            one drill for both holes

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from beamcam.machine import load
 from beamcam.machine.stations import Tool, ToolSet
 from beamcam.model.plan import DrillOp, PathOp, Plan, SpindleOp
-from beamcam.planning.bar_operations import settle
+from beamcam.planning.beam import settle
 from beamcam.planning.operations.tools import Tools, library_of
 from tests.conftest import examples
 from tests.unit.planning.shop import hole, part, plan, pusher
