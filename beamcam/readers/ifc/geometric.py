@@ -34,7 +34,14 @@ from beamcam.readers.ifc.region import (
     ring_arcs,
     with_circles,
 )
-from beamcam.readers.ifc.rolled import Rolled, end_faces, other_axes, reference, rolled_stock
+from beamcam.readers.ifc.rolled import (
+    Rolled,
+    end_faces,
+    other_axes,
+    reference,
+    rolled_stock,
+    round_axis,
+)
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import Section, Wall, plain_stock, walls_of
 from beamcam.readers.ifc.semantic import BETWEEN, cut, in_place, outer_level
@@ -125,7 +132,9 @@ def _readings(
     if found is not None:
         yield found
     along = longest_direction(shell)
-    for axis in (along, *other_axes(shell, along)):
+    for axis in (along, *other_axes(shell, along), round_axis(shell, along)):
+        if axis is None:
+            continue
         stock = rolled_stock(shell, axis)
         if stock is None:
             continue

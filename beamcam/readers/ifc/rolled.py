@@ -44,7 +44,8 @@ WHOLE = 0.05  #: mm that a section may be less than its shell
 SAME_AREA = 1.0005  #: times the area of a section that another has to have to be a fuller one
 SAME_SIZE = 3  #: decimals of mm2 in which sections are alike where facets run along the member
 WHOLE_END = 0.95  #: share of the largest section that an end shows, at least
-ASKEW = 1.2  #: times the angle of an end's chord that a facet may span which runs askew
+ASKEW = 1.5  #: times the angle of an end's chord that a facet may span which runs askew
+SKIN = 0.99  #: share of the greatest distance from an axis, from which on corners are outside
 ON_ARC = 0.01  #: mm between a rounding and the corners on it
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
@@ -214,6 +215,34 @@ def _end_section(
     shape = polygon_of(outer, tuple(inner), Circles())
     told = replace(told, area=float(shape.area))
     return (told.area, told, outer, shape, shape), (most, union_all(bands))
+
+
+def round_axis(shell: Shell, along: Vec) -> Vec | None:
+    """The axis of a round bar or tube near a direction, through the corners of its skin; or None.
+
+    Where facets run askew, as only triangles do, no edge shows it: by least squares (Gauss and
+    Newton), in six steps.
+    """
+    if len(shell.points) != 3 * shell.count:
+        return None
+    u = across(along)
+    v = cross(along, u)
+    x, y, z = (c - c.mean() for c in (coordinates(shell.points, way) for way in (u, v, along)))
+    x, y = (c - (c.min() + c.max()) / 2 for c in (x, y))
+    far = np.hypot(x, y)
+    skin = far > SKIN * far.max()
+    x, y, z = x[skin], y[skin], z[skin]
+    found = np.array([0.0, 0.0, 0.0, 0.0, float(far.max())])  # centre, slopes, radius
+    off = np.full(1, np.inf)
+    for _ in range(6):
+        dx, dy = x - found[0] - found[2] * z, y - found[1] - found[3] * z
+        r = np.hypot(dx, dy)
+        off = r - found[4]
+        slopes = np.column_stack((dx / r, dy / r, dx * z / r, dy * z / r, np.ones(len(r))))
+        found += np.linalg.lstsq(slopes, off, rcond=None)[0]
+    if np.abs(off).max() > ON_ARC:
+        return None
+    return unit(add(along, add(scale(u, float(found[2])), scale(v, float(found[3])))))
 
 
 def end_faces(shell: Shell, axis: Vec, side: int) -> Places:

@@ -8,6 +8,7 @@ to its caller. So a few regular expressions look at the text as a whole. Its rec
 only where there is a doubt.
 """
 
+import json
 import re
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -189,11 +190,11 @@ def _line(text: str, at: int) -> int:
 
 Values = tuple[Any, ...]
 
-_TOKEN = re.compile(r"'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[(),']")
+_TOKEN = re.compile(r"([A-Za-z]\w*+)\s*+\(|'[^']*+(?:''[^']*+)*+'|[^\s,()']++|[(),']", re.ASCII)
+_BRACKETS = {"(": "[", ")": "]", ",": ","}
 #: A real number has a point, and 1.E-05 is one.
 _NUMBER = re.compile(r"[-+]?(?:\d++|(?:\d++\.\d*+|\.\d++)(?:[Ee][-+]?\d++)?)", re.ASCII)
 _WORD = re.compile(r"\.(\w++)\.|\"(\w*+)\"", re.ASCII)
-_KIND = re.compile(r"[A-Za-z]\w*+", re.ASCII)
 _CONSTANTS = {"$": None, "*": None, ".T.": True, ".F.": False, ".U.": "UNKNOWN"}
 _MOST_DIGITS = 400  #: of a number; Python itself refuses 4,300
 
@@ -214,53 +215,46 @@ def values_of(inner: str, referred: Callable[[int], Any]) -> Values:
 
     An enumeration is its text, a list a tuple. Raises Malformed for what is not a value.
     """
-    if not inner.strip():
-        return ()
-    tokens = iter(_TOKEN.findall(inner + ")"))
+
+    def tied(found: dict[str, Any]) -> Any:
+        return referred(found["#"]) if "#" in found else _Kind(found["kind"])
+
     try:
-        found = _list(tokens, inner, referred)
+        found = json.loads(f"[{_TOKEN.sub(_as_json, inner)}]", object_hook=tied)
     except RecursionError:
         raise Malformed("values too deep inside one another") from None
-    if next(tokens, None) is not None:
-        raise Malformed(f"{inner[:40]!r} as values")
-    return found
+    except json.JSONDecodeError:
+        raise Malformed(f"{inner[:40]!r} as values") from None
+    return tuple(map(_held, found))
 
 
-def _list(tokens: Iterator[str], inner: str, referred: Callable[[int], Any]) -> Values:
-    """The values up to the bracket that closes a list."""
-    fault = Malformed(f"{inner[:40]!r} as values")
-    found: list[Any] = []
-    for token in tokens:
-        if token == ")" and not found:
-            return ()
-        if token == "(":
-            value: Any = _list(tokens, inner, referred)
-        elif _KIND.fullmatch(token):
-            if next(tokens, None) != "(":
-                raise fault
-            held = _list(tokens, inner, referred)
-            value = Typed(token.upper(), held[0] if held else None)
-        elif token in ",)":
-            raise fault
-        else:
-            value = _value(token, referred)
-        found.append(value)
-        if (behind := next(tokens, None)) == ")":
-            return tuple(found)
-        if behind != ",":
-            raise fault
-    raise fault
+class _Kind(str):
+    """The type that is written before a value."""
 
 
-def _value(token: str, referred: Callable[[int], Any]) -> Any:
+def _held(value: Any) -> Any:
+    if not isinstance(value, list):
+        return value
+    if value and isinstance(value[0], _Kind):
+        return Typed(value[0].upper(), _held(value[1]))
+    return tuple(map(_held, value))
+
+
+def _as_json(found: re.Match[str]) -> str:
+    """A token in JSON; of a value with its type a list that begins with it."""
+    token = found[0]
+    if token in _BRACKETS:
+        return _BRACKETS[token]
+    if token[-1] == "(":
+        return f'[{{"kind": "{found[1]}"}},'
     if token in _CONSTANTS:
-        return _CONSTANTS[token]
+        return json.dumps(_CONSTANTS[token])
     if token[0] == "#" and token[1:].isdecimal() and len(token) < 20:
-        return referred(int(token[1:]))
+        return f'{{"#": {int(token[1:])}}}'
     if token[0] == "'" and len(token) > 1:
-        return ESCAPE.sub(letters_of, token[1:-1].replace("''", "'"))
+        return json.dumps(ESCAPE.sub(letters_of, token[1:-1].replace("''", "'")))
     if (word := _WORD.fullmatch(token)) is not None:
-        return word[1] if word[1] is not None else word[2]
+        return json.dumps(word[1] if word[1] is not None else word[2])
     if _NUMBER.fullmatch(token) is None or len(token) > _MOST_DIGITS:
         raise Malformed(f"{token[:40]!r} as a value")
-    return float(token) if "." in token else int(token)
+    return json.dumps(float(token) if "." in token else int(token))
