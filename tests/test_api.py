@@ -350,7 +350,7 @@ def test_what_a_command_takes_can_be_asked_from_python(command: str) -> None:
     function = getattr(api, {"inspect": "read", "list": "lists"}.get(command, command))
     names = {*signature(function).parameters, *ReadOptions.__annotations__, "map"}
     names |= {*SheetOptions.__annotations__, *signature(beamcam.post).parameters}
-    names |= {*signature(beamcam.convert).parameters}
+    names |= {*signature(beamcam.convert).parameters, *signature(beamcam.load).parameters}
     names |= {"bars", "table"} if command == "list" else set()  # called lengths; all three tables
     context = main.make_context("beamcam", [], resilient_parsing=True)
     asked = {p.name for p in main.get_command(context, command).params}  # type: ignore[union-attr]

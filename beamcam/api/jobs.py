@@ -55,6 +55,7 @@ class _ReadOptions(Struct, forbid_unknown_fields=True):
     letters: tuple[str, ...] = ()
     fit: tuple[str, ...] = ()
     encoding: str | None = None
+    wrap: str | None = None
     marks: tuple[str, ...] = ()
     guids: tuple[str, ...] = ()
     classes: tuple[str, ...] = ()
@@ -147,6 +148,7 @@ class ReadOptions(TypedDict, total=False):
     letters: Sequence[str]  #: layers whose texts become strokes
     fit: Sequence[str]  #: layers whose polylines become polynomials through their vertices
     encoding: str | None  #: of a DSTV file
+    wrap: str | None  #: the round tube whose unrolled surface a drawing is: "RO168.3x8"
     marks: Sequence[str]  #: members of a model by mark,
     guids: Sequence[str]  #: by GlobalId,
     classes: Sequence[str]  #: by IFC class
@@ -190,7 +192,7 @@ def _reader_options(asked: ReadOptions) -> dict[str, object]:
         except (LookupError, UnicodeError) as error:
             said = ASK_VALUE.at(Source("beamcam"), name="encoding", fault=str(error))
             raise AskError(said) from error
-    names = ("units", "width", "encoding", "layers", "letters", "fit")
+    names = ("units", "width", "encoding", "layers", "letters", "fit", "wrap")
     given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
     from beamcam.readers.ifc.options import Options, Selection
 

@@ -22,7 +22,7 @@ from beamcam.planning.rules import named_skips
 from beamcam.readers.content import content
 from beamcam.system import cores
 
-_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding")
+_DRAWING_NAMES = ("units", "width", "layers", "fit", "encoding", "wrap")
 
 
 def _map(
@@ -64,6 +64,15 @@ def _copies(
     return int(columns), int(rows)
 
 
+def _tube(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """The diameter and wall of a round tube."""
+    from beamcam.readers.drawing.wrap import tube_of
+
+    if value is not None and tube_of(value) is None:
+        raise click.BadParameter(f"found {value!r}; expected diameter x wall, as RO168.3x8")
+    return value
+
+
 def _encoding(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     """The name of an encoding of text that Python knows."""
     if value is None:
@@ -90,13 +99,15 @@ def _size(
 _SIZE = re.compile(r"(\d{1,6}(?:\.\d+)?)x(\d{1,6}(?:\.\d+)?)")
 
 
-#: Reading options: `units`, `width`, `layers` and `fit` of a drawing, `encoding` of a DSTV file.
+#: Reading options: `units`, `width`, `layers`, `fit` and `wrap` of a drawing, `encoding` of DSTV.
 drawing_options = group(
     click.option("--units", help="Unit of a drawing's numbers: mm, in, cm, ..."),
     click.option("--width", help="Width of an SVG's page, as 600mm."),
     click.option("--layers", multiple=True, help="Read this layer only; may be repeated."),
     click.option("--fit", multiple=True, callback=_fit, metavar="newton=LAYER",
                  help="Polylines of this layer become polynomials through their vertices."),
+    click.option("--wrap", callback=_tube, metavar="RO168.3x8",
+                 help="A drawing is the unrolled surface of this round tube: diameter x wall."),
     click.option("--encoding", callback=_encoding, metavar="NAME",
                  help="Encoding of a DSTV file, such as cp1251; detected by default."),
 )  # fmt: skip

@@ -75,7 +75,8 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     """The parts of a file called `name`; a file that no reader knows is refused.
 
     The suffix says which reader is asked first, the content decides. `options` that are not None
-    go to a reader that takes them (units, width, layers and fit of a drawing).
+    go to a reader that takes them (units, width, layers and fit of a drawing); `wrap` names the
+    tube whose surface a drawing is.
     """
     if not data or data.isspace():
         return Reading("unknown", (), (rules.EMPTY.at(Source(name)),))
@@ -159,7 +160,13 @@ def _is_program(data: bytes, name: str) -> bool:
 
 def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object]) -> Reading:
     taken = {k: v for k, v in options.items() if k in known.options and v is not None}
-    return known.read(data, name, **taken)
+    found = known.read(data, name, **taken)
+    tube = options.get("wrap")
+    if tube is None or known.name not in ("dxf", "svg") or found.refused:
+        return found
+    from beamcam.readers.drawing.wrap import wrapped
+
+    return wrapped(found, str(tube))
 
 
 TAIL_BYTES = 1 << 17  #: that are looked at; some writers leave remarks behind the end

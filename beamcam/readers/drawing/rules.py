@@ -31,6 +31,20 @@ FITTED = note("drawing-fitted",
     "other contours there stay as they are drawn",
     "This is what --fit newton=LAYER asked for; single lines and polylines with arcs are kept.")
 
+WRAP_NAME = error("drawing-wrap-option",
+    "found the tube {found!r}; expected its diameter and its wall in mm, as RO168.3x8",
+    "The option --wrap names the round tube whose unrolled surface is drawn.")
+WRAP_WIDE = error("drawing-wrap",
+    "found a largest outline of {found} mm; expected one {expected} mm wide, the circumference of "
+    "{tube}",
+    "--wrap takes a drawing as the unrolled surface of a tube: one closed outline of all of it, as "
+    "wide as the tube is round, and what is cut out of it. Another unit (--units) or another tube "
+    "is meant.")
+WRAPPED = note("drawing-wrapped",
+    "taken as the unrolled outside of {tube}{how}: x along it, y round it from its lowest line",
+    "This is what --wrap asked for. All that is closed is cut out; --layers leaves other lines.")
+
 RULES: tuple[Rule, ...] = (
     UNITS_OPTION, WIDTH_OPTION, LAYER_OPTION, NO_CURVES, TOO_LARGE, FIT_LAYER, FIT_NODES, FITTED,
+    WRAP_NAME, WRAP_WIDE, WRAPPED,
 )  # fmt: skip
