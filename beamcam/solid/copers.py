@@ -6,7 +6,8 @@ off follows from the machine's file:
     slack     the tolerance of the cut, and the last decimals of X, Y, Z and A
     corners   a re-entrant corner that is drawn sharp keeps the round of `coper.corner_radius`
     square    an edge with a bevel keeps its wedge, a skew end that no torch was tilted to what its
-              walls and roots have beyond it, a hole of a tube what a drill takes inside
+              walls and roots have beyond it, a web with a hole at a flange a ledge along that, a
+              hole of a tube what a drill takes inside
 
 The last two are told, by how much steel they leave.
 """
@@ -148,9 +149,9 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     ledges: list[Manifold] = []
     if part.made is None:
         ledges = list(_ledges(drawn, part, burns, slack))
-    for count, what in ((len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange")):
-        if count:
-            square = f"{square} and {count} {what}" if square else f"{count} {what}"
+    for many, what in ((len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange")):
+        if many:
+            square = f"{square} and {many} {what}" if square else f"{many} {what}"
     if ends or ledges:
         m = kernel()
         most = m.Manifold.batch_boolean([most, *ends, *ledges], m.OpType.Add)
