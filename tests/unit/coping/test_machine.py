@@ -79,7 +79,8 @@ def _faults(path: Path) -> set[str]:
     [
         ("axes.4.max", "[coper]\ntilt = 50\n"), ("words.turn", '[words]\nturn = ["G0 A{a}"]\n'),
         ("words.turn", '[words]\nturn = ["G0 A{a} B{a} C{b}"]\n'),
-        ("words.turn", '[words]\nturn = ["G0 A{b} B{a}"]\n'), ("axes", '[coper]\ntilt = 0\n[words]\nturn = ["G0 A{a}"]\n'),
+        ("words.turn", '[words]\nturn = ["G0 A{b} B{a}"]\n'),
+        ("axes", '[coper]\ntilt = 0\n[words]\nturn = ["G0 A{a}"]\n'),
     ],
 )  # fmt: skip
 def test_keys_of_a_torch_that_tilts(key: str, text: str, tmp_path: Path) -> None:
