@@ -73,8 +73,13 @@ def plan_coping(
             raise PlanError(ends)
         plan = plan_tube(part, machine, coper, skips)
         return replace(plan, remarks=(*told, *plan.remarks))
-    given, part = part, laid(part)
-    is_tee = part is not given
+    return _plan_profile(part, machine, coper, skips)
+
+
+def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
+    """The work on an I, a U, an L or a T. Raises PlanError as `plan_coping` does."""
+    part = laid(given)
+    said: list[Diagnostic] = []
     found = sorted_features(part, machine, coper, skips)
     if found.refusals:
         raise PlanError(found.refusals)
@@ -85,20 +90,21 @@ def plan_coping(
             f: replace(wall, ends=ends_on(f, part), open=open_on(f, part))
             for f, wall in walls.items()
         }
-        regions, said = _regions(part, walls, found, coper)
+        regions, more = _regions(part, walls, found, coper)
         slant: dict[Face, float] = {}
         tilts = [False, False]
     else:
-        part, said = agreed_ends(part)
+        part, denied = agreed_ends(part)
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
-        said += more
+        said += denied
+    said += more
     ledges: list[Diagnostic] = []
     if not errors_in(said):
-        over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
-        regions, ledges = with_ledges(
-            regions, chart.depth(walls["u"].root_depth), over_web.kerf if over_web else EDGE, coper,
-            part.source,
-        )  # fmt: skip
+        if part.made is None:
+            over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
+            kerf = over_web.kerf if over_web else EDGE
+            deep = chart.depth(walls["u"].root_depth)
+            regions, ledges = with_ledges(regions, deep, kerf, coper, part.source)
         said += ledges
         depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
         said += root_faults(regions, depths, coper, part.source)
@@ -116,15 +122,12 @@ def plan_coping(
         raise PlanError(errors_in(said))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    needed = part.length
-    if part.made is None:
-        needed += 2 * coper.trim
-        said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
-    else:
-        said.append(rules.PIECE.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
+    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
+    rule = rules.BAR if part.made is None else rules.PIECE
+    said.append(rule.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
         said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
-    if is_tee:
+    if given.profile.code == "T":
         said.append(rules.TEE.at(part.source))
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
