@@ -6,8 +6,9 @@ off follows from the machine's file:
     slack     the tolerance of the cut, and the last decimals of X, Y, Z and A
     corners   a re-entrant corner that is drawn sharp keeps the round of `coper.corner_radius`
     square    an edge with a bevel keeps its wedge, a skew end that no torch was tilted to what its
-              walls and roots have beyond it, a hole of a tube what a drill takes inside, an end
-              that is skew through the wall of a tube its inside
+              walls and roots have beyond it, a web with a hole at a flange a ledge along that, a
+              hole of a tube what a drill takes inside, an end that is skew through the wall of a
+              tube its inside
 
 The last two are told, by how much steel they leave.
 """

@@ -383,7 +383,7 @@ COLOURS = {
 
 
 def test_every_machine_stands_here() -> None:
-    copers = {"coper-linuxcnc", "tube-linuxcnc", "tube-surface"}
+    copers = {"coper-linuxcnc", "coper-tilt-linuxcnc", "tube-linuxcnc", "tube-surface"}
     assert {*BARS, *COLOURS, *copers} == set(shipped())
     for name, colours in COLOURS.items():
         torch = load(name).torch
@@ -477,3 +477,17 @@ def test_the_tube_machine_has_the_torch_of_the_coper() -> None:
     assert (tube.turns, tube.profiles, tube.chuck, tube.seam) == ("bar", ("RO", "M"), 250, 0)
     surface = load("tube-surface").coper
     assert surface == replace(tube, profiles=("RO",), a_unit="mm")
+
+
+def test_the_torch_that_tilts_is_that_of_the_coper() -> None:
+    tilting, upright = load("coper-tilt-linuxcnc"), load("coper-linuxcnc")
+    assert tilting.coper is not None
+    assert upright.coper is not None
+    assert (tilting.coper.rows, tilting.coper.profiles) == (
+        upright.coper.rows, upright.coper.profiles
+    )  # fmt: skip
+    assert (tilting.coper.tilt, upright.coper.tilt) == (45.0, 0.0)
+    (axis,) = [axis for axis in tilting.axes if axis.moves == "B"]
+    assert axis.limits == (-46.0, 46.0)
+    assert [a for a in tilting.axes if a is not axis] == list(upright.axes)
+    assert tilting.words.turn == ("G0 A{a} B{b}",)

@@ -2,16 +2,14 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
-from math import cos, inf, radians
+from math import cos, radians
 from typing import Literal
 
-from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import TorchRow
 from beamcam.model.part import Contour, Face, Feature, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
 from beamcam.model.section import section_fault
@@ -19,13 +17,12 @@ from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.bevels import bevel_cuts, edges_of
 from beamcam.planning.coping.chart import Chart
-from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, led, paths_of
+from beamcam.planning.coping.cuts import led
 from beamcam.planning.coping.ends import (
     NOISE_DEG,
     agreed_ends,
     crossed,
     ends_on,
-    is_on,
     planes_of,
     shown_by_ends,
     squared,
@@ -38,6 +35,7 @@ from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
 from beamcam.planning.coping.roots import root_faults
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
+from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import EDGE, WEB_AMID, Wall, laid, walls_of
 from beamcam.planning.left_out import BEVEL, ROOT
 
@@ -73,8 +71,13 @@ def plan_coping(
     if coper.turns == "bar":
         plan = plan_tube(part, machine, coper, skips)
         return replace(plan, remarks=(*told, *plan.remarks))
-    given, part = part, laid(part)
-    is_tee = part is not given
+    return _plan_profile(part, machine, coper, skips)
+
+
+def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
+    """The work on an I, a U, an L or a T. Raises PlanError as `plan_coping` does."""
+    part = laid(given)
+    said: list[Diagnostic] = []
     found = sorted_features(part, machine, coper, skips)
     if found.refusals:
         raise PlanError(found.refusals)
@@ -85,20 +88,21 @@ def plan_coping(
             f: replace(wall, ends=ends_on(f, part), open=open_on(f, part))
             for f, wall in walls.items()
         }
-        regions, said = _regions(part, walls, found, coper)
+        regions, more = _regions(part, walls, found, coper)
         slant: dict[Face, float] = {}
         tilts = [False, False]
     else:
-        part, said = agreed_ends(part)
+        part, denied = agreed_ends(part)
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
-        said += more
+        said += denied
+    said += more
     ledges: list[Diagnostic] = []
     if not errors_in(said):
-        over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
-        regions, ledges = with_ledges(
-            regions, chart.depth(walls["u"].root_depth), over_web.kerf if over_web else EDGE, coper,
-            part.source,
-        )  # fmt: skip
+        if part.made is None:
+            over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
+            kerf = over_web.kerf if over_web else EDGE
+            deep = chart.depth(walls["u"].root_depth)
+            regions, ledges = with_ledges(regions, deep, kerf, coper, part.source)
         said += ledges
         depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
         said += root_faults(regions, depths, coper, part.source)
@@ -116,15 +120,12 @@ def plan_coping(
         raise PlanError(errors_in(said))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
-    needed = part.length
-    if part.made is None:
-        needed += 2 * coper.trim
-        said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
-    else:
-        said.append(rules.PIECE.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
+    needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
+    rule = rules.BAR if part.made is None else rules.PIECE
+    said.append(rule.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
         said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
-    if is_tee:
+    if given.profile.code == "T":
         said.append(rules.TEE.at(part.source))
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
@@ -284,7 +285,9 @@ def _cuts(
     for face, region in regions.items():
         features = tuple((0, f) for f in on.get(face, []))
         source = part.features[features[0][1]].source if features else part.source
-        views = [one for b_deg in tilts_of(region.wall) for one in _chains(region, b_deg, chart)]
+        views = [
+            one for b_deg in tilts_of(region.wall) for one in chains_seen(region, b_deg, chart)
+        ]
         for chain, row, seen, thickness, root in views:
             if row is None:
                 said.append(chart.too_thick(thickness, face, source))
@@ -306,7 +309,7 @@ def _cuts(
             path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
             cuts.append(
                 CopeCut(
-                    _kind(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
+                    kind_of(chain, seen.region, row.kerf), face, path, way.lead, thickness, row,
                     features, source, root, seen.b_deg,
                 )
             )  # fmt: skip
@@ -331,84 +334,3 @@ def _left(feature: Feature, slant: Mapping[Face, float], ledges: bool) -> str:
     if not ledges or not isinstance(feature, Contour) or feature.kind != "outer":
         return ""
     return ROOT if feature.face in ("v", "h") else ""
-
-
-class Seen(Struct, frozen=True):
-    """A region as a torch sees it that is tilted along the bar: x is shorter by cos(B)."""
-
-    region: Region
-    b_deg: float
-    share: float  #: cos(B)
-
-
-def tilts_of(wall: Wall) -> dict[float, None]:
-    """The tilts at which a wall is cut, square first."""
-    return dict.fromkeys((0.0, *(line.b_deg for line in wall.skew if line)))
-
-
-def _seen(region: Region, b_deg: float) -> Seen:
-    """A region as a torch sees it."""
-    from shapely.affinity import scale
-
-    share, wall = cos(radians(b_deg)), region.wall
-    if not b_deg:
-        return Seen(region, b_deg, 1.0)
-    lines = [
-        line and replace(line, at=line.at * share, slope=line.slope * share) for line in wall.skew
-    ]
-    shape = scale(region.shape, share, 1.0, origin=(0.0, 0.0))
-    wall = replace(wall, skew=(lines[0], lines[1]))
-    return Seen(replace(region, shape=shape, wall=wall), b_deg, share)
-
-
-def _chains(
-    region: Region, b_deg: float, chart: Chart
-) -> Iterator[tuple[Chain, TorchRow | None, Seen, float, bool]]:
-    """The paths at a tilt round a region, each with its row, what it cuts through, and whether with
-    a root.
-
-    A path through a root runs as far off the part as its own, wider kerf asks for.
-    """
-    seen = _seen(region, b_deg)
-    region, wall = seen.region, seen.region.wall
-    shallow = wall.thickness / seen.share
-    deep = (wall.root_depth or wall.thickness + wall.fillets) / seen.share
-    for thickness in dict.fromkeys((shallow, deep)):
-        row = chart.row(thickness)
-        half = row.kerf / 2 if row else EDGE
-        over = SHARE_OVER * half
-        low, high = max(wall.low, -over), min(wall.high, wall.width + over)
-        borders = borders_of(wall, low, high, over)
-        for chain in chains_of(paths_of(region.shape, half, wall), borders):
-            tilted = next((line.b_deg for line in wall.skew if line and line.b_deg
-                           and is_on(line, chain.points, half)), 0.0)  # fmt: skip
-            rooted = _is_rooted(chain, wall)
-            if tilted == b_deg and (rooted == (thickness == deep) or shallow == deep):
-                yield chain, row, seen, thickness, rooted and bool(wall.root_depth)
-
-
-def _is_rooted(chain: Chain, wall: Wall) -> bool:
-    """Whether a path crosses the root of a flange, or of a web goes as near as it can."""
-    if wall.root_depth:
-        (root,) = wall.roots
-        low, high = max(root.low, EDGE), min(root.high, wall.width - EDGE)
-        ys = [y for _, y in chain.points]
-        return min(ys) <= low and max(ys) >= high
-    edges = {"low": wall.low, "high": wall.high}
-    return any(abs(edges.get(end, inf)) < inf for end in (chain.start, chain.end))
-
-
-def _kind(chain: Chain, region: Region, kerf: float) -> CopeKind:
-    """What a path makes: what is inside, or at which end of its wall it is."""
-    if not chain.start:
-        return "inner"
-    low, _, high, _ = region.shape.bounds
-    xs = [x for x, _ in chain.points]
-    near, far = (
-        line is not None and any(line.is_beside(place, kerf) for place in chain.points)
-        for line in region.wall.skew
-    )
-    if far or max(xs) >= high or "far" in (chain.start, chain.end):
-        return "far"
-    near = near or min(xs) <= low or "near" in (chain.start, chain.end)
-    return "near" if near else "notch"

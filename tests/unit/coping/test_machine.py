@@ -44,6 +44,10 @@ WRONG = [
     ("coper.corners", "[coper]\ncorners = [{ up_to = 6, share = 2 }]\n"),
     ("coper.profiles", '[coper]\nprofiles = ["I", "M"]\n'),
     ("words.turn", "[words]\nturn = []\n"),
+    ("coper.tilt", "[coper]\ntilt = 70\n"),
+    ("words.turn", "[coper]\ntilt = 30\n"),
+    ("axes", '[coper]\ntilt = 30\n[words]\nturn = ["G0 A{a} B{b}"]\n'),
+    ("words.turn", '[words]\nturn = ["G0 A{a} B{b}"]\n'),
     ("words.cut_on", '[words]\ncut_on = ["M3 S{speed}"]\n'),
     ("words.feed", '[words]\nfeed = ["G1 X{x} Y{y}"]\n'),
     ("words.turn", '[words]\nturn = ["G0 X{x}"]\n'),
@@ -68,6 +72,21 @@ def _faults(path: Path) -> set[str]:
         return {key for key, _, _ in word_faults(load(str(path)))}
     except MachineError as error:
         return {str(said["key"]) for said in error.diagnostics}
+
+
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [
+        ("axes.4.max", "[coper]\ntilt = 50\n"), ("words.turn", '[words]\nturn = ["G0 A{a}"]\n'),
+        ("words.turn", '[words]\nturn = ["G0 A{a} B{a} C{b}"]\n'),
+        ("words.turn", '[words]\nturn = ["G0 A{b} B{a}"]\n'),
+        ("axes", '[coper]\ntilt = 0\n[words]\nturn = ["G0 A{a}"]\n'),
+    ],
+)  # fmt: skip
+def test_keys_of_a_torch_that_tilts(key: str, text: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(f'base = "coper-tilt-linuxcnc"\n{text}')
+    assert key in _faults(path)
 
 
 def test_a_profile_needs_a_coper(tmp_path: Path) -> None:

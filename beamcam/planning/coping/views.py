@@ -1,0 +1,100 @@
+"""A wall as a torch sees it that may be tilted along the bar, and the paths that it cuts there.
+
+Tilted by B it sees x shorter by cos(B). Half a kerf, a lead and what piercing burns are true in
+that view, as the jet is round about the torch; the paths come back to the wall by 1 / cos(B).
+"""
+
+from collections.abc import Iterator
+from math import cos, inf, radians
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.machine.torch import TorchRow
+from beamcam.model.plan import CopeKind
+from beamcam.planning.coping.chart import Chart
+from beamcam.planning.coping.cuts import SHARE_OVER, Chain, borders_of, chains_of, paths_of
+from beamcam.planning.coping.ends import is_on
+from beamcam.planning.coping.regions import Region
+from beamcam.planning.coping.walls import EDGE, Wall
+
+
+class Seen(Struct, frozen=True):
+    """A region as a torch sees it that is tilted along the bar: x is shorter by cos(B)."""
+
+    region: Region
+    b_deg: float
+    share: float  #: cos(B)
+
+
+def tilts_of(wall: Wall) -> dict[float, None]:
+    """The tilts at which a wall is cut, square first."""
+    return dict.fromkeys((0.0, *(line.b_deg for line in wall.skew if line)))
+
+
+def _seen(region: Region, b_deg: float) -> Seen:
+    """A region as a torch sees it."""
+    from shapely.affinity import scale
+
+    share, wall = cos(radians(b_deg)), region.wall
+    if not b_deg:
+        return Seen(region, b_deg, 1.0)
+    lines = [
+        line and replace(line, at=line.at * share, slope=line.slope * share) for line in wall.skew
+    ]
+    shape = scale(region.shape, share, 1.0, origin=(0.0, 0.0))
+    wall = replace(wall, skew=(lines[0], lines[1]))
+    return Seen(replace(region, shape=shape, wall=wall), b_deg, share)
+
+
+def chains_seen(
+    region: Region, b_deg: float, chart: Chart
+) -> Iterator[tuple[Chain, TorchRow | None, Seen, float, bool]]:
+    """The paths at a tilt round a region, each with its row, what it cuts through, and whether with
+    a root.
+
+    A path through a root runs as far off the part as its own, wider kerf asks for.
+    """
+    seen = _seen(region, b_deg)
+    region, wall = seen.region, seen.region.wall
+    shallow = wall.thickness / seen.share
+    deep = (wall.root_depth or wall.thickness + wall.fillets) / seen.share
+    for thickness in dict.fromkeys((shallow, deep)):
+        row = chart.row(thickness)
+        half = row.kerf / 2 if row else EDGE
+        over = SHARE_OVER * half
+        low, high = max(wall.low, -over), min(wall.high, wall.width + over)
+        borders = borders_of(wall, low, high, over)
+        for chain in chains_of(paths_of(region.shape, half, wall), borders):
+            tilted = next((line.b_deg for line in wall.skew if line and line.b_deg
+                           and is_on(line, chain.points, half)), 0.0)  # fmt: skip
+            rooted = _is_rooted(chain, wall)
+            if tilted == b_deg and (rooted == (thickness == deep) or shallow == deep):
+                yield chain, row, seen, thickness, rooted and bool(wall.root_depth)
+
+
+def _is_rooted(chain: Chain, wall: Wall) -> bool:
+    """Whether a path crosses the root of a flange, or of a web goes as near as it can."""
+    if wall.root_depth:
+        (root,) = wall.roots
+        low, high = max(root.low, EDGE), min(root.high, wall.width - EDGE)
+        ys = [y for _, y in chain.points]
+        return min(ys) <= low and max(ys) >= high
+    edges = {"low": wall.low, "high": wall.high}
+    return any(abs(edges.get(end, inf)) < inf for end in (chain.start, chain.end))
+
+
+def kind_of(chain: Chain, region: Region, kerf: float) -> CopeKind:
+    """What a path makes: what is inside, or at which end of its wall it is."""
+    if not chain.start:
+        return "inner"
+    low, _, high, _ = region.shape.bounds
+    xs = [x for x, _ in chain.points]
+    near, far = (
+        line is not None and any(line.is_beside(place, kerf) for place in chain.points)
+        for line in region.wall.skew
+    )
+    if far or max(xs) >= high or "far" in (chain.start, chain.end):
+        return "far"
+    near = near or min(xs) <= low or "near" in (chain.start, chain.end)
+    return "near" if near else "notch"
