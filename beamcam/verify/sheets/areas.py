@@ -267,8 +267,9 @@ def _complex(points: Floats) -> NDArray[np.complex128]:
 def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
     """What the contours of some ways enclose, those that touch together: 1 part, -1 waste."""
     assert work.region is not None
-    region, asked = work.region, set(ways.tolist())
-    rings = [k for k, ring in enumerate(region.rings) if any(way in asked for way, _ in ring)]
+    region = work.region
+    rings = np.unique(region.ring_of[ways])
+    rings = rings[rings >= 0]
     sides = waste_sides(work)
     areas = shapely.make_valid(region.polygons[rings])
     group = np.arange(len(rings))
@@ -277,7 +278,7 @@ def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
         if a < b and group[a] != group[b]:
             group[group == group[b]] = group[a]
     signs = np.ones(len(rings))
-    for n, k in enumerate(rings):
+    for n, k in enumerate(rings.tolist()):
         (way, back), *_ = region.rings[k]
         waste_left = (sides[way] > 0.0) != back
         signs[n] = -1.0 if waste_left == region.anticlockwise[k] else 1.0
@@ -297,14 +298,11 @@ def left_faults(work: Work, corners: Sequence[UncutCorner]) -> list[Diagnostic]:
     """Of each contour the deepest of its corners, if it is deep enough to be told."""
     if work.region is None:
         return []
-    ring_of = np.full(work.need.count, -1)
-    for number, ring in enumerate(work.region.rings):
-        ring_of[[k for k, _ in ring]] = number
     deepest: dict[int, tuple[UncutCorner, int]] = {}
     for corner in sorted(corners, key=lambda one: one.depth):
         if corner.depth > TOLD * 2 * work.half_kerf:
             way = work.need.nearest_to(np.array(corner.place))[1]
-            deepest[int(ring_of[way])] = corner, way
+            deepest[int(work.region.ring_of[way])] = corner, way
     said = []
     for number, (corner, way) in sorted(deepest.items()):
         first = min(k for k, _ in work.region.rings[number]) if number >= 0 else way
