@@ -163,6 +163,8 @@ def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagn
 #
 # of which each is bounded by contours and by arcs, where the beam touches the contours at both
 # ends: its mouths. Each end is a corner of the rest that is one neither of P nor of (P + B) - B'.
+# What such areas are off by (chords, and a hundredth of r where curves are simplified) decides
+# about no sample: each that is left out has no room beside it, measured from the contours.
 
 
 SPARE = 0.5  #: of `fine`, by which a rest is farther from the beam than the contour that it touches
@@ -179,12 +181,17 @@ class UncutCorner(Struct, frozen=True):
     rest: shapely.Polygon
     depth: float  #: of the farthest place from the beam
     place: tuple[float, float]
+    middle: Floats  #: of the beam that touches both of its sides
+    ends: Floats  #: of its mouth, (2, 2)
 
 
 def in_corners(
-    work: Work, missing: Counts, samples: Samples
+    work: Work, traced: Sequence[Traced], missing: Counts, samples: Samples
 ) -> tuple[Flags, Sequence[UncutCorner]]:
-    """Which of the samples without a path lie in a corner, and these corners."""
+    """Which of the samples without a path lie in a corner that the beam comes to, and these.
+
+    It comes to a corner where it touches both ends of its mouth from one place of its path.
+    """
     element, share, owner = kept_samples(samples, missing)
     found = np.zeros(len(missing), dtype=bool)
     if work.region is None:
@@ -200,10 +207,20 @@ def in_corners(
     places = shapely.points(work.need.elements.places(element[which], share[which]))
     rests = shapely.STRtree([corner.rest for corner in corners])
     inside, rest = rests.query(places, "dwithin", distance=reach)
+    slack = np.zeros(len(corners))
+    np.maximum.at(slack, rest, work.slack[owner[which[inside]]])
+    middles = np.array([corner.middle for corner in corners]).reshape(-1, 2)
+    ends = np.array([corner.ends for corner in corners]).reshape(-1, 2, 2)
+    pairs = work.path.near(middles, work.half_kerf)
+    keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+    pairs = pairs.kept(keeps_off[work.of_way[work.path.owner[pairs.element]]])
+    away, feet = work.path.feet(pairs, len(middles))
+    apart = np.hypot(*(ends - feet[:, None]).transpose(2, 0, 1)).max(axis=1)
+    touched = np.isfinite(away) & (apart <= work.half_kerf + slack + work.tolerance)
     # A curve that lies on another is where that one is.
     found[which] = work.region.twins[owner[which]]
-    found[which[inside]] = True
-    return found, [corners[k] for k in np.unique(rest).tolist()]
+    found[which[inside[touched[rest]]]] = True
+    return found, [corners[k] for k in np.unique(rest[touched[rest]]).tolist()]
 
 
 def _has_room(work: Work, element: Counts, share: Floats) -> Flags:
@@ -256,7 +273,7 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
                 middle = middles[np.argmin(np.hypot(*(middles - middle).T))]
                 depth = float(np.hypot(*(ring[deepest] - middle))) - half
             x, y = ring[deepest].tolist()
-            found.append(UncutCorner(rests[k], depth, (x, y)))
+            found.append(UncutCorner(rests[k], depth, (x, y), middle, ends))
     return found
 
 
