@@ -182,7 +182,6 @@ class UncutCorner(Struct, frozen=True):
     depth: float  #: of the farthest place from the beam
     place: tuple[float, float]
     middle: Floats  #: of the beam that touches both of its sides
-    ends: Floats  #: of its mouth, (2, 2)
 
 
 def in_corners(
@@ -190,7 +189,7 @@ def in_corners(
 ) -> tuple[Flags, Sequence[UncutCorner]]:
     """Which of the samples without a path lie in a corner that the beam comes to, and these.
 
-    It comes to a corner where it touches both ends of its mouth from one place of its path.
+    It comes to a corner if its path passes where it touches both sides at once.
     """
     element, share, owner = kept_samples(samples, missing)
     found = np.zeros(len(missing), dtype=bool)
@@ -210,13 +209,10 @@ def in_corners(
     slack = np.zeros(len(corners))
     np.maximum.at(slack, rest, work.slack[owner[which[inside]]])
     middles = np.array([corner.middle for corner in corners]).reshape(-1, 2)
-    ends = np.array([corner.ends for corner in corners]).reshape(-1, 2, 2)
     pairs = work.path.near(middles, work.half_kerf)
     keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
     pairs = pairs.kept(keeps_off[work.of_way[work.path.owner[pairs.element]]])
-    away, feet = work.path.feet(pairs, len(middles))
-    apart = np.hypot(*(ends - feet[:, None]).transpose(2, 0, 1)).max(axis=1)
-    touched = np.isfinite(away) & (apart <= work.half_kerf + slack + work.tolerance)
+    touched = work.path.feet(pairs, len(middles))[0] <= slack + work.tolerance
     # A curve that lies on another is where that one is.
     found[which] = work.region.twins[owner[which]]
     found[which[inside[touched[rest]]]] = True
@@ -248,6 +244,8 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
     points, own = shapely.get_coordinates(rests, return_index=True)
     corners = np.concatenate([shapely.get_coordinates(some) for some in (areas, swept)])
     is_end = ~np.isin(_complex(points), _complex(corners))
+    room, of_area = shapely.get_coordinates(kept_off, return_index=True)
+    firsts = np.searchsorted(of_area, np.arange(len(areas) + 1))
     found = []
     begins = np.searchsorted(own, np.arange(len(rests) + 1)).tolist()
     sizes = shapely.area(rests).tolist()
@@ -264,16 +262,15 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
         aside *= np.sqrt(max(wider**2 - mouth**2 / 4, 0.0))
         middle = ends.mean(axis=0)
         middle -= aside if np.sum((ring.mean(axis=0) - middle) * aside) > 0.0 else -aside
+        # The beam's middle is a corner of where that has room.
+        mine = room[firsts[group[k]] : firsts[group[k] + 1]]
+        middle = mine[np.argmin(np.hypot(*(mine - middle).T))]
         depths = np.hypot(*(ring - middle).T) - half
         deepest = int(np.argmax(depths))
         depth = float(depths[deepest])
         if depth <= SHALLOW * half or sizes[k] <= NARROWS * mouth * depth:
-            if depth > TOLD * 2 * half:  # the beam's middle is a corner of where that has room
-                middles = shapely.get_coordinates(kept_off[group[k]])
-                middle = middles[np.argmin(np.hypot(*(middles - middle).T))]
-                depth = float(np.hypot(*(ring[deepest] - middle))) - half
             x, y = ring[deepest].tolist()
-            found.append(UncutCorner(rests[k], depth, (x, y), middle, ends))
+            found.append(UncutCorner(rests[k], depth, (x, y), middle))
     return found
 
 
