@@ -163,6 +163,8 @@ def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagn
 #
 # of which each is bounded by contours and by arcs, where the beam touches the contours at both
 # ends: its mouths. Each end is a corner of the rest that is one neither of P nor of (P + B) - B'.
+# What such areas are off by (chords, and a hundredth of r where curves are simplified) decides
+# about no sample: each that is left out has no room beside it, measured from the contours.
 
 
 SPARE = 0.5  #: of `fine`, by which a rest is farther from the beam than the contour that it touches
@@ -179,12 +181,16 @@ class UncutCorner(Struct, frozen=True):
     rest: shapely.Polygon
     depth: float  #: of the farthest place from the beam
     place: tuple[float, float]
+    middle: Floats  #: of the beam that touches both of its sides
 
 
 def in_corners(
-    work: Work, missing: Counts, samples: Samples
+    work: Work, traced: Sequence[Traced], missing: Counts, samples: Samples
 ) -> tuple[Flags, Sequence[UncutCorner]]:
-    """Which of the samples without a path lie in a corner, and these corners."""
+    """Which of the samples without a path lie in a corner that the beam comes to, and these.
+
+    It comes to a corner if its path passes where it touches both sides at once.
+    """
     element, share, owner = kept_samples(samples, missing)
     found = np.zeros(len(missing), dtype=bool)
     if work.region is None:
@@ -200,10 +206,17 @@ def in_corners(
     places = shapely.points(work.need.elements.places(element[which], share[which]))
     rests = shapely.STRtree([corner.rest for corner in corners])
     inside, rest = rests.query(places, "dwithin", distance=reach)
+    slack = np.zeros(len(corners))
+    np.maximum.at(slack, rest, work.slack[owner[which[inside]]])
+    middles = np.array([corner.middle for corner in corners]).reshape(-1, 2)
+    pairs = work.path.near(middles, work.half_kerf)
+    keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
+    pairs = pairs.kept(keeps_off[work.of_way[work.path.owner[pairs.element]]])
+    touched = work.path.feet(pairs, len(middles))[0] <= slack + work.tolerance
     # A curve that lies on another is where that one is.
     found[which] = work.region.twins[owner[which]]
-    found[which[inside]] = True
-    return found, [corners[k] for k in np.unique(rest).tolist()]
+    found[which[inside[touched[rest]]]] = True
+    return found, [corners[k] for k in np.unique(rest[touched[rest]]).tolist()]
 
 
 def _has_room(work: Work, element: Counts, share: Floats) -> Flags:
@@ -231,6 +244,8 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
     points, own = shapely.get_coordinates(rests, return_index=True)
     corners = np.concatenate([shapely.get_coordinates(some) for some in (areas, swept)])
     is_end = ~np.isin(_complex(points), _complex(corners))
+    room, of_area = shapely.get_coordinates(kept_off, return_index=True)
+    firsts = np.searchsorted(of_area, np.arange(len(areas) + 1))
     found = []
     begins = np.searchsorted(own, np.arange(len(rests) + 1)).tolist()
     sizes = shapely.area(rests).tolist()
@@ -247,16 +262,15 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
         aside *= np.sqrt(max(wider**2 - mouth**2 / 4, 0.0))
         middle = ends.mean(axis=0)
         middle -= aside if np.sum((ring.mean(axis=0) - middle) * aside) > 0.0 else -aside
+        # The beam's middle is a corner of where that has room.
+        mine = room[firsts[group[k]] : firsts[group[k] + 1]]
+        middle = mine[np.argmin(np.hypot(*(mine - middle).T))]
         depths = np.hypot(*(ring - middle).T) - half
         deepest = int(np.argmax(depths))
         depth = float(depths[deepest])
         if depth <= SHALLOW * half or sizes[k] <= NARROWS * mouth * depth:
-            if depth > TOLD * 2 * half:  # the beam's middle is a corner of where that has room
-                middles = shapely.get_coordinates(kept_off[group[k]])
-                middle = middles[np.argmin(np.hypot(*(middles - middle).T))]
-                depth = float(np.hypot(*(ring[deepest] - middle))) - half
             x, y = ring[deepest].tolist()
-            found.append(UncutCorner(rests[k], depth, (x, y)))
+            found.append(UncutCorner(rests[k], depth, (x, y), middle))
     return found
 
 
@@ -267,8 +281,9 @@ def _complex(points: Floats) -> NDArray[np.complex128]:
 def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
     """What the contours of some ways enclose, those that touch together: 1 part, -1 waste."""
     assert work.region is not None
-    region, asked = work.region, set(ways.tolist())
-    rings = [k for k, ring in enumerate(region.rings) if any(way in asked for way, _ in ring)]
+    region = work.region
+    rings = np.unique(region.ring_of[ways])
+    rings = rings[rings >= 0]
     sides = waste_sides(work)
     areas = shapely.make_valid(region.polygons[rings])
     group = np.arange(len(rings))
@@ -277,7 +292,7 @@ def _areas(work: Work, ways: Counts) -> tuple[NDArray[np.object_], Floats]:
         if a < b and group[a] != group[b]:
             group[group == group[b]] = group[a]
     signs = np.ones(len(rings))
-    for n, k in enumerate(rings):
+    for n, k in enumerate(rings.tolist()):
         (way, back), *_ = region.rings[k]
         waste_left = (sides[way] > 0.0) != back
         signs[n] = -1.0 if waste_left == region.anticlockwise[k] else 1.0
@@ -297,14 +312,11 @@ def left_faults(work: Work, corners: Sequence[UncutCorner]) -> list[Diagnostic]:
     """Of each contour the deepest of its corners, if it is deep enough to be told."""
     if work.region is None:
         return []
-    ring_of = np.full(work.need.count, -1)
-    for number, ring in enumerate(work.region.rings):
-        ring_of[[k for k, _ in ring]] = number
     deepest: dict[int, tuple[UncutCorner, int]] = {}
     for corner in sorted(corners, key=lambda one: one.depth):
         if corner.depth > TOLD * 2 * work.half_kerf:
             way = work.need.nearest_to(np.array(corner.place))[1]
-            deepest[int(ring_of[way])] = corner, way
+            deepest[int(work.region.ring_of[way])] = corner, way
     said = []
     for number, (corner, way) in sorted(deepest.items()):
         first = min(k for k, _ in work.region.rings[number]) if number >= 0 else way

@@ -15,7 +15,7 @@ Source: LinuxCNC documentation, "Cutter Compensation"; its interp_convert.cc and
 """
 
 from collections.abc import Iterator, Sequence
-from math import acos, asin, atan2, cos, degrees, dist, pi, sin, tan
+from math import atan2, cos, degrees, dist, pi, sin
 
 import numpy as np
 from msgspec import Struct
@@ -24,8 +24,9 @@ from msgspec.structs import replace
 from beamcam.controllers.events import HeadMove, Move, Side
 from beamcam.controllers.moves import Moves, moves_of
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc
+from beamcam.geometry.curves import Arc, Line
 from beamcam.geometry.plane import Point
+from beamcam.geometry.raw_offset import intersections
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.verify.sheets import rules
@@ -54,6 +55,14 @@ class _Move(Struct):
     turn: int = 0
     along: Point = (0.0, 0.0)  #: of a line as it was programmed
     sweep: float = 0.0  #: of an arc as it was programmed, rad; 0 for one round a corner
+
+    @property
+    def whole(self) -> Line | Arc:
+        """A line along all of it, or its circle."""
+        if self.centre is not None:
+            return Arc(self.centre, dist(self.centre, self.end), 0.0, 360.0)
+        (x, y), (dx, dy) = self.end, self.along
+        return Line((x - dx, y - dy), self.end)
 
 
 def compensated(legs: Sequence[HeadMove], side: Side, radius: float) -> list[HeadMove]:
@@ -104,7 +113,7 @@ class _OffsetPath:
             move = self._arc(leg, centre, turn)
             ahead = atan2(y0 - centre[1], x0 - centre[0]) + turn * pi / 2
             normal = ahead + self._left * pi / 2
-        self._corner(leg, move, ahead, normal)
+        self._corner(leg, move, normal)
         self._here, self._programmed = move.end, leg.end
 
     def _enter(self, leg: HeadMove) -> None:
@@ -133,8 +142,8 @@ class _OffsetPath:
         sweep = _sweep(self._programmed, leg.end, centre, turn)
         return _Move(leg.line, _polar(leg.end, away, out), centre, turn, sweep=sweep)
 
-    def _corner(self, leg: HeadMove, move: _Move, ahead: float, normal: float) -> None:
-        """Joins the waiting move to the next, whose direction at its start is `ahead`."""
+    def _corner(self, leg: HeadMove, move: _Move, normal: float) -> None:
+        """Joins the waiting move to the next, to whose path that of the tool is `normal`."""
         x0, y0 = self._programmed
         before = self._waiting
         assert before is not None
@@ -151,7 +160,7 @@ class _OffsetPath:
             and not self._inside(before.turn)
         )
         if concave:
-            meeting = self._meeting(leg, before, move, beta, to_here, ahead)
+            meeting = self._meeting(leg, before, move)
             self._shorten(before, meeting)
             self._flush(meeting)
         elif beta > STRAIGHT_RAD:
@@ -165,68 +174,15 @@ class _OffsetPath:
             self._flush(before.end)
         self._waiting = move
 
-    def _meeting(
-        self, leg: HeadMove, before: _Move, move: _Move, beta: float, to_here: float, ahead: float
-    ) -> Point:
-        """Where two moves beside a concave corner cross."""
-        r = self._radius
-        if before.centre is None and move.centre is None:
-            half = (beta + pi) / 2
-            if abs(half) < TINY:
-                raise CompensationError(leg.line, "a corner of zero degrees")
-            return _polar(self._here, r / tan(half), to_here + self._left * pi / 2)
-        if before.centre is None:
-            assert move.centre is not None
-            return self._line_to_arc(leg, move, beta, to_here)
-        if move.centre is None:
-            return self._arc_to_line(leg, before, ahead)
-        return self._arc_to_arc(leg, before, move)
-
-    def _line_to_arc(self, leg: HeadMove, move: _Move, beta: float, to_here: float) -> Point:
-        assert move.centre is not None
-        inside = self._inside(move.turn)
-        programmed = dist(move.centre, leg.end)
-        away = programmed - self._radius if inside else programmed + self._radius
-        across = programmed * sin(beta - pi / 2)
-        share = (across + self._radius if inside else across - self._radius) / away
-        if abs(share) > 1.0:
-            raise CompensationError(leg.line, GOUGES)
-        travel = to_here - self._left * pi / 2
-        turned = move.turn * asin(share)
-        angle = travel + turned if inside else travel + pi - turned
-        return _polar(move.centre, away, angle)
-
-    def _arc_to_line(self, leg: HeadMove, before: _Move, ahead: float) -> Point:
-        assert before.centre is not None
-        inside = self._inside(before.turn)
-        now = dist(before.centre, before.end)
-        programmed = now + self._radius if inside else now - self._radius
-        theta = ahead + before.turn * pi / 2
-        x0, y0 = self._programmed
-        phi = atan2(before.centre[1] - y0, before.centre[0] - x0)
-        across = programmed * cos(theta - phi)
-        share = (across - self._radius if inside else across + self._radius) / now
-        if abs(share) > 1.0:
-            raise CompensationError(leg.line, GOUGES)
-        sign = -before.turn if inside else before.turn
-        return _polar(before.centre, now, sign * acos(share) + theta + pi)
-
-    def _arc_to_arc(self, leg: HeadMove, before: _Move, move: _Move) -> Point:
-        assert before.centre is not None
-        assert move.centre is not None
-        old = dist(before.centre, before.end)
-        programmed = dist(move.centre, leg.end)
-        inside = self._inside(move.turn)
-        new = programmed - self._radius if inside else programmed + self._radius
-        apart = dist(before.centre, move.centre)
-        if old < TINY or apart < TINY:
+    def _meeting(self, leg: HeadMove, before: _Move, move: _Move) -> Point:
+        """Where two moves beside a concave corner cross, nearest to that."""
+        if before.centre and move.centre and dist(before.centre, move.centre) < TINY:
             raise CompensationError(leg.line, "two arcs about one centre in a corner")
-        share = (old * old + apart * apart - new * new) / (2 * old * apart)
-        if abs(share) > 1.0:
-            raise CompensationError(leg.line, GOUGES)
-        towards = atan2(move.centre[1] - before.centre[1], move.centre[0] - before.centre[0])
-        sign = move.turn if self._inside(before.turn) else -move.turn
-        return _polar(before.centre, old, towards + sign * acos(share))
+        points = intersections(before.whole, move.whole)
+        if not points:
+            lines = before.centre is None and move.centre is None
+            raise CompensationError(leg.line, "a corner of zero degrees" if lines else GOUGES)
+        return min(points, key=lambda point: dist(point, self._here))
 
     def _shorten(self, before: _Move, end: Point) -> None:
         """Lets the waiting move end elsewhere; one that cannot is refused."""

@@ -43,7 +43,7 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     said: list[Diagnostic] = []
     if len(missing) and work.half_kerf:
         missing = missing[~work.on_kept_off(points[missing]) | beside[owner[missing]]]
-        is_left, corners = in_corners(work, missing, samples)
+        is_left, corners = in_corners(work, traced, missing, samples)
         missing = missing[~is_left]
         said = left_faults(work, corners)
     bends, lost = _left_at_bends(work, traced)

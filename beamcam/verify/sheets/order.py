@@ -6,11 +6,10 @@ import numpy as np
 import shapely
 from msgspec import Struct
 from msgspec.structs import replace
-from shapely import Polygon
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.machine.torch import LookSettings, TorchProcess, TorchRow
+from beamcam.machine.torch import LookSettings, TorchProcess
 from beamcam.verify.sheets import rules
 from beamcam.verify.sheets.areas import waste_sides
 from beamcam.verify.sheets.controller_state import SKELETON
@@ -121,13 +120,11 @@ def _within(cuts: Sequence[Traced], inner: list[int], ring: int) -> list[tuple[i
         for k, is_in in zip(inner, inside.tolist(), strict=True)
         if is_in
         and shapely.covers(wider, shapely.multipoints(cuts[k].corners()))
-        and not _covers(cuts[k].inside(), polygon)
+        and not (
+            (own := cuts[k].inside()) is not None
+            and shapely.covers(shapely.buffer(own, TOUCHING), polygon)
+        )
     ]
-
-
-def _covers(polygon: Polygon | None, other: Polygon) -> bool:
-    """Whether a polygon has all of another within it, but for what counts as touching."""
-    return polygon is not None and bool(shapely.covers(shapely.buffer(polygon, TOUCHING), other))
 
 
 # --- direction ------------------------------------------------------------------------------------
@@ -223,9 +220,7 @@ def _is_one_feature(work: Work, ring: Chain) -> bool:
 def _rings_of(work: Work, heads: Sequence[Traced]) -> Counts:
     """The ring that each stroke follows at most of the places where it is asked; -1 for none."""
     assert work.region is not None
-    ring_of = np.full(work.need.count, -1)
-    for k, ring in enumerate(work.region.rings):
-        ring_of[[way for way, _ in ring]] = k
+    ring_of = work.region.ring_of
     ends = np.array([(t.first, t.last - 1) for t in heads])
     ways = np.linspace(ends[:, 0], ends[:, 1], ASKED, axis=1).astype(np.int64)
     owner, column = np.nonzero(np.diff(ways, axis=1, prepend=-1))
@@ -287,7 +282,14 @@ def settings_faults(
     if not work.need.count or not traced or row is None:
         return [], []
     owns = [work.torch.settings.get(k, PLAIN) for k in work.asked.looks[work.process]]
-    asked = [_settings_asked(row, own) for own in owns]
+    asked = [
+        (
+            row.feed_mm_min if own.speed is None else own.speed,
+            row.power if own.power is None else own.power,
+            row.passes if own.passes is None else own.passes,
+        )
+        for own in owns
+    ]
     samples = work.path.samples(SPACING)
     samples = kept_samples(samples, on_contour(work, traced)[samples[2]])
     points, stroke = work.path.elements.places(*samples[:2]), work.of_way[samples[2]]
@@ -321,14 +323,6 @@ def _followed(work: Work, samples: Samples, points: Floats) -> Pairs:
     runs_along = np.zeros(len(points), dtype=bool)
     runs_along[pairs.point[along]] = True
     return pairs.kept(along | ~runs_along[pairs.point])
-
-
-def _settings_asked(row: TorchRow, own: LookSettings) -> Settings:
-    return (
-        row.feed_mm_min if own.speed is None else own.speed,
-        row.power if own.power is None else own.power,
-        row.passes if own.passes is None else own.passes,
-    )
 
 
 def _other(work: Work, line: int, found: Settings, expected: Settings, contour: str) -> Diagnostic:

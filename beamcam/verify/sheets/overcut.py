@@ -163,7 +163,10 @@ def _retraced(work: Work, t: Traced) -> float:
         and _runs_again(work, t, float(place), float(ends[k]))
     ]  # fmt: skip
     over = min(found, default=0.0)
-    return 0.0 if over and _is_drawn_twice(work, t, over / 2) else over
+    # The part itself may have more than one curve a little behind the start.
+    beside = work.need.near(_places(work, np.array([begin + over / 2])), work.tolerance)
+    drawn = np.sort(work.need.at(beside.element, beside.along))
+    return 0.0 if (np.diff(drawn) > 8 * work.tolerance).any() else over
 
 
 def _runs_again(work: Work, t: Traced, place: float, over: float) -> bool:
@@ -172,14 +175,6 @@ def _runs_again(work: Work, t: Traced, place: float, over: float) -> bool:
     way = np.full(len(steps), t.first)
     first, again = work.path.point(way, steps), work.path.point(way, place + steps)
     return bool((np.hypot(*(first - again).T) <= 2 * work.tolerance).all())
-
-
-def _is_drawn_twice(work: Work, t: Traced, along: float) -> bool:
-    """Whether the part itself has more than one curve a little behind the start of a stroke."""
-    place = _places(work, np.array([work.path.begins[t.first] + along]))
-    pairs = work.need.near(place, work.tolerance)
-    at = np.sort(work.need.at(pairs.element, pairs.along))
-    return bool((np.diff(at) > 8 * work.tolerance).any())
 
 
 def asked_overcut(work: Work, t: Traced, found: float, most: float = inf) -> float:

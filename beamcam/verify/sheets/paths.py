@@ -249,9 +249,7 @@ def _round_contours(
     Of contours on one another only the first is a ring, whichever of them is the nearest.
     """
     assert work.region is not None
-    ring_of = np.full(work.need.count, -1)
-    for k, ring in enumerate(work.region.rings):
-        ring_of[[way for way, _ in ring]] = k
+    ring_of = work.region.ring_of
     is_near = np.isfinite(beside[0])
     found = np.where(is_near, ring_of[beside[1]], -1)
     twin = np.flatnonzero(is_near & (found < 0))

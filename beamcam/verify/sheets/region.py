@@ -53,6 +53,7 @@ class Region(Struct, frozen=True):
     twins: Flags  #: ways that lie on others
     apart: Floats  #: how far a way may be from where it is cut: from its twin, from its neighbours
     anticlockwise: Flags  #: rings that run so
+    ring_of: Counts  #: that each way is of; -1 of none
 
     def moved(self, shift: Point) -> "Region":
         """The same elsewhere."""
@@ -77,7 +78,10 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     """
     real = np.flatnonzero(toolpaths.lengths > 0.0)
     own = closed_features(toolpaths, features, real)
-    rank = _ranks(toolpaths, own)
+    # Where ways lie on one another, those of closed features count first, then the longer ones.
+    rank = np.empty(toolpaths.count, dtype=np.int64)
+    every = np.arange(toolpaths.count)
+    rank[np.lexsort((every, -toolpaths.lengths, ~own))] = every
     twins = _lie_on(toolpaths, rank, SAME_PLACE)
     drawn = whole(toolpaths, fine)
     drawn_so = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
@@ -104,7 +108,9 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     polygons = polygons[wide]
     points, ring = shapely.get_coordinates(polygons, return_index=True)
     turned = signed_areas(points, np.searchsorted(ring, np.arange(len(once) + 1)))[0] > 0.0
-    return Region(polygons, once, closed, twins, apart, turned)
+    ring_of, rings = np.full(toolpaths.count, -1), _Rings.of(once)
+    ring_of[rings.ways] = rings.ring
+    return Region(polygons, once, closed, twins, apart, turned, ring_of)
 
 
 def signed_areas(points: Floats, begins: Counts) -> tuple[Floats, Floats]:
@@ -158,15 +164,6 @@ def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
         if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
             found.append(k)
     return found
-
-
-def _ranks(toolpaths: Toolpaths, own: Flags) -> Counts:
-    """Which ways count where they lie on one another: of closed features first, then the longer."""
-    rank = np.empty(toolpaths.count, dtype=np.int64)
-    rank[np.lexsort((np.arange(toolpaths.count), -toolpaths.lengths, ~own))] = np.arange(
-        toolpaths.count
-    )
-    return rank
 
 
 def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:

@@ -231,7 +231,9 @@ def work_of(
     fine = torch.tolerance / 8
     curves = need.curves.get(process, [])
     toolpaths = need.toolpaths(process, fine).moved(shift)
-    half_kerf = _half_kerf(process, mine, torch)
+    half_kerf = 0.0
+    if process == "cut" and torch.kerf_by != "none":
+        half_kerf = max((s.row.kerf / 2 for s in mine), default=0.0)
     region = None
     tolerance = torch.tolerance + 2 * step + fine
     # What joining ends may move is allowed where there is something to join.
@@ -245,22 +247,8 @@ def work_of(
     return Work(
         process, mine, moves, toolpaths, need, Toolpaths.of_moves(moves, fine),
         np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
-        slack, half_kerf, region, _small(toolpaths, torch.gap), shift, name, stepped,
+        slack, half_kerf, region, small_ways(toolpaths, torch.gap), shift, name, stepped,
     )  # fmt: skip
-
-
-def _small(toolpaths: Toolpaths, gap: float) -> Flags:
-    """Curves no larger than the gap that is closed between two ends."""
-    if not (toolpaths.lengths <= 4 * gap).any():
-        return np.zeros(toolpaths.count, dtype=bool)
-    return small_ways(toolpaths, gap)
-
-
-def _half_kerf(process: TorchProcess, strokes: Sequence[HeadStroke], torch: Torch) -> float:
-    """Half the compensated kerf of a process on closed contours."""
-    if process != "cut" or torch.kerf_by == "none":
-        return 0.0
-    return max((s.row.kerf / 2 for s in strokes), default=0.0)
 
 
 def widest_joint(need: Toolpaths, gap: float) -> float:
