@@ -194,7 +194,7 @@ def _reader_options(asked: ReadOptions) -> dict[str, object]:
             raise AskError(said) from error
     names = ("units", "width", "encoding", "layers", "letters", "fit", "wrap")
     given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
-    from beamcam.readers.ifc.options import Options, Selection
+    from beamcam.model.request import Options, Selection
 
     members = (values.marks, values.guids, values.classes, values.assemblies)
     options = Options(

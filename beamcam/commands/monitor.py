@@ -23,7 +23,7 @@ from beamcam.machine.machine import Machine
 from beamcam.pipeline import parts_of, read_file, stock_of
 
 if TYPE_CHECKING:
-    from beamcam.setup_sheet.monitor_page import KnownWork
+    from beamcam.setup_sheet.study_page import KnownWork
 
 # --- page server ----------------------------------------------------------------------------------
 
@@ -182,7 +182,7 @@ def command(
     beamcam monitor 192.168.0.10 --program job.gcode
     beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
     """
-    from beamcam.setup_sheet.monitor_page import axes_of, monitor_page
+    from beamcam.setup_sheet.study_page import axes_of, monitor_page
     from beamcam.simulate.rules import PORT
 
     try:
@@ -219,7 +219,7 @@ def _work(
     """The machine, and what is known of its work. Raises BeamcamError."""
     from msgspec.structs import replace
 
-    from beamcam.setup_sheet.monitor_page import KnownWork
+    from beamcam.setup_sheet.study_page import KnownWork
 
     parts, _ = parts_of(map(read_file, paths))
     if program is not None:

@@ -10,8 +10,13 @@ from beamcam.commands.common import Grouped, Voice, write
 from beamcam.commands.common import as_json as json_of
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.pictures import of_kind
-from beamcam.commands.plan_coping import coping_lines, coping_record
-from beamcam.commands.plan_sheet import not_made_lines, sheet_lines, sheet_record
+from beamcam.commands.plan_output import (
+    coping_lines,
+    coping_record,
+    not_made_lines,
+    sheet_lines,
+    sheet_record,
+)
 from beamcam.commands.settings import files_read, machines_for, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic

@@ -19,7 +19,7 @@ from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
 from beamcam.recovery.found import plain
-from beamcam.verify.coping.rings import EDGE_NOISE
+from beamcam.verify.coping.stock import EDGE_NOISE
 
 Shape = Any  #: of shapely
 

@@ -1,26 +1,139 @@
-"""Content of a setup sheet, as data."""
+"""Content of a setup sheet, as data.
+
+A coper's program for a setup sheet: the way of the torch over the surface of the bar, unrolled.
+
+y   o   height + (width - Z)      the flange above v, its edge beside v at the height
+    v   Y                         the web from the front
+    u   -(width - Z)              the flange below
+of a tube that turns the way round its surface, from the middle of its lowest line towards v
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePath
 from typing import Literal
 
+import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, errors_in
+from beamcam.geometry.array_types import Floats
+from beamcam.machine.coper import Coper
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan, clock
 from beamcam.pictures.bar import BarMade
+from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
 from beamcam.report.hand_list import HandRow, hand_rows
 from beamcam.report.run import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
-from beamcam.setup_sheet.totals import Total, bar_totals, table_totals
 from beamcam.simulate.limits import run_warnings
 from beamcam.simulate.program import simulate_program
-from beamcam.simulate.trace import Trace
+from beamcam.simulate.trace import Trace, TraceAxis
+from beamcam.verify.coping.tube import tube_section, unrolled_pipe
+
+ROUND = TraceAxis("round the bar", "mm", has_encoder=False)
+
+
+def coper_made(program: CoperProgram, trace: Trace) -> TableMade:
+    """The way of the torch as that of a head over a table: along the bar, and round it.
+
+    Raises VerifyError where the section is not known.
+    """
+    machine = program.machine
+    coper = machine.needed(machine.coper, "coper")
+    round_bar = _round(trace.positions, unrolled_pipe(part_of(program)), coper)
+    positions = np.insert(trace.positions, 1, round_bar, axis=1)
+    axes = (trace.axes[0], ROUND, *trace.axes[1:])
+    return TableMade(
+        replace(trace, axes=axes, positions=positions), machine, program.name, program.sha256
+    )
+
+
+def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
+    """Where the torch is round the bar at each knot, mm."""
+    profile = part.profile
+    _, y, z, a_deg, *tilts = positions.T
+    if coper.a_unit == "mm":
+        around: Floats = a_deg.copy()
+        return around
+    if coper.turns == "bar":
+        place = tube_section(part, coper).place
+        found: Floats = np.array([place(*row)[0] for row in positions[:, 1:].tolist()])
+        return found
+    a, pivot = np.radians(a_deg), coper.pivot
+    if tilts:
+        pivot = pivot * np.cos(np.radians(tilts[0]))
+    tip_y, tip_z = y + pivot * np.sin(a), z - pivot * np.cos(a)
+    beside = profile.width - tip_z
+    found = np.select(
+        [a_deg < -45.0, a_deg > 45.0], [profile.height + beside, -beside], default=tip_y
+    )
+    return found
+
+
+def coper_operations(program: CoperProgram, made: TableMade) -> tuple[Operation, ...]:
+    """The cuts with the faces that they are on; X is the machine's."""
+    part = part_of(program)
+    strokes = strokes_of(program, part)
+    is_round = part.profile.code == "RO" or unrolled_pipe(part) is not part
+    return tuple(
+        replace(op, what="cut" if is_round else f"cut on face {stroke.face}", y=None)
+        for op, stroke in zip(table_operations(made), strokes, strict=True)
+    )
+
+
+class Total(Struct, frozen=True):
+    """A row of the times."""
+
+    what: str  #: a tool, a process, or travel
+    count: int | None  #: of operations or paths
+    work_s: float  #: in the steel, or with the tool on
+    seconds: float  #: with the way to each of them
+    length: float | None = None  #: of a table's way
+
+
+def bar_totals(operations: Sequence[Operation], trace: Trace) -> tuple[Total, ...]:
+    """The times of a bar's tools: at work is the block that feeds or saws."""
+    lasts = np.diff(trace.time_s)
+    rows: dict[str, list[Operation]] = {}
+    for op in operations:
+        rows.setdefault(op.tool or "saw", []).append(op)
+    found = [
+        Total(
+            tool, len(ops), float(lasts[np.isin(trace.line, [op.line for op in ops])].sum()),
+            sum(op.seconds for op in ops),
+        )
+        for tool, ops in rows.items()
+    ]  # fmt: skip
+    work = sum(row.work_s for row in found)
+    travel = Total("travel and changes", None, 0.0, trace.duration_s - work)
+    return (*found, travel, Total("together", len(operations), work, trace.duration_s))
+
+
+def table_totals(table: TableMade) -> tuple[Total, ...]:
+    """Times and lengths of a table by process, and of the ways between with nothing on."""
+    return tuple(_table(table))
+
+
+def _table(table: TableMade) -> Iterator[Total]:
+    trace = table.trace
+    lasts = np.diff(trace.time_s)
+    ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
+    process = [state.process for state in trace.states]
+    of = np.array([process[k] for k in trace.state.tolist()], dtype=object)
+    for name in dict.fromkeys(p for _, _, p in table.strokes):
+        own = of == name
+        count = sum(p == name for _, _, p in table.strokes)
+        on = float(lasts[own].sum())
+        yield Total(name, count, on, on, float(ways[own].sum()))
+    off = of == ""
+    yield Total("travel", None, 0.0, float(lasts[off].sum()), float(ways[off].sum()))
+    on = float(lasts[~off].sum())
+    yield Total("together", len(table.strokes), on, trace.duration_s, float(ways.sum()))
+
 
 LEFT_OUT = ("plan-left-out", "verify-left-out")
 
@@ -84,7 +197,6 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     from beamcam.pictures.part import part_scene
     from beamcam.pictures.program import bar_made, coper_program, table_made
     from beamcam.pictures.table import table_scene
-    from beamcam.setup_sheet.unrolled import coper_made, coper_operations
 
     program = source.program
     machine = program.machine

@@ -31,7 +31,6 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
 from beamcam.model.request import Request
-from beamcam.solid.box_tube import skew_ends, square_to_surface
 from beamcam.solid.compare import (
     ALIKE,
     Bodies,
@@ -71,7 +70,14 @@ from beamcam.solid.stock_solid import (
     shape_of,
     stock_solid,
 )
-from beamcam.solid.wrapped import all_round, outline_gone, skin_of, wrapped
+from beamcam.solid.wrapped import (
+    all_round,
+    outline_gone,
+    skew_ends,
+    skin_of,
+    square_to_surface,
+    wrapped,
+)
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -1,8 +1,9 @@
 """The plan of a part on a machine whose torch goes round it."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
-from math import cos, radians
+from math import cos, pi, radians
 from typing import Literal
 
 from msgspec.structs import replace
@@ -10,7 +11,7 @@ from msgspec.structs import replace
 from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Face, Feature, Part
+from beamcam.model.part import Contour, Face, Feature, Part, Profile
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Piece
 from beamcam.model.section import section_fault
 from beamcam.planning import rules as bar_rules
@@ -29,15 +30,70 @@ from beamcam.planning.coping.ends import (
     tilts_at,
     with_skew,
 )
-from beamcam.planning.coping.features import Sorted, sorted_features
-from beamcam.planning.coping.ledges import with_ledges
-from beamcam.planning.coping.pipe import as_pipe
 from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
-from beamcam.planning.coping.roots import root_faults
+from beamcam.planning.coping.roots import root_faults, with_ledges
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
-from beamcam.planning.coping.walls import EDGE, WEB_AMID, Wall, laid, walls_of
+from beamcam.planning.coping.walls import (
+    EDGE,
+    WEB_AMID,
+    Sorted,
+    Wall,
+    laid,
+    sorted_features,
+    walls_of,
+)
 from beamcam.planning.left_out import BEVEL, ROOT
+from beamcam.planning.sheet import PIPE
+
+#: A size in a name: 168.3, 6, 1-1/2 or 3/4.
+_SIZE = re.compile(r"(?:([0-9]+)[- ])?([0-9]+)/([0-9]+)|([0-9]+(?:\.[0-9]+)?)")
+SLACK = 0.5  #: mm between a diameter in a name and that of the width
+INCH = 25.4
+#: Outside diameter of pipes by their nominal size, both in inches (ASME B36.10M, table 1).
+NOMINAL = {
+    0.125: 0.405, 0.25: 0.54, 0.375: 0.675, 0.5: 0.84, 0.75: 1.05, 1.0: 1.315, 1.25: 1.66,
+    1.5: 1.9, 2.0: 2.375, 2.5: 2.875, 3.0: 3.5, 3.5: 4.0, 4.0: 4.5, 5.0: 5.563, 6.0: 6.625,
+    8.0: 8.625, 10.0: 10.75, 12.0: 12.75,
+}  # fmt: skip
+
+
+def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
+    """A part as the pipe that its plate is the surface of, and what is said of it.
+
+    Any other part comes back as it is, and so does a plate whose name has another diameter.
+    """
+    profile = part.profile
+    if profile.code != "B" or not PIPE.match(profile.name):
+        return part, None
+    diameter = profile.height / pi
+    named = _diameters(profile.name)
+    values = {"found": profile.name, "height": f"{profile.height:g}"}
+    if named and min(abs(one - diameter) for one in named) > SLACK:
+        nearest = min(named, key=lambda one: abs(one - diameter))
+        expected = f"{pi * nearest:.2f}"
+        return part, rules.NO_PIPE.at(
+            part.source, diameter=f"{nearest:g}", expected=expected, **values
+        )
+    wall = profile.web_thickness or 0.0
+    pipe = Profile("RO", profile.name, diameter, diameter, wall, wall)
+    said = rules.PIPE.at(part.source, diameter=f"{diameter:.2f}", **values)
+    return replace(part, profile=pipe), said
+
+
+def _diameters(name: str) -> tuple[float, ...]:
+    """The diameters that a name may mean, in mm; none where it has no size.
+
+    The first size is a diameter in mm or in inches, or a nominal one: PIPE1-1/2SCH40 is 1.9 inches
+    wide.
+    """
+    size = _SIZE.search(name)
+    if size is None or (size[3] is not None and not float(size[3])):
+        return ()
+    value = float(size[4]) if size[4] else float(size[1] or 0) + float(size[2]) / float(size[3])
+    inches = (value, NOMINAL.get(value, value))
+    return (value, *(INCH * one for one in inches))
+
 
 #: The faces in which the cuts of a kind are made, so that the torch turns little. What parts the
 #: piece from the bar begins where the near end was left.

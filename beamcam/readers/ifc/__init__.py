@@ -3,8 +3,8 @@
 Importing this package costs nothing; ifcopenshell is loaded when a model is read.
 """
 
+from beamcam.model.request import ALL, Options, Progress, Selection
 from beamcam.readers.content import Reading
-from beamcam.readers.ifc.options import ALL, Options, Progress, Selection
 
 __all__ = ["ALL", "Options", "Progress", "Selection", "looks_like", "read"]
 

@@ -13,11 +13,11 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Hole, Part, Slot
+from beamcam.model.request import Options
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation, mapping, pushed
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
 from beamcam.readers.ifc.finish import Shaped, sorted_holes
-from beamcam.readers.ifc.options import Options
 from beamcam.readers.ifc.section import Wall, walls_of
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.solid.kernel import prism

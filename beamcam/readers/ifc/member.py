@@ -13,6 +13,7 @@ from beamcam.budget import MEMBER, OverTimeError, begin_member, limits
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part
+from beamcam.model.request import Options, Selection
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import Body, Swept, body_of, refuse_bent
 from beamcam.readers.ifc.checks import (
@@ -52,7 +53,6 @@ from beamcam.readers.ifc.marks import (
     profile_set_names,
 )
 from beamcam.readers.ifc.opening import elements_of, open_file
-from beamcam.readers.ifc.options import Options, Selection
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.space import IDENTITY
 

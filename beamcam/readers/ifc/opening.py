@@ -12,10 +12,10 @@ from msgspec.structs import replace
 
 from beamcam.budget import limits
 from beamcam.errors import Diagnostic, Source
+from beamcam.model.request import Selection
 from beamcam.plain_text import fault_text
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Entity, Model, open_model
-from beamcam.readers.ifc.options import Selection
 from beamcam.readers.ifc.records import File
 from beamcam.readers.ifc.text import Malformed
 

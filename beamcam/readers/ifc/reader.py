@@ -10,13 +10,13 @@ from msgspec.structs import replace
 from beamcam.budget import limits
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Part, TextMark
+from beamcam.model.request import Options, Progress, Selection
 from beamcam.processes import Died, Pool
 from beamcam.readers.content import Reading
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.entities import Model
 from beamcam.readers.ifc.member import KernelNeeded, Members, Taken, class_names
 from beamcam.readers.ifc.opening import open_file
-from beamcam.readers.ifc.options import Options, Progress, Selection
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
 

@@ -15,8 +15,8 @@ from msgspec import Struct
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Hole, Part, Slot
-from beamcam.verify.coping.rings import outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.section import TubeSection, pieces_of
+from beamcam.verify.coping.stock import outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
 
 Shape = Any  #: of shapely

@@ -19,10 +19,9 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow
 from beamcam.verify.coping import rules
 from beamcam.verify.coping.bevels import Pass, pass_faults
-from beamcam.verify.coping.rings import FINE
 from beamcam.verify.coping.section import ARC, Section, jet_of, line_of, narrowed, pieces_of
 from beamcam.verify.coping.skew import EndOnWall
-from beamcam.verify.coping.stock import Stock
+from beamcam.verify.coping.stock import FINE, Stock
 from beamcam.verify.coping.strokes import Stroke
 from beamcam.verify.coping.wanted import Wanted
 

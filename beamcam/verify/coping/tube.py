@@ -24,8 +24,8 @@ from beamcam.verify.asked import by_hand
 from beamcam.verify.coping import rules
 from beamcam.verify.coping.box_tube import LEAST_OFF, box_wanted
 from beamcam.verify.coping.collisions import strike_faults
-from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
+from beamcam.verify.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.verify.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
 from beamcam.verify.coping.wanted import corners_of, with_round_corners
 

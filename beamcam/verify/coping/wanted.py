@@ -13,10 +13,17 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Slot
 from beamcam.verify.asked import is_by_hand
-from beamcam.verify.coping.rings import FINE, outline_ring, ring_of, round_ring, slot_ring
 from beamcam.verify.coping.section import Section, areas_of, pieces_of
 from beamcam.verify.coping.skew import EndOnWall
-from beamcam.verify.coping.stock import DRAWN, Stock
+from beamcam.verify.coping.stock import (
+    DRAWN,
+    FINE,
+    Stock,
+    outline_ring,
+    ring_of,
+    round_ring,
+    slot_ring,
+)
 
 Shape = Any  #: of shapely
 

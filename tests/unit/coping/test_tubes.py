@@ -16,8 +16,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Bevel, EndCuts, Feature, Hole, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
-from beamcam.planning.coping.pipe import as_pipe
-from beamcam.planning.coping.plan import plan_coping
+from beamcam.planning.coping.plan import as_pipe, plan_coping
 from beamcam.report.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults

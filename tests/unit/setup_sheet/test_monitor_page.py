@@ -9,7 +9,7 @@ from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import post, read_file
-from beamcam.setup_sheet.monitor_page import KnownWork, monitor_data, monitor_page
+from beamcam.setup_sheet.study_page import KnownWork, monitor_data, monitor_page
 
 DSTV = Path(__file__).resolve().parents[3] / "samples" / "dstv"
 CHANNEL, GUSSET = str(DSTV / "channel.nc1"), str(DSTV / "gusset.nc1")
