@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator
 
 from beamcam.caches import PerObject
+from beamcam.checks.head import head_of
 from beamcam.controllers.machine_words import WordFault, fault_in, load_machine
 from beamcam.emitters.head import head_lines
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
@@ -23,7 +24,6 @@ from beamcam.model.request import Job, Request
 from beamcam.planning.left_out import by_hand_sources, left_out_kinds
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import Written, beginning, carries_head, post_of
-from beamcam.verify.head import head_of
 
 _AT = Source("the plate or bar on trial")
 _NAME = "JOB"

@@ -16,6 +16,9 @@ from msgspec.structs import replace
 from beamcam import readers
 from beamcam.asked import AnyMachine, check_asked, machine_of
 from beamcam.budget import check_pieces
+from beamcam.checks.asked import job_faults, pieces_asked
+from beamcam.checks.head import head_of, other_bar
+from beamcam.checks.rules import BAR_NEEDED
 from beamcam.emitters.head import head_lines
 from beamcam.errors import (
     Diagnostic,
@@ -43,9 +46,6 @@ from beamcam.planning.stock import from_store
 from beamcam.posts import Written, beginning, post_of
 from beamcam.readers.content import Reading, content, shown_name
 from beamcam.reconcile import head_differences, other_than_planned
-from beamcam.verify.asked import job_faults, pieces_asked
-from beamcam.verify.head import head_of, other_bar
-from beamcam.verify.rules import BAR_NEEDED
 
 Made = TypeVar("Made")
 Stage = Callable[[str], None]  #: callback with the finished stage

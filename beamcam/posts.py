@@ -52,10 +52,10 @@ def _row(stock: str, controller: str) -> Post:
 
 def bar_post() -> Post:
     """Of a saw and drilling line."""
+    from beamcam.checks.bars import verify
     from beamcam.emitters import gcode
     from beamcam.motion.beam import beam_program
     from beamcam.planning.beam import plan_oriented
-    from beamcam.verify.bars import verify
 
     def plan(job: Job) -> Plan:
         w = job.request
@@ -81,9 +81,9 @@ def bar_post() -> Post:
 
 def sheet_post() -> Post:
     """Of a torch or laser that runs G-code."""
+    from beamcam.checks.sheets import verify_sheet
     from beamcam.emitters import cutting
     from beamcam.motion.sheet import sheet_program
-    from beamcam.verify.sheets import verify_sheet
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
         text = _text(program)
@@ -122,10 +122,10 @@ def _standing(machine: Machine) -> Callable[[ToolOn], float]:
 
 def trigger_post() -> Post:
     """Of a table run by triggers in Structured Text."""
+    from beamcam.checks.st import verify_triggers
     from beamcam.emitters import simotion
     from beamcam.motion.triggers import trigger_table
     from beamcam.planning.contours.rules import CHAIN
-    from beamcam.verify.st import verify_triggers
 
     def emit(program: Any, job: Job) -> str:
         try:
@@ -148,10 +148,10 @@ def trigger_post() -> Post:
 
 def step_post() -> Post:
     """Of a table whose motors are run step by step; its style is the suffix of the file."""
+    from beamcam.checks.steps import FORMS as READ_BACK
+    from beamcam.checks.steps import verify_table
     from beamcam.emitters.step_table import FORMS
     from beamcam.motion.steps import step_table
-    from beamcam.verify.steps import FORMS as READ_BACK
-    from beamcam.verify.steps import verify_table
 
     def emit(program: Any, job: Job) -> Written:
         form = FORMS[job.request.style or job.machine.suffix]
@@ -173,10 +173,10 @@ def step_post() -> Post:
 
 def coping_post() -> Post:
     """Of a torch that goes round a profile."""
+    from beamcam.checks.coping import verify_coping
     from beamcam.emitters import coping
     from beamcam.motion.coping import coping_program, coping_time
     from beamcam.planning.coping.plan import plan_coping
-    from beamcam.verify.coping import verify_coping
 
     def plan(job: Job) -> CopePlan:
         _refuse_begun(job)
@@ -235,7 +235,7 @@ def _of_asked(
 
     `begin` is the text that the program begins with.
     """
-    from beamcam.verify.sheets.asked_layout import as_asked
+    from beamcam.checks.sheets.asked_layout import as_asked
 
     parts, said = as_asked(job.parts, job.machine.torch)
     if said:

@@ -151,7 +151,7 @@ def _timed(work: Callable[[Any], Any], most_s: float) -> Callable[[Any], Any]:
 
 
 def _end_with_parent() -> None:
-    """A killed process closes nothing, and its workers would wait for ever."""
+    """A killed process closes nothing, and its workers would wait for good."""
     parent = parent_process()
     if parent is not None:
         wait_for([parent.sentinel])

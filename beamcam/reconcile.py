@@ -11,18 +11,18 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.asked import BY_HAND as FOR_HAND
+from beamcam.checks.asked import LEDGER, TEXT_TOLD, UNCUT, UNCUT_TOLD
+from beamcam.checks.asked import LEFT_OUT as MISSING
+from beamcam.checks.asked import TEXT_MOVED as MOVED
+from beamcam.checks.head import HEAD_TEXT, head_faults, head_of
+from beamcam.checks.rules import BAR_NEEDED, BAR_TOLD
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan
 from beamcam.model.request import Job
 from beamcam.planning.left_out import TEXT_MOVED, by_hand_sources, left_out_sources
 from beamcam.posts import Written, beginning, carries_head
-from beamcam.verify.asked import BY_HAND as FOR_HAND
-from beamcam.verify.asked import LEDGER, TEXT_TOLD, UNCUT, UNCUT_TOLD
-from beamcam.verify.asked import LEFT_OUT as MISSING
-from beamcam.verify.asked import TEXT_MOVED as MOVED
-from beamcam.verify.head import HEAD_TEXT, head_faults, head_of
-from beamcam.verify.rules import BAR_NEEDED, BAR_TOLD
 
 TOLD_BAR = 0.001  #: mm that lengths of bars in messages are rounded to
 TOLD_STEP = 0.1  #: mm that places and heights in messages are rounded to

@@ -20,6 +20,8 @@ from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
 
+from beamcam.checks.bars.remainder import verify_remainder
+from beamcam.checks.sheets.remainder import frame_faults, said_of
 from beamcam.emitters import cutting, gcode
 from beamcam.errors import Diagnostic, PlanError, error, errors_in
 from beamcam.machine.machine import Machine
@@ -29,13 +31,13 @@ from beamcam.model.program import (
     Comment,
     DrillCycle,
     Feed,
-    Pace,
     PathCycle,
+    PrintText,
     Program,
     SawStroke,
+    SetFeed,
     StartBar,
     StartSheet,
-    TellText,
     ToolOff,
     ToolOn,
     Traverse,
@@ -44,14 +46,12 @@ from beamcam.model.request import Job
 from beamcam.pipeline import Posted, RefusedProgram, by_told_bar
 from beamcam.planning.contours.layout import worked_box
 from beamcam.planning.order import tool_loads
-from beamcam.verify.bars.remainder import verify_remainder
-from beamcam.verify.sheets.remainder import frame_faults, said_of
 
 OPERATION = error("plan-operation",
     "found operation {found} to begin with; expected 2 to {expected}, as `beamcam plan` counts",
     "Operation 1 begins the whole program.")  # fmt: skip
 RULES = (OPERATION,)
-_WORK = (SawStroke, DrillCycle, PathCycle, TellText)
+_WORK = (SawStroke, DrillCycle, PathCycle, PrintText)
 
 
 def rest_of(posted: Posted, first: int) -> Posted:
@@ -151,7 +151,7 @@ def frame_of(posted: Posted) -> Posted:
         whole,
         commands=(
             StartSheet(plan.thickness), *head, Comment(said_of(torch)), Traverse(x0, y0),
-            shown if power else Pace(feed), *(Feed(x, y) for x, y in corners),
+            shown if power else SetFeed(feed), *(Feed(x, y) for x, y in corners),
             *([ToolOff("cut")] if power else []),
         ),
     )  # fmt: skip

@@ -14,6 +14,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam import readers
+from beamcam.checks.asked import rest_faults
 from beamcam.errors import Diagnostic, PlanError, ReadError, VerifyError, errors_in, note
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import Link, chain_of, none_makes_it
@@ -23,7 +24,6 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, begin, finished
 from beamcam.planning.begun import begun_part
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT
-from beamcam.verify.asked import rest_faults
 from beamcam.writers import Target
 
 Sourced = TypeVar("Sourced", Part, Feature, Plane)  #: what says where it comes from

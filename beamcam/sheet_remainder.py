@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from msgspec.structs import replace
 
+from beamcam.checks.sheets.remainder import SAID, rest_faults
 from beamcam.emitters import cutting
 from beamcam.errors import Diagnostic, PlanError, error, errors_in
 from beamcam.model.plan import SheetPlan
@@ -15,7 +16,6 @@ from beamcam.model.request import Job
 from beamcam.motion.sheet import sheet_program
 from beamcam.pipeline import Posted, RefusedProgram
 from beamcam.posts import post_of
-from beamcam.verify.sheets.remainder import SAID, rest_faults
 
 CONTOUR = error("plan-contour",
     "found contour {found} to begin with; expected the number of a contour to cut from 2 to "

@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from beamcam.batch.find import Input
 from beamcam.files import write_whole
 from beamcam.readers import has_end
-from beamcam.report.run import Row, encoded, message_line
+from beamcam.reports.run import Row, encoded, message_line
 
 AGAIN_S = 30.0  #: after which what failed for the disk or a process is tried again
 END_S = 60.0  #: after which a file without its end is handed over all the same

@@ -24,6 +24,7 @@ from typing import TypeVar
 import make_drawing
 from script import arguments, start
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.emitters import cutting
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
@@ -33,7 +34,6 @@ from beamcam.motion.sheet import sheet_program
 from beamcam.pipeline import post, read_file
 from beamcam.planning.sheet import plan_sheet
 from beamcam.system import collector_seldom
-from beamcam.verify.sheets import verify_sheet
 
 RUNS = 3
 Result = TypeVar("Result")

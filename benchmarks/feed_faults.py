@@ -12,13 +12,13 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import Severity
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Measures, Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from benchmarks.liars import Lies
 from benchmarks.sheet_faults import sheet
 from benchmarks.sheet_liars import COLOURS, contour, lines, part_of

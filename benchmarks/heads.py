@@ -15,12 +15,12 @@ from unittest.mock import patch
 from msgspec.structs import replace
 
 from beamcam import pipeline
+from beamcam.checks.head import VERSION
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.request import Job
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.posts import post_of
-from beamcam.verify.head import VERSION
 
 ROOT = Path(__file__).resolve().parent.parent
 SKIPS = ("cope", "slot")

@@ -28,13 +28,13 @@ from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from beamcam.checks.asked import BY_HAND, LEFT_OUT
+from beamcam.checks.bars import verify
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.verify.asked import BY_HAND, LEFT_OUT
-from beamcam.verify.bars import verify
 from benchmarks.asked_liars import told as told_of_jobs
 from benchmarks.faults import FAULTS
 from benchmarks.feed_faults import told as told_of_feeds

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import Severity, errors_in
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
@@ -19,7 +20,6 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Measures, Part
 from beamcam.pipeline import post
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.verify.sheets import verify_sheet
 from benchmarks.liars import Lies
 from benchmarks.sheet_liars import COLOURS, contour, lines, part_of
 

@@ -22,7 +22,7 @@ from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine, load
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.overlay import with_torch
-from beamcam.machine.torch import LookSettings, Torch
+from beamcam.machine.torch import LayerSettings, Torch
 from beamcam.model.part import Contour, Hole, Measures, Part, Process, Profile, Slot, TextMark
 from beamcam.model.plan import ContourOp, Outcome, Pass, SheetPlan
 from beamcam.model.request import Job, Request
@@ -51,8 +51,8 @@ MACHINES: tuple[tuple[str, dict[str, object]], ...] = (
             "overcut": 1.5,
             "margin": 5.0,
             "settings": {
-                "red": LookSettings(passes=2, power=800.0),
-                "blue": LookSettings(passes=3),
+                "red": LayerSettings(passes=2, power=800.0),
+                "blue": LayerSettings(passes=3),
             },
         },
     ),
@@ -64,9 +64,9 @@ MACHINES: tuple[tuple[str, dict[str, object]], ...] = (
             **values, "tabs": 2, "inner_tabs": True, "overcut": 1.5, "copies": (2, 1),
             "rotate": 30.0, "place": "corner", "margin": 5.0,
             "settings": {
-                "red": LookSettings(speed=400.0, passes=2, order=2, overcut=2.0),
-                "magenta": LookSettings(order=1),
-                "blue": LookSettings(hatch=3.0, hatch_one_way=True),
+                "red": LayerSettings(speed=400.0, passes=2, order=2, overcut=2.0),
+                "magenta": LayerSettings(order=1),
+                "blue": LayerSettings(hatch=3.0, hatch_one_way=True),
             },
         })
         for name, values in (

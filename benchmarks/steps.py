@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from script import arguments, start
 
+from beamcam.checks.steps import verify_table
 from beamcam.emitters.step_table import as_bytes, as_text
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import load
@@ -24,7 +25,6 @@ from beamcam.motion import steps
 from beamcam.motion.densify import DensifyRules, densify
 from beamcam.motion.step_events import events
 from beamcam.motion.steps import Way
-from beamcam.verify.steps import verify_table
 
 ROUNDS = 15
 

@@ -61,7 +61,7 @@ def _use_parts(name: str, data: bytes, chance: random.Random) -> None:
     from beamcam.machine import load
     from beamcam.model.part_json import part_to_json
     from beamcam.readers import read
-    from beamcam.report.tables import part_table
+    from beamcam.reports.tables import part_table
     from beamcam.writers import dstv, faces_dxf, part_json
 
     reading = read(data, name)

@@ -80,7 +80,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 ALIKE = tuple(
     f"tests/{f}" for f in (
         "browser/", "property/", "unit/coping/", "unit/setup_sheet/", "unit/sheets/",
-        "unit/simulate/", "unit/solid/", "unit/tables/", "unit/verify/test_text_assignment",
+        "unit/simulation/", "unit/solid/", "unit/tables/", "unit/checks/test_text_assignment",
         "test_qtplasmac", "test_schemas", "test_settings", "test_systems",
     )
 )  # fmt: skip

@@ -64,7 +64,7 @@ def report(path: Path) -> dict[str, Any]:
     return data
 
 
-#: Seconds after which a test gives up that would wait for ever; no measure of anything.
+#: Seconds after which a test gives up that would wait for good; no measure of anything.
 HANG_S = 300.0
 
 

@@ -89,11 +89,10 @@ def test_no_read_back_is_said() -> None:
 ORDERS = (
     "import beamcam; f = beamcam.verify",
     "import beamcam.pipeline, beamcam; f = beamcam.verify",
-    "import beamcam.verify; f = beamcam.verify",
+    "import beamcam.checks; f = beamcam.verify",
     "from beamcam import verify as f",
     "import beamcam; beamcam.read; f = beamcam.verify",
-    "import beamcam.verify as f; from beamcam.verify import bars",
-    "import beamcam.simulate, beamcam.diff, beamcam.report; import beamcam; f = beamcam.verify",
+    "import beamcam.checks.bars, beamcam.simulation; import beamcam; f = beamcam.verify",
     "from beamcam.api import verify as f",
 )
 
@@ -104,7 +103,7 @@ def test_verify_is_a_function_whatever_was_imported_before(order: str) -> None:
         f"{order}\nimport beamcam\n"
         f"parts = beamcam.read({str(CHANNEL)!r}).parts\n"
         "assert f(beamcam.post(parts).text, parts, 'beamline') == ()\n"
-        "from beamcam.verify.bars import run, verify\nassert callable(run) and callable(verify)\n"
+        "from beamcam.checks.bars import run, verify\nassert callable(run) and callable(verify)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import pipeline
+from beamcam.checks.asked import RULES, job_faults, pieces_asked
+from beamcam.checks.sheets.asked_layout import as_asked
 from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
 from beamcam.geometry.curves import Arc, Line
@@ -21,8 +23,6 @@ from beamcam.model.request import Job, Request
 from beamcam.pipeline import begin, finished
 from beamcam.planning import jobs
 from beamcam.planning.contours.layout import laid
-from beamcam.verify.asked import RULES, job_faults, pieces_asked
-from beamcam.verify.sheets.asked_layout import as_asked
 from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples
 

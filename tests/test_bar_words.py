@@ -16,6 +16,8 @@ from itertools import groupby
 import pytest
 from msgspec import Struct
 
+from beamcam.checks.bars import verify
+from beamcam.checks.owners import owner_of
 from beamcam.commands import codes
 from beamcam.controllers import interpreter_of
 from beamcam.controllers.dialect import DOCUMENTED, dialect_of
@@ -23,8 +25,6 @@ from beamcam.errors import Severity
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.verify.bars import verify
-from beamcam.verify.owners import owner_of
 from benchmarks.liars import PROFILES, parts
 
 BAR = 6000.0

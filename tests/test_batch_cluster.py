@@ -18,7 +18,7 @@ from beamcam.batch import cluster, pool
 from beamcam.batch.find import find_inputs
 from beamcam.batch.pool import MOST_BYTES, HeadStart, Here
 from beamcam.batch.run import run
-from beamcam.batch.work import FileResult, Shop, Task, make_all
+from beamcam.batch.work import BatchSettings, FileResult, Task, make_all
 from beamcam.machine import load
 from tests.conftest import ROOT
 from tests.runs import HANG_S, batch, counts, fill, programs, report, wait_until
@@ -60,7 +60,7 @@ def test_a_worker_that_dies_there(
 ) -> None:
     fill(tmp_path / "in", 6)
     monkeypatch.setattr(cluster, "make_there", make_or_die)
-    shop = Shop(load("beamline"))
+    shop = BatchSettings(load("beamline"))
     found = find_inputs((str(tmp_path / "in"),)).inputs
     rows = list(run(found, str(tmp_path / "out"), shop, cluster.Cluster(shop, scheduler)))
     assert [row["status"] for row in rows] == ["posted"] * 3 + ["failed"] + ["posted"] * 2
@@ -95,7 +95,7 @@ def test_files_lost_with_the_process_here_go_to_the_cluster(
 ) -> None:
     fill(tmp_path / "in", 40)
 
-    def die(chunk: tuple[Task, ...], shop: Shop) -> list[FileResult]:
+    def die(chunk: tuple[Task, ...], shop: BatchSettings) -> list[FileResult]:
         os._exit(1)
 
     monkeypatch.setattr(pool, "make_all", die)
@@ -116,7 +116,7 @@ def test_nothing_is_written_before_the_cluster_has_answered(
 
 def test_a_large_input_waits_for_the_cluster() -> None:
     """A model of minutes would hold the one process here that long."""
-    shop = Shop(load("beamline"))
+    shop = BatchSettings(load("beamline"))
     there = Here(shop)
     workers = HeadStart(shop, 100, lambda: there)
     large = (Task(0, "large.nc1", b" " * (MOST_BYTES + 1)),)
@@ -137,7 +137,7 @@ def test_numpy_is_there_after_the_import_of_distributed() -> None:
 
 
 def test_another_version_there_is_refused(scheduler: str) -> None:
-    shop = Shop(load("beamline"), version="0.0.1")
+    shop = BatchSettings(load("beamline"), version="0.0.1")
     with pytest.raises(cluster.SchedulerError, match=r"has beamcam .*, not 0\.0\.1"):
         cluster.Cluster(shop, scheduler)
 

@@ -11,6 +11,8 @@ from click.testing import CliRunner, Result
 from msgspec.structs import replace
 
 from beamcam import pipeline
+from beamcam.checks.asked import BY_HAND as FOR_HAND
+from beamcam.checks.head import head_of
 from beamcam.cli import main
 from beamcam.commands.options import SkipNames
 from beamcam.errors import PlanError
@@ -25,9 +27,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, RefusedProgram, post, read_back
 from beamcam.planning.left_out import BY_HAND
 from beamcam.planning.rules import SKIP_NAMES
-from beamcam.report.hand_list import HEAD, LIST_SUFFIX, as_csv, hand_rows
-from beamcam.verify.asked import BY_HAND as FOR_HAND
-from beamcam.verify.head import head_of
+from beamcam.reports.hand_list import HEAD, LIST_SUFFIX, as_csv, hand_rows
 from tests.conftest import SAMPLES
 from tests.runs import batch, counts, part, report
 from tests.unit.planning.shop import part as beam

@@ -15,7 +15,7 @@ from click.testing import CliRunner, Result
 
 from beamcam.cli import COMMANDS, main
 from beamcam.commands import common
-from beamcam.commands.common import Voice
+from beamcam.commands.common import Console
 from tests.conftest import ROOT, SAMPLES, sampled
 from tests.runs import BAD, part
 from tests.test_docs import WORDS
@@ -310,7 +310,7 @@ def test_a_bar_appears_when_reading_takes_long(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(sys, "stderr", terminal)
     now = [100.0]
     monkeypatch.setattr(common, "perf_counter", lambda: now[0])
-    with common.followed("m.ifc", Voice()) as follow:
+    with common.followed("m.ifc", Console()) as follow:
         assert follow is not None
         follow(1, 4)
         assert terminal.getvalue() == ""  # a file that is read at once has none
@@ -319,10 +319,10 @@ def test_a_bar_appears_when_reading_takes_long(monkeypatch: pytest.MonkeyPatch) 
         follow(4, 4)
     assert "m.ifc" in terminal.getvalue()
     assert "100%" in terminal.getvalue()
-    with common.followed("m.ifc", Voice(quiet=True)) as follow:
+    with common.followed("m.ifc", Console(quiet=True)) as follow:
         assert follow is None
     monkeypatch.setattr(sys, "stderr", StringIO())
-    with common.followed("m.ifc", Voice()) as follow:
+    with common.followed("m.ifc", Console()) as follow:
         assert follow is None
 
 

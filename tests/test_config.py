@@ -13,7 +13,7 @@ from beamcam.config import places
 from beamcam.config.places import ConfigFiles, config_files
 from beamcam.config.values import Config, ConfigError, ConfigFile, load, over, with_tolerances
 from beamcam.machine import load as load_machine
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.system import is_windows
 from tests.runs import batch, counts, fill, part, report
 
@@ -332,7 +332,7 @@ def test_a_row_of_the_map_may_be_a_table(tmp_path: Path) -> None:
     file.write_text('[map]\nblue = "mark"\n[map.red]\nprocess = "cut"\nspeed = 600\npasses = 2\n')
     config = load(file)
     assert config.meanings == {"blue": "mark", "red": "cut"}
-    assert config.look_settings == {"red": LookSettings(600.0, None, 2)}
+    assert config.layer_settings == {"red": LayerSettings(600.0, None, 2)}
     shown = CliRunner().invoke(main, ["config", "--config", str(file)]).stdout
     assert 'map.red = { process = "cut", speed = 600.0, passes = 2 }' in shown
     file.write_text("[map.red]\nspeed = 600\n")

@@ -9,13 +9,13 @@ from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets.remainder import frame_faults
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import Posted, post
 from beamcam.remainder import frame_of
-from beamcam.verify.sheets.remainder import frame_faults
 from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import box, circle, contour, drawing
 

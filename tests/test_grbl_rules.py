@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.pipeline import post
 from beamcam.readers import read
 from tests.conftest import GOLDEN, examples
@@ -125,8 +125,8 @@ def test_generated_programs_keep_the_rules(
     machine = with_torch(
         load("laser-grbl"), {"blue": "mark", "black": "engrave", "red": "cut"},
         settings={
-            "blue": LookSettings(speed, power, passes),
-            "black": LookSettings(
+            "blue": LayerSettings(speed, power, passes),
+            "black": LayerSettings(
                 hatch=hatch, hatch_angle=rotate, hatch_one_way=one_way, hatch_outline=outline
             ),
         },

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.asked import expected_job
+from beamcam.checks.head import Head, head_of
 from beamcam.cli import main
 from beamcam.controllers import longest_line
 from beamcam.emitters.head import MAX_TEXT, comment_room
@@ -19,7 +20,6 @@ from beamcam.model.part import EndCuts, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import begin, finished, parts_of, post, read_back, read_file
 from beamcam.plain_text import outside_text
-from beamcam.verify.head import Head, head_of
 from tests.conftest import SAMPLES, examples
 from tests.strategies import BEAM, CHANNEL, SOURCE, bars
 

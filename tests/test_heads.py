@@ -9,13 +9,13 @@ from click.testing import CliRunner, Result
 from msgspec.structs import replace
 
 from beamcam import pipeline
+from beamcam.checks.head import VERSION, head_of
 from beamcam.cli import main
 from beamcam.emitters.head import FORM
 from beamcam.machine import load, shipped
 from beamcam.model.request import Job
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file
 from beamcam.posts import Post, post_of
-from beamcam.verify.head import VERSION, head_of
 from benchmarks.heads import CHANGES, counted
 from benchmarks.heads import SAMPLES as SHIPPED
 from tests.conftest import GOLDEN, SAMPLES

@@ -15,7 +15,7 @@ from beamcam.model.part import Part
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.readers import read
-from beamcam.simulate.program import simulate_program
+from beamcam.simulation.program import simulate_program
 from tests.conftest import SAMPLES, examples
 from tests.rs274 import interpreted, needs_rs274
 from tests.runs import part

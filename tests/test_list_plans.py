@@ -11,6 +11,9 @@ from click.testing import CliRunner
 from msgspec.structs import replace
 
 from beamcam import api
+from beamcam.checks.bars import run as read_bar
+from beamcam.checks.bars.pieces import pieces as pieces_between
+from beamcam.checks.bars.pieces import planes
 from beamcam.cli import main
 from beamcam.errors import Source
 from beamcam.machine import Machine, load
@@ -18,12 +21,9 @@ from beamcam.model.part import Part
 from beamcam.model.section import corners
 from beamcam.pipeline import read_file
 from beamcam.planning.jobs import numbered
-from beamcam.report.part_list import Weights, weights_of
+from beamcam.reports.part_list import Weights, weights_of
 from beamcam.solid.kernel import outline
 from beamcam.solid.part_solid import part_solid
-from beamcam.verify.bars import run as read_bar
-from beamcam.verify.bars.pieces import pieces as pieces_between
-from beamcam.verify.bars.pieces import planes
 from tests.conftest import CORPUS
 from tests.runs import part as part_text
 from tests.test_lists import BEAM, SAMPLES, lists, run

@@ -23,10 +23,10 @@ from beamcam.machine import load
 from beamcam.model.part import Part, Profile
 from beamcam.plain_text import harmless_cell
 from beamcam.planning.stock import first_fit
-from beamcam.report.hand_list import HEAD as HAND_HEAD
-from beamcam.report.hand_list import as_csv as hand_csv
-from beamcam.report.labels import Label, Size, as_pdf, as_zpl, code_rows
-from beamcam.report.tables import Table, as_csv, as_xlsx
+from beamcam.reports.hand_list import HEAD as HAND_HEAD
+from beamcam.reports.hand_list import as_csv as hand_csv
+from beamcam.reports.labels import Label, Size, as_pdf, as_zpl, code_rows
+from beamcam.reports.tables import Table, as_csv, as_xlsx
 from tests.conftest import ROOT, examples
 
 SAMPLES = ROOT / "samples" / "dstv"

@@ -18,12 +18,12 @@ from beamcam.batch.pool import Here, driven
 from beamcam.batch.pool import Result as Outcome
 from beamcam.batch.run import run as run_files
 from beamcam.batch.shares import Look
-from beamcam.batch.work import Shop
+from beamcam.batch.work import BatchSettings
+from beamcam.checks.head import Head, head_of
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import read_file
 from beamcam.readers.content import Reading
-from beamcam.verify.head import Head, head_of
 from tests.conftest import SAMPLES, examples
 from tests.runs import BAD, part
 
@@ -453,7 +453,7 @@ def test_marks_are_kept_over_the_runs_of_a_watch(tmp_path: Path) -> None:
     folder = order(tmp_path / "in", "channel")
     text = (folder / "channel.nc1").read_text().replace("3000.00", "2990.00")
     (folder / "later.nc1").write_text(text)
-    shop, known = Shop(load("beamline")), dict[Any, str]()
+    shop, known = BatchSettings(load("beamline")), dict[Any, str]()
     found = []
     for name in ("channel.nc1", "later.nc1"):
         inputs = [Input(str(folder / name), name)]

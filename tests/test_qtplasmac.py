@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import SAMPLES, sampled
 from tests.qtplasmac import filtered, needs_filter
 from tests.rs274 import INI, interpreted, needs_rs274

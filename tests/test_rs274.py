@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.checks.sheets.compensation import CompensationError, compensated
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Compensation, HeadMove, Move
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.model.part import TextMark
 from beamcam.pipeline import post, read_file
-from beamcam.verify.sheets.compensation import CompensationError, compensated
 from tests.conftest import GOLDEN, SAMPLES
 from tests.letters import Lines, read
 from tests.linuxcnc_cell import linuxcnc_cell
@@ -135,8 +135,8 @@ def test_bridges(tmp_path: Path) -> None:
 
 def test_overcuts_passes_and_hatches_are_as_long_as_they_are_asked(tmp_path: Path) -> None:
     """A square of 40 mm twice, each time 1.5 mm beyond its start, and lines 2 mm apart in one."""
-    own = {"red": LookSettings(passes=2, overcut=1.5),
-           "blue": LookSettings(hatch=2.0, hatch_outline=False)}  # fmt: skip
+    own = {"red": LayerSettings(passes=2, overcut=1.5),
+           "blue": LayerSettings(hatch=2.0, hatch_outline=False)}  # fmt: skip
     machine = with_torch(
         load("plate-linuxcnc"), {"red": "cut", "blue": "mark"}, settings=own, kerf=0.0, lead="none"
     )  # fmt: skip

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from msgspec import Struct
 
 from beamcam.batch.pool import Here
-from beamcam.batch.work import Shop
+from beamcam.batch.work import BatchSettings
 from beamcam.cli import main
 from beamcam.config.values import ConfigFile
 from tests.conftest import SAMPLES, sampled
@@ -203,7 +203,7 @@ def test_what_is_refused_is_settled_the_same_way(shop: Path, key: str, command: 
 def test_flat_and_jobs(shop: Path, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
 
-    def processes(made: Shop, count: int) -> Here:
+    def processes(made: BatchSettings, count: int) -> Here:
         asked.append(count)
         return Here(made)
 

@@ -15,7 +15,7 @@ from beamcam.errors import PlanError
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.machine.tables import DIALECTS
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from tests.conftest import sampled
@@ -30,31 +30,31 @@ PART = drawing(
     thickness=3.0,
 )
 MEANINGS = {"red": "cut", "lime": "cut", "magenta": "cut", "blue": "mark"}
-HATCH = LookSettings(hatch=2.0)
+HATCH = LayerSettings(hatch=2.0)
 
 
 class Feature(Struct, frozen=True):
     """What is asked for, and how many strokes the program has more by it."""
 
     values: dict[str, object] = field(default_factory=dict)
-    own: dict[str, LookSettings] = field(default_factory=dict)
+    own: dict[str, LayerSettings] = field(default_factory=dict)
     more: int = 0
     is_free: bool = False  #: whether a program may have it though nobody asks for it
 
 
 FEATURES = {
-    "speed": Feature(own={"lime": LookSettings(speed=150.0)}),
-    "power": Feature(own={"lime": LookSettings(power=333.0)}),
-    "passes": Feature(own={"lime": LookSettings(passes=3)}, more=2),
+    "speed": Feature(own={"lime": LayerSettings(speed=150.0)}),
+    "power": Feature(own={"lime": LayerSettings(power=333.0)}),
+    "passes": Feature(own={"lime": LayerSettings(passes=3)}, more=2),
     "order": Feature(
-        own={"magenta": LookSettings(order=1), "red": LookSettings(order=2)}, is_free=True
+        own={"magenta": LayerSettings(order=1), "red": LayerSettings(order=2)}, is_free=True
     ),
     "hatch, both ways": Feature(own={"blue": HATCH}, more=3),
     "hatch_angle": Feature(own={"blue": replace(HATCH, hatch_angle=90.0)}, more=4),
     "hatch_one_way": Feature(own={"blue": replace(HATCH, hatch_one_way=True)}, more=3),
     "hatch_outline = false": Feature(own={"blue": replace(HATCH, hatch_outline=False)}, more=2),
     "--overcut": Feature({"overcut": 1.5}),
-    "overcut of a colour": Feature(own={"lime": LookSettings(overcut=1.5)}),
+    "overcut of a colour": Feature(own={"lime": LayerSettings(overcut=1.5)}),
     "--tabs": Feature({"tabs": 2}, more=2),
     "--inner-tabs": Feature({"tabs": 1, "inner_tabs": True}, more=3),
     "--mirror": Feature({"mirror": "x"}),

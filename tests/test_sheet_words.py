@@ -1,6 +1,6 @@
 """Every word that a table's controller knows, put into every state of the programs of a table.
 
-Each is refused by one of the codes of its row in `verify/sheets/owners.py`, or the row says why it
+Each is refused by one of the codes of its row in `checks/sheets/owners.py`, or the row says why it
 is harmless; then the head goes the same way, with its tools on where they were.
 """
 
@@ -12,14 +12,14 @@ from itertools import groupby
 import pytest
 from msgspec import Struct
 
+from beamcam.checks.owners import owner_of
+from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.owners import OWNERS
 from beamcam.controllers import interpreter_of, table_events
 from beamcam.controllers.events import Compensation, Lift, Move, Output, Pause, Switch, ToolOffset
 from beamcam.errors import Severity
 from beamcam.machine import Machine
 from beamcam.pipeline import post
-from beamcam.verify.owners import owner_of
-from beamcam.verify.sheets import verify_sheet
-from beamcam.verify.sheets.owners import OWNERS
 from tests.conftest import sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines, table
 

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.checks.bars import verify
 from beamcam.machine import load
 from beamcam.pipeline import parts_of, post, read_file
-from beamcam.verify.bars import verify
 from tests.conftest import BEAM_CELL, ROOT, SAMPLES
 from tests.runs import HANG_S
 from tests.test_readme import blocks, commands, run_here, script

@@ -20,7 +20,7 @@ from beamcam import processes, readers, system
 from beamcam.batch import find
 from beamcam.batch.names import check_template
 from beamcam.cli import main
-from beamcam.commands.common import Voice, stop_without_output, write
+from beamcam.commands.common import Console, stop_without_output, write
 from beamcam.config.values import load as load_config
 from beamcam.files import FilesRead, write_whole
 from beamcam.interrupts import asked_to_end
@@ -243,7 +243,7 @@ def test_line_ends_and_byte_order_marks(path: Path) -> None:
 def test_a_program_keeps_its_line_ends_on_standard_output(monkeypatch: pytest.MonkeyPatch) -> None:
     raw = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(raw, encoding="cp1252", newline="\r\n"))
-    write("-", "G0 X1\n(Ж)\n", Voice(), FilesRead(()))
+    write("-", "G0 X1\n(Ж)\n", Console(), FilesRead(()))
     sys.stdout.flush()
     assert raw.getvalue() == "G0 X1\n(Ж)\n".encode()
 

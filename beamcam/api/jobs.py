@@ -131,7 +131,7 @@ def load(
 
     try:
         return with_torch(
-            loaded, config.meanings, settings=config.look_settings, **config.sheet.given()
+            loaded, config.meanings, settings=config.layer_settings, **config.sheet.given()
         )
     except ValueError as error:
         from beamcam.planning.contours.rules import OPTION

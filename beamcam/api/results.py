@@ -20,9 +20,10 @@ from beamcam.asked import (
     machine_of,
     parts_asked,
 )
+from beamcam.checks.head import head_of
+from beamcam.comparison.pairing import Difference
+from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.controllers import rules
-from beamcam.diff.pairing import Difference
-from beamcam.diff.statements import ProgramText, diff_texts
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError, errors_in
 from beamcam.machine import Machine
 from beamcam.machine.names import DEFAULT_MACHINE
@@ -30,14 +31,13 @@ from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, read_back
-from beamcam.verify.head import head_of
 
 if TYPE_CHECKING:
     from beamcam.pictures.program import ReadProgram
     from beamcam.pictures.scene import Scene
     from beamcam.recovery import Recovered
     from beamcam.setup_sheet.content import SheetSources
-    from beamcam.simulate.program import Simulated
+    from beamcam.simulation.program import Simulated
 
 # --- comparison -----------------------------------------------------------------------------------
 
@@ -117,8 +117,8 @@ def simulate(
     its suffix the form of a step table. Axes beyond their limits and bodies that strike are
     warnings. Raises VerifyError for a program that cannot be understood, and MachineError.
     """
-    from beamcam.simulate.limits import run_warnings
-    from beamcam.simulate.program import simulate_program
+    from beamcam.simulation.limits import run_warnings
+    from beamcam.simulation.program import simulate_program
 
     check_text("name", name)
     loaded = machine_of(machine)
@@ -141,7 +141,7 @@ def diff(
     Raises VerifyError where the blocks of a program are not understood.
     """
     if _is_parts(a) and _is_parts(b):
-        from beamcam.diff.parts import diff_parts
+        from beamcam.comparison.parts import diff_parts
 
         return Compared(diff_parts(parts_asked(a), parts_asked(b)), ())  # type: ignore[arg-type]
     if _is_parts(a) or _is_parts(b):

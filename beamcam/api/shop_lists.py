@@ -26,8 +26,8 @@ from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
 from beamcam.planning.jobs import LotKey, Share, number_of, remnants_of, shares_of
 from beamcam.planning.rules import named_skips
-from beamcam.report.hand_list import MARKS, hand_rows
-from beamcam.report.part_list import (
+from beamcam.reports.hand_list import MARKS, hand_rows
+from beamcam.reports.part_list import (
     ByHand,
     CutBar,
     CutPiece,
@@ -38,7 +38,7 @@ from beamcam.report.part_list import (
 )
 
 if TYPE_CHECKING:
-    from beamcam.report.tables import Table
+    from beamcam.reports.tables import Table
 
 MachinesFor = Callable[[Part], Sequence[Machine]]  #: that may make a part, in their order
 
@@ -113,7 +113,7 @@ def labels(
     each part, by default their marks. Raises AskError, LimitError for more than `limits.pieces`,
     PlanError for a mark that no code can hold, and ImportError without beamcam[labels].
     """
-    from beamcam.report.labels import CODES, Label, Size, as_pdf, as_zpl, code_fault
+    from beamcam.reports.labels import CODES, Label, Size, as_pdf, as_zpl, code_fault
 
     check_choice("to", to, ("pdf", "zpl"))
     check_choice("code", code, CODES)

@@ -11,7 +11,7 @@ from typing import Any
 
 from beamcam.batch import rules
 from beamcam.batch.pool import Chunk, Result
-from beamcam.batch.work import FileResult, Shop, Task, make_all, thaw
+from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
 from beamcam.interrupts import LOOK_S
 
@@ -32,7 +32,11 @@ class Cluster:
     most_files = CHUNK_FILES
 
     def __init__(
-        self, shop: Shop, address: str, answer_s: float | None = None, chunks: int | None = None
+        self,
+        shop: BatchSettings,
+        address: str,
+        answer_s: float | None = None,
+        chunks: int | None = None,
     ) -> None:
         """Raises SchedulerError if there is none at `address`, or it has no worker."""
         self._address = address

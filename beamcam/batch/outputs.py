@@ -9,8 +9,8 @@ from beamcam.batch.record import Record, Standing
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import FilesRead, remove_made, write_new, write_whole
 from beamcam.files import write_together as write_files
-from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.report.run import PartRow, Status
+from beamcam.reports.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
+from beamcam.reports.run import PartRow, Status
 from beamcam.system import can_sync_all
 
 

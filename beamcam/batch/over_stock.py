@@ -25,16 +25,16 @@ from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import Record
 from beamcam.batch.run import BatchError, Run, Slot, recorded
 from beamcam.batch.shares import Look, Lot, ShareTask, stems_of, tasks_of
-from beamcam.batch.work import Shop, Task, refused_row
+from beamcam.batch.work import BatchSettings, Task, refused_row
+from beamcam.checks.asked import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
 from beamcam.interrupts import NEVER, Asked
 from beamcam.model.part import Part
 from beamcam.model.request import Job, Request
 from beamcam.planning.jobs import LotKey, Share, remnants_of, shares_of
-from beamcam.report.part_list import CutBar, CutPiece, PartCount
-from beamcam.report.run import Message, PartRow, Row, as_message
-from beamcam.verify.asked import job_faults
+from beamcam.reports.part_list import CutBar, CutPiece, PartCount
+from beamcam.reports.run import Message, PartRow, Row, as_message
 
 THICKNESS_DECIMALS = 2
 
@@ -50,7 +50,7 @@ class ShareRun(Run):
     """The programs of shares, written and recorded as those of files are."""
 
     def __init__(
-        self, tasks: Sequence[ShareTask], folder: str, shop: Shop, workers: Workers,
+        self, tasks: Sequence[ShareTask], folder: str, shop: BatchSettings, workers: Workers,
         record: Record, force: bool, read: FilesRead, dry: bool, asked: Asked,
     ) -> None:  # fmt: skip
         inputs = [Input(task.parts[0].source.file, task.name) for task in tasks]
@@ -76,7 +76,7 @@ class StockRun:
     """A run over stock. `counts` and `made` say what became of each part once it is done."""
 
     def __init__(
-        self, inputs: Sequence[Input], folder: str, shop: Shop, workers: Workers,
+        self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
         recipe: Recipe | None = None, force: bool = False, read: FilesRead | None = None,
         dry: bool = False, asked: Asked = NEVER,
     ) -> None:  # fmt: skip

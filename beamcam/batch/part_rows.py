@@ -9,8 +9,8 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import ContourOp, stock_used
 from beamcam.pipeline import Posted
-from beamcam.report.hand_list import hand_rows
-from beamcam.report.run import Ledger, PartRow, RestRow
+from beamcam.reports.hand_list import hand_rows
+from beamcam.reports.run import Ledger, PartRow, RestRow
 
 #: Outcomes of a feature, as in the ledger.
 OUTCOMES = ("made", "merged", "duplicate", "listed", "skipped")

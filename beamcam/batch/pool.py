@@ -12,7 +12,7 @@ from typing import Literal, Protocol
 
 from msgspec import Struct
 
-from beamcam.batch.work import FileResult, Shop, Task, died, make_all, thaw
+from beamcam.batch.work import BatchSettings, FileResult, Task, died, make_all, thaw
 from beamcam.interrupts import Asked
 from beamcam.processes import Died, Pool
 from beamcam.system import collector_seldom
@@ -61,7 +61,7 @@ class Here:
     at_once = 1
     most_files = CHUNK_FILES
 
-    def __init__(self, shop: Shop) -> None:
+    def __init__(self, shop: BatchSettings) -> None:
         self._shop = shop
         self._done: Result | None = None
 
@@ -137,7 +137,7 @@ class Processes:
 
     most_files = CHUNK_FILES
 
-    def __init__(self, shop: Shop, jobs: int) -> None:
+    def __init__(self, shop: BatchSettings, jobs: int) -> None:
         making = Making(shop.freeze)
         self._pool = Pool[Chunk, list[FileResult]](making, jobs, making.begin)
         self.at_once = self._pool.at_once
@@ -187,7 +187,7 @@ MOST_BYTES = 256 * 1024  #: of a chunk for it; larger inputs wait for the cluste
 class HeadStart:
     """A process here until `connect` has given the workers of the rest."""
 
-    def __init__(self, shop: Shop, files: int, connect: Callable[[], Workers]) -> None:
+    def __init__(self, shop: BatchSettings, files: int, connect: Callable[[], Workers]) -> None:
         """At most half of the `files` are made here."""
         self._here = Processes(shop, 1)
         self._left = min(MOST_FILES, files // 2)  #: files that may still be handed to it

@@ -13,7 +13,7 @@ from msgspec import Struct, field
 
 from beamcam.config.places import ConfigFiles
 from beamcam.config.values import Config
-from beamcam.report.run import dumped
+from beamcam.reports.run import dumped
 from beamcam.system import portable_path
 
 MACHINE, MACHINES = "machine", "machines"  #: the options that may be paths

@@ -26,13 +26,13 @@ from beamcam.batch import rules
 from beamcam.batch.find import Input
 from beamcam.batch.names import folded
 from beamcam.batch.recipe import Recipe, path_below, path_from
+from beamcam.checks.head import MOST_BEFORE, head_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.files import write_whole
 from beamcam.readers.dstv import MADE
-from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
-from beamcam.report.run import Row, dumped, loaded, names_in
+from beamcam.reports.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv
+from beamcam.reports.run import Row, dumped, loaded, names_in
 from beamcam.system import BINARY
-from beamcam.verify.head import MOST_BEFORE, head_of
 
 RECORD_NAME = ".beamcam-batch.jsonl"
 _TO_ADD = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | BINARY

@@ -23,7 +23,7 @@ from beamcam.batch.outputs import Outputs
 from beamcam.batch.pool import CHUNK_BYTES, Chunk, Result, Workers
 from beamcam.batch.recipe import Recipe
 from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
-from beamcam.batch.work import FileResult, Shop, Task, died, refused_row
+from beamcam.batch.work import BatchSettings, FileResult, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
 from beamcam.interrupts import NEVER, Asked
@@ -31,7 +31,7 @@ from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
-from beamcam.report.run import PartRow, Row, as_message, names_in
+from beamcam.reports.run import PartRow, Row, as_message, names_in
 from beamcam.system import can_sync_all
 
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
@@ -60,7 +60,7 @@ class Slot(Struct):
 def run(
     inputs: Sequence[Input],
     folder: str,
-    shop: Shop,
+    shop: BatchSettings,
     workers: Workers,
     flat: bool = False,
     force: bool = False,
@@ -117,7 +117,7 @@ class Run:
         self,
         inputs: Sequence[Input],
         folder: str,
-        shop: Shop,
+        shop: BatchSettings,
         workers: Workers,
         record: Record,
         flat: bool,

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam.batch.names import FileNames, cleaned, folded
 from beamcam.batch.part_rows import part_row
-from beamcam.batch.work import Found, Shop, Task, parts_in, posted_of
+from beamcam.batch.work import BatchSettings, Found, Task, parts_in, posted_of
 from beamcam.errors import BeamcamError
 from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine_choice import on_best_machine
@@ -19,16 +19,16 @@ from beamcam.model.plan import stock_used
 from beamcam.model.request import Request
 from beamcam.pipeline import Begun, begin_share, plans_of
 from beamcam.planning.jobs import Share, number_of
-from beamcam.report.hand_list import MARKS, hand_rows
-from beamcam.report.part_list import ByHand, PartCount
-from beamcam.report.run import PartRow, Row, StockRow, as_message, dumped
+from beamcam.reports.hand_list import MARKS, hand_rows
+from beamcam.reports.part_list import ByHand, PartCount
+from beamcam.reports.run import PartRow, Row, StockRow, as_message, dumped
 from beamcam.system import free_of_devices
 
 
 class Look(Task, frozen=True):
     """One file to be looked at: which machine makes each of its parts."""
 
-    def post(self, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: Row, found: Found) -> Generator[str, None, None]:
         """Add each part with the first machine that makes it; those that none makes refuse."""
         parts = parts_in(self, shop, row)
         yield "read the file"
@@ -60,7 +60,7 @@ class ShareTask(Task, frozen=True):
     lengths: tuple[float, ...]  #: of the bar
     program: tuple[int, int]  #: which one of its lot, and of how many
 
-    def post(self, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: Row, found: Found) -> Generator[str, None, None]:
         """Add the program."""
         planned = self.planned(shop)
         yield "planned"
@@ -85,7 +85,7 @@ class ShareTask(Task, frozen=True):
         }  # fmt: skip
         row["parts"].append(told)
 
-    def planned(self, shop: Shop) -> Begun:
+    def planned(self, shop: BatchSettings) -> Begun:
         """The program, planned. Raises PlanError."""
         request = replace(
             shop.request_of(self.parts[0]), parts=self.parts,

@@ -13,7 +13,7 @@ from pathlib import PurePosixPath
 from msgspec import Struct
 
 from beamcam.batch.shares import ShareTask
-from beamcam.batch.work import Shop, thaw
+from beamcam.batch.work import BatchSettings, thaw
 from beamcam.errors import BeamcamError
 from beamcam.files import write_whole
 from beamcam.machine_choice import on_best_machine
@@ -26,8 +26,8 @@ from beamcam.pictures.svg import inline_svg
 from beamcam.pipeline import Posted, begin, counted, finished, sound
 from beamcam.processes import Died, Pool
 from beamcam.readers import is_interruptible, read
-from beamcam.report.run import Row
-from beamcam.report.run_page import Extra
+from beamcam.reports.run import Row
+from beamcam.reports.run_page import Extra
 from beamcam.setup_sheet.content import SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.writers import target_of_suffix
@@ -73,7 +73,11 @@ def picture_style() -> str:
 
 
 def sheets_beside(
-    report: str, rows: Iterable[Row], shop: Shop, jobs: int, shares: Sequence[ShareTask] = ()
+    report: str,
+    rows: Iterable[Row],
+    shop: BatchSettings,
+    jobs: int,
+    shares: Sequence[ShareTask] = (),
 ) -> dict[str, Extra]:
     """Write the sheet of each program of a run into a folder beside its report.
 
@@ -93,7 +97,7 @@ def sheets_beside(
 
 
 def _made(
-    rows: Iterable[Row], shop: Shop, jobs: int, shares: Mapping[str, ShareTask]
+    rows: Iterable[Row], shop: BatchSettings, jobs: int, shares: Mapping[str, ShareTask]
 ) -> Iterator[SetupSheet]:
     maker = SheetMaker(shop.freeze)
     tasks = (
@@ -126,7 +130,7 @@ def _made(
         pool.close()
 
 
-def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
+def _sheets(programs: Programs, shop: BatchSettings) -> Iterator[SetupSheet]:
     """Sheets of the parts whose programs are those that were written."""
     if programs.share is not None:
         posted = finished(programs.share.planned(shop))
@@ -146,7 +150,7 @@ def _sheets(programs: Programs, shop: Shop) -> Iterator[SetupSheet]:
                     yield _sheet(posted, output, shop)
 
 
-def _posted(part: Part, shop: Shop) -> Iterator[Posted]:
+def _posted(part: Part, shop: BatchSettings) -> Iterator[Posted]:
     """The programs of a part. Raises BeamcamError."""
     request = shop.request_of(part)
     if shop.chain:
@@ -164,7 +168,7 @@ def _digest(posted: Posted) -> str:
     return sha256(posted.text.encode("utf-8")).hexdigest()
 
 
-def _sheet(posted: Posted, output: str, shop: Shop) -> SetupSheet:
+def _sheet(posted: Posted, output: str, shop: BatchSettings) -> SetupSheet:
     parts, machine = posted.job.parts, posted.job.machine
     bar = getattr(getattr(posted.plan, "bar", None), "length", None)
     program = ReadProgram(

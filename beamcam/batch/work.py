@@ -1,8 +1,8 @@
 """The work on one file, as a worker does it: bytes in, programs and an account out.
 
 It opens no file and knows no other file, so that it is the same in this process, in another one
-and on another machine. What it needs besides the bytes is a `Shop`, which goes to each worker
-once, frozen.
+and on another machine. What it needs besides the bytes is a `BatchSettings`, which goes to each
+worker once, frozen.
 """
 
 import os
@@ -47,13 +47,13 @@ from beamcam.pipeline import (
 from beamcam.planning.jobs import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers import read
-from beamcam.report.part_list import PartCount
-from beamcam.report.run import Message, PartRow, RestRow, Row, as_message
+from beamcam.reports.part_list import PartCount
+from beamcam.reports.run import Message, PartRow, RestRow, Row, as_message
 from beamcam.version import __version__
 from beamcam.writers import target_of_suffix
 
 
-class Shop(Struct, frozen=True):
+class BatchSettings(Struct, frozen=True):
     """All that decides what becomes of a file's bytes."""
 
     machine: Machine  #: of bars
@@ -137,11 +137,11 @@ class Shop(Struct, frozen=True):
 
 
 @cached("batch.shop")
-def thaw(frozen: bytes) -> Shop:
+def thaw(frozen: bytes) -> BatchSettings:
     """The shop that was frozen; the same object each time, so that what is known of it is kept."""
     import pickle
 
-    shop: Shop = pickle.loads(frozen)
+    shop: BatchSettings = pickle.loads(frozen)
     return shop
 
 
@@ -152,7 +152,7 @@ class Task(Struct, frozen=True):
     name: str  #: of the file, for messages
     data: bytes
 
-    def post(self, shop: Shop, row: Row, found: "Found") -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: Row, found: "Found") -> Generator[str, None, None]:
         """Add the programs of all parts that can be made; the others refuse the file."""
         yield from _post_all(self, shop, row, found)
 
@@ -177,7 +177,7 @@ class FileResult(Struct, frozen=True):
     rests: tuple[tuple[str, bytes], ...] = ()  #: what one program leaves to the next, likewise
 
 
-def make_all(tasks: Sequence[Task], shop: Shop) -> list[FileResult]:
+def make_all(tasks: Sequence[Task], shop: BatchSettings) -> list[FileResult]:
     """The programs of several files; any fault is reported in its file's row, never raised.
 
     All of them are read, then all are planned, and so on: a processor that does the same for many
@@ -202,7 +202,7 @@ def make_all(tasks: Sequence[Task], shop: Shop) -> list[FileResult]:
     return [made[place] for place in range(len(tasks))]
 
 
-def making(task: Task, shop: Shop) -> Generator[str, None, FileResult]:
+def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
     """The programs of one file, stage by stage."""
     row: Row = {
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
@@ -247,7 +247,7 @@ def _no_clock() -> float:
     return 0.0
 
 
-def parts_in(task: Task, shop: Shop, row: Row) -> tuple[Part, ...]:
+def parts_in(task: Task, shop: BatchSettings, row: Row) -> tuple[Part, ...]:
     """The sound parts of a file; what is said of it is added to its row.
 
     Raises ReadError for a file without any.
@@ -265,7 +265,9 @@ def parts_in(task: Task, shop: Shop, row: Row) -> tuple[Part, ...]:
     return marked(parts, shop.mark_from)
 
 
-def _post_all(task: Task, shop: Shop, row: Row, found: Found) -> Generator[str, None, None]:
+def _post_all(
+    task: Task, shop: BatchSettings, row: Row, found: Found
+) -> Generator[str, None, None]:
     parts = parts_in(task, shop, row)
     yield "read the file"
     stem = os.path.splitext(os.path.basename(task.name))[0]
@@ -305,7 +307,7 @@ def _mixed(parts: Sequence[Part], row: Row) -> Set[Source]:
 def _post_job(
     planned: Begun,
     name: str,
-    shop: Shop,
+    shop: BatchSettings,
     row: Row,
     names: FileNames,
     found: Found,
@@ -331,7 +333,7 @@ def _post_job(
 def _post_chain(
     part: Part,
     called: Callable[[Machine, int, str], tuple[str, str]],
-    shop: Shop,
+    shop: BatchSettings,
     row: Row,
     names: FileNames,
     found: Found,

@@ -17,15 +17,15 @@ from beamcam.commands import options
 from beamcam.commands.common import (
     REFUSED,
     STANDARD,
+    Console,
     Grouped,
-    Voice,
     keep_apart,
     over_input,
     say_lines,
 )
 from beamcam.commands.running import (
+    Progress,
     Report,
-    Screen,
     checked_report,
     run_options,
     shop_of,
@@ -38,11 +38,11 @@ from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.interrupts import INTERRUPTED, asked_to_end
-from beamcam.report.labels import SCHEMA, Label
-from beamcam.report.labels import as_json as labels_as_json
-from beamcam.report.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
-from beamcam.report.run import Row, as_message
-from beamcam.report.tables import as_csv
+from beamcam.reports.labels import SCHEMA, Label
+from beamcam.reports.labels import as_json as labels_as_json
+from beamcam.reports.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
+from beamcam.reports.run import Row, as_message
+from beamcam.reports.tables import as_csv
 from beamcam.system import cores, portable_path
 
 FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
@@ -78,7 +78,7 @@ def command(
     nest: bool | None,
     report: str | None,
     exit_left_out: int | None,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Turn folders, patterns and files of parts into a folder of programs.
@@ -109,7 +109,7 @@ def command(
     beamcam batch jobs -o programs --flat --name '{mark}_{quantity}.gcode'
     find . -newer stamp -name '*.nc1' | beamcam batch - -o programs
     """
-    if voice.as_json and report is not None:
+    if console.as_json and report is not None:
         raise click.UsageError("--json prints the report; give --report or --json.")
     names = _names(inputs)
     over_stock = _is_over_stock(nest, asked)
@@ -121,18 +121,18 @@ def command(
                 "share bars and sheets."
             )
         shop = shop_of(config, asked, timed=report is not None)
-        voice.say_remarks()
+        console.say_remarks()
         found = find_inputs(names, leave_out=(output,))
         workers = workers_of(shop, config.jobs, config.dask, found.inputs)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     said = [as_message(d) for d in (*found.diagnostics, *unused(found, config))]
-    account = Report(STANDARD if voice.as_json else report)
+    account = Report(STANDARD if console.as_json else report)
     read = files_read(config, (one.path for one in found.inputs))
     if report is not None:
-        keep_apart([report], read, voice)
+        keep_apart([report], read, console)
     stock_run: StockRun | None = None
-    with Screen(0 if over_stock else len(found.inputs), voice) as screen:
+    with Progress(0 if over_stock else len(found.inputs), console) as screen:
         screen.say(said)
         said += map(as_message, (*config.remarks, *told_of(config, shop)))
         with asked_to_end() as interrupted:
@@ -153,11 +153,11 @@ def command(
                 for row in rows:
                     screen.show(row)
                     account.add(row)
-                    if dry and not (voice.quiet or voice.as_json):
+                    if dry and not (console.quiet or console.as_json):
                         say_lines(_would(row, output))
             except BeamcamError as error:
                 screen.end(" (not finished)")
-                voice.stop(error.diagnostics)
+                console.stop(error.diagnostics)
             finally:
                 rows.close()
         if stock_run is not None and not (interrupted or dry):

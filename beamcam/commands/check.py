@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from beamcam.commands import options
 from beamcam.commands.batch import is_stock_list
-from beamcam.commands.common import REFUSED, Voice, cannot_write, say_json, say_lines
+from beamcam.commands.common import REFUSED, Console, cannot_write, say_json, say_lines
 from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
 from beamcam.commands.parts import program_text, request_of
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
@@ -24,8 +24,8 @@ from beamcam.files import REFUSED_SUFFIX
 from beamcam.machine import Machine, shipped
 from beamcam.machine.names import is_of_programs
 from beamcam.pipeline import begin, finished, parts_of, read_file
-from beamcam.report.hand_list import hand_rows, is_hand_list
-from beamcam.report.run import as_message, message_line
+from beamcam.reports.hand_list import hand_rows, is_hand_list
+from beamcam.reports.run import as_message, message_line
 
 #: Where others than the header of a machine file say the job's name: behind `%`, as the unit of a
 #: program, in the head of a step table.
@@ -71,7 +71,7 @@ def command(
     update: bool,
     strays: tuple[str, ...],
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Post every golden program in FOLDER again and say what differs, by meaning and by bytes.
@@ -98,7 +98,7 @@ def command(
             known |= {path.resolve() for path in recorded.paths}
             for one in recorded.check(folder):
                 results.append(one)
-                voice.did(f"{one.path}: {one.result}")
+                console.did(f"{one.path}: {one.result}")
         unknown: list[str] = []
         left_out = 0
         for path, name in _programs(folder, config.machine):
@@ -112,15 +112,15 @@ def command(
                 continue
             named_so = over(config, {"machine": name})
             results.append(_check(path, samples or DEFAULT_SAMPLES, named_so))
-            voice.did(f"{path} on {name}: {results[-1].result}")
+            console.did(f"{path} on {name}: {results[-1].result}")
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     except OSError as error:
-        voice.stop([cannot_write(str(error.filename or folder), error)])
+        console.stop([cannot_write(str(error.filename or folder), error)])
     counts = tuple(_counts(results, len(unknown), left_out))
     results += _not_compared(results, unknown, str(folder))
-    _say(results, counts, as_json, voice)
-    left = _accepted(results, voice) if update else results
+    _say(results, counts, as_json, console)
+    left = _accepted(results, console) if update else results
     if any(r.result != "same" for r in left):
         raise SystemExit(REFUSED)
 
@@ -148,25 +148,25 @@ def _counts(results: list[Checked], unknown: int, left_out: int) -> Iterator[str
         yield f"{same} of {len(results) + unknown} programs are the same{more}"
 
 
-def _say(results: list[Checked], counts: Sequence[str], as_json: bool, voice: Voice) -> None:
+def _say(results: list[Checked], counts: Sequence[str], as_json: bool, console: Console) -> None:
     if as_json:
-        say_json(records(results, (s.value for s in Severity if voice.wants(s))))
+        say_json(records(results, (s.value for s in Severity if console.wants(s))))
         return
     say_lines(told(results))
-    wanted = {severity.value for severity in Severity if voice.wants(severity)}
+    wanted = {severity.value for severity in Severity if console.wants(severity)}
     said = (m for r in results for m in r.messages if m["severity"] in wanted)
     say_lines(map(message_line, said), err=True)
-    if not voice.quiet:
+    if not console.quiet:
         say_lines(counts)
 
 
-def _accepted(results: list[Checked], voice: Voice) -> tuple[Checked, ...]:
+def _accepted(results: list[Checked], console: Console) -> tuple[Checked, ...]:
     """The outcome after the changed programs are written."""
     try:
         left = accept(results)
     except OSError as error:
-        voice.stop([cannot_write(str(error.filename), error)])
-    if not voice.quiet and not voice.as_json and len(left) < len(results):
+        console.stop([cannot_write(str(error.filename), error)])
+    if not console.quiet and not console.as_json and len(left) < len(results):
         say_lines([f"{len(results) - len(left)} programs written"])
     return left
 

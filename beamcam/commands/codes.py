@@ -10,12 +10,12 @@ import msgspec
 from msgspec import Struct
 
 import beamcam
+from beamcam.checks.owners import Language, Owner, Rows, Stock
 from beamcam.commands import options
-from beamcam.commands.common import Voice, say_json
+from beamcam.commands.common import Console, say_json
 from beamcam.commands.rules import UNKNOWN_CODE
 from beamcam.conversion import nearest
 from beamcam.errors import Rule, Source
-from beamcam.verify.owners import Language, Owner, Rows, Stock
 
 
 def all_rules() -> Iterator[Rule]:
@@ -141,7 +141,7 @@ def command(code: str | None, words: bool, markdown: bool, as_json: bool) -> Non
     if code is not None:
         if code not in (known := [rule.code for rule in rules]):
             found = UNKNOWN_CODE.at(Source("beamcam"), found=code, expected=nearest(code, known))
-            Voice(as_json=as_json).stop([found])
+            Console(as_json=as_json).stop([found])
         rules = [rule for rule in rules if rule.code == code]
     if markdown:
         click.echo(as_markdown(rules), nl=False)

@@ -27,7 +27,7 @@ _SEVERITY = re.compile(r"(?:^|: )(?P<word>error|warning|note) [a-z][a-z0-9-]*: "
 PATIENCE = 0.5  #: s of reading before a bar shows how far it is
 
 
-class Voice:
+class Console:
     """Messages of a command on standard error, a line each or as one JSON list.
 
     Quiet it says errors only; verbose also what it did and how long that took.
@@ -49,7 +49,7 @@ class Voice:
         diagnostics = (*self._new_remarks(), *diagnostics)
         said = [d for d in first_of_each_kind(diagnostics) if self.wants(d.severity)]
         if self.as_json:
-            from beamcam.report.run import as_message
+            from beamcam.reports.run import as_message
 
             say_json([as_message(d) for d in (*self._account, *said)], None, err=True)
             self._account.clear()
@@ -108,16 +108,16 @@ class Voice:
 
 
 def remark(diagnostics: Iterable[Diagnostic]) -> None:
-    """Have the voice of the running command say messages once."""
-    voice = running_voice()
-    if voice is not None:
-        voice.remark(diagnostics)
+    """Have the console of the running command say messages once."""
+    console = running_voice()
+    if console is not None:
+        console.remark(diagnostics)
 
 
-def running_voice() -> Voice | None:
-    """The voice of the running command, if it has one."""
+def running_voice() -> Console | None:
+    """The console of the running command, if it has one."""
     context = click.get_current_context(silent=True)
-    return context.meta.get(Voice.__name__) if context else None
+    return context.meta.get(Console.__name__) if context else None
 
 
 def say_lines(lines: Iterable[str], err: bool = False) -> None:
@@ -167,29 +167,29 @@ def say_json(value: object, indent: int | None = 1, err: bool = False) -> None:
 
 
 def read_all(
-    inputs: Iterable[str], strict: bool, options: dict[str, object], voice: Voice
+    inputs: Iterable[str], strict: bool, options: dict[str, object], console: Console
 ) -> "Iterator[Reading]":
     """Content of each input; `options` as `read_file` takes them."""
     from beamcam.pipeline import read_file
     from beamcam.readers.content import shown_name
 
     for path in inputs:
-        with followed(path, voice) as follow:
+        with followed(path, console) as follow:
             reading = read_file(path, strict, **options, progress=follow)
-        if voice.verbose:
+        if console.verbose:
             features = sum(len(part.features) for part in reading.parts)
             found = f"{reading.format}, {len(reading.parts)} part(s), {features} feature(s)"
-            voice.did(f"read {shown_name(path)}: {found}")
+            console.did(f"read {shown_name(path)}: {found}")
         yield reading
 
 
 @contextmanager
-def followed(path: str, voice: Voice) -> Iterator[Callable[[int, int], None] | None]:
+def followed(path: str, console: Console) -> Iterator[Callable[[int, int], None] | None]:
     """A bar on the terminal that follows a long reading; None where there is no terminal.
 
     The reader tells how far it is, of how much. The bar appears when that took `PATIENCE`.
     """
-    if voice.quiet or not sys.stderr.isatty():
+    if console.quiet or not sys.stderr.isatty():
         yield None
         return
     begun = perf_counter()
@@ -214,7 +214,9 @@ def _show_cursor() -> None:
     os.write(sys.stderr.fileno(), b"\n\x1b[?25h")
 
 
-def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice, read: FilesRead) -> None:
+def write(
+    output: str, data: str | bytes | Iterable[bytes], console: Console, read: FilesRead
+) -> None:
     """Write to a file, whole or not at all, or to standard output for `-`; else stop.
 
     `read` are the files that the command reads, none of which is written over.
@@ -224,21 +226,21 @@ def write(output: str, data: str | bytes | Iterable[bytes], voice: Voice, read: 
         data = data.encode("utf-8") if isinstance(data, str) else data
         for piece in (data,) if isinstance(data, bytes) else data:
             click.echo(piece, nl=False)
-        voice.did("wrote stdout")
+        console.did("wrote stdout")
         return
-    keep_apart([output], read, voice)
+    keep_apart([output], read, console)
     try:
         write_whole(output, data)
     except OSError as error:
-        voice.stop([cannot_write(output, error)])
-    voice.did(f"wrote {output}")
+        console.stop([cannot_write(output, error)])
+    console.did(f"wrote {output}")
 
 
-def keep_apart(outputs: Iterable[str], read: FilesRead, voice: Voice) -> None:
+def keep_apart(outputs: Iterable[str], read: FilesRead, console: Console) -> None:
     """Stop if one of the outputs is a file that the command reads."""
     for output in outputs:
         if over := over_input(output, read):
-            voice.stop([over])
+            console.stop([over])
 
 
 def over_input(output: str, read: FilesRead) -> Diagnostic | None:
@@ -280,7 +282,7 @@ def stop_without_output(error: OSError) -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if is_reader_gone(error):
         raise SystemExit(REFUSED)  # who has had enough, as of a broken pipe
-    Voice().stop([cannot_write("stdout", error)])
+    Console().stop([cannot_write("stdout", error)])
 
 
 # --- grouped --------------------------------------------------------------------------------------

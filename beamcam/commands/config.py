@@ -9,7 +9,7 @@ import click
 from msgspec import Struct
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, cannot_write, say_json, say_lines
+from beamcam.commands.common import Console, cannot_write, say_json, say_lines
 from beamcam.commands.settings import settled
 from beamcam.config.values import Config, ConfigFile, Setting, Stock
 from beamcam.errors import BeamcamError
@@ -63,17 +63,17 @@ def command(
             names = ", ".join(_rows(name))
             say_lines([f"{name:{width}}  {help}{': ' if names else ''}{names}"])
         return
-    voice = Voice(as_json=as_json)
+    console = Console(as_json=as_json)
     try:
         if remember:
-            _remember(asked["trust"], voice)
+            _remember(asked["trust"], console)
         config = settled(asked, inputs)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     if config.remarks:
-        voice.say(config.remarks)
+        console.say(config.remarks)
     rows = config.settings()
-    used = _used(config, voice)
+    used = _used(config, console)
     if as_json:
         values = {r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows}
         say_json({**values, "settings": {"value": used, "source": None}})
@@ -83,7 +83,7 @@ def command(
     say_lines([f"# {used}"])
 
 
-def _used(config: Config, voice: Voice) -> str:
+def _used(config: Config, console: Console) -> str:
     """Whose configuration it is, and the machines for bars and sheets with their checksums."""
     from beamcam.commands.configuration import settings_line
     from beamcam.machine.names import default_machines
@@ -95,10 +95,10 @@ def _used(config: Config, voice: Voice) -> str:
     try:
         return settings_line(config, names)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
 
 
-def _remember(folders: tuple[str, ...], voice: Voice) -> None:
+def _remember(folders: tuple[str, ...], console: Console) -> None:
     """Have the user's own configuration trust the folders. Raises ConfigError."""
     if not folders:
         raise click.UsageError("found --remember without a folder; expected --trust FOLDER.")
@@ -111,7 +111,7 @@ def _remember(folders: tuple[str, ...], voice: Voice) -> None:
     try:
         remember(folders)
     except OSError as error:
-        voice.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
+        console.stop([cannot_write(os.path.join(user_folder(), CONFIG_NAME), error)])
 
 
 def _rows(key: str) -> tuple[str, ...]:

@@ -11,8 +11,8 @@ from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import options
 from beamcam.commands.common import (
     REFUSED,
+    Console,
     Grouped,
-    Voice,
     cannot_write,
     over_input,
     read_all,
@@ -94,7 +94,7 @@ def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> N
 )
 @options.voiced
 def command(
-    source: str, output: str, to: str | None, as_json: bool, voice: Voice, **asked: Any
+    source: str, output: str, to: str | None, as_json: bool, console: Console, **asked: Any
 ) -> None:
     """Write a part in another format: DSTV, JSON, or a drawing of its faces.
 
@@ -115,7 +115,7 @@ def command(
     try:
         config = settled(asked, (source,))
         target = target_of(output, to)
-        (read_in,) = read_all((source,), config.strict, how, voice)
+        (read_in,) = read_all((source,), config.strict, how, console)
         reading = with_thickness(read_in, config)
         said = reading.diagnostics
         parts = counted(sound(reading))
@@ -124,12 +124,12 @@ def command(
             raise ReadError(NO_PART.at(Source(source)))
         read = files_read(config, (source,))
         if parts and is_folder(output):
-            said = (*said, *write_folder(read, parts, target, output, voice))
+            said = (*said, *write_folder(read, parts, target, output, console))
         elif not reading.refused:
-            write(output, only_text(source, parts, target, output), voice, read)
+            write(output, only_text(source, parts, target, output), console, read)
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
-    voice.say(said)
+        console.stop((*said, *error.diagnostics))
+    console.say(said)
     if errors_in(said):
         raise SystemExit(REFUSED)
 
@@ -142,7 +142,7 @@ def only_text(source: str, parts: Sequence[Part], target: Target, output: str) -
 
 
 def write_folder(
-    read: FilesRead, parts: Sequence[Part], target: Target, folder: str, voice: Voice
+    read: FilesRead, parts: Sequence[Part], target: Target, folder: str, console: Console
 ) -> Iterator[Diagnostic]:
     """Write a file for each part that the format can hold; what is said of them, and a count.
 
@@ -167,7 +167,7 @@ def write_folder(
         except OSError as error:
             yield cannot_write(path, error)
         else:
-            voice.did(f"wrote {path}")
+            console.did(f"wrote {path}")
             written += 1
     members = sum(part.quantity for part in parts)
     yield WRITTEN.at(Source(folder), found=written, of=len(parts), members=members)

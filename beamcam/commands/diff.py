@@ -11,23 +11,23 @@ from beamcam import readers
 from beamcam.api.results import compared
 from beamcam.batch.record import RECORD_NAME
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Voice, say_json, say_lines, write
+from beamcam.commands.common import REFUSED, STANDARD, Console, say_json, say_lines, write
 from beamcam.commands.golden import Checked, Result, records, told
 from beamcam.commands.parts import input_bytes
 from beamcam.commands.pictures import KINDS, expected
 from beamcam.commands.recorded import Recorded
 from beamcam.commands.settings import files_read, machine_for_program, settled
+from beamcam.comparison.pairing import Difference
+from beamcam.comparison.parts import diff_parts
+from beamcam.comparison.statements import ProgramText
 from beamcam.config.values import COMMAND_LINE, Config
-from beamcam.diff.pairing import Difference
-from beamcam.diff.parts import diff_parts
-from beamcam.diff.statements import ProgramText
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Severity, errors_in
 from beamcam.machine import Machine
 from beamcam.machine.names import is_of_programs
 from beamcam.model.part import Part
 from beamcam.pipeline import judged, parts_of
 from beamcam.readers.content import shown_name
-from beamcam.report.run import as_message, message_line
+from beamcam.reports.run import as_message, message_line
 
 
 def differences_of(
@@ -140,7 +140,7 @@ def _parts(name: str, data: bytes, strict: bool) -> tuple[tuple[Part, ...], tupl
 @options.as_json
 @options.voiced
 def command(
-    a: str, b: str | None, output: str | None, as_json: bool, voice: Voice, **asked: Any
+    a: str, b: str | None, output: str | None, as_json: bool, console: Console, **asked: Any
 ) -> None:
     """Say what program or part B makes differently from A; of two folders, file by file.
 
@@ -172,7 +172,7 @@ def command(
     if all(folders):
         if output is not None:
             raise click.UsageError("-o draws two files over each other, not two folders.")
-        diff_folders(Path(a), Path(b), as_json, voice, asked)
+        diff_folders(Path(a), Path(b), as_json, console, asked)
         return
     if any(folders):
         raise click.UsageError("A and B have to be two files or two folders.")
@@ -184,19 +184,19 @@ def command(
         data = [(shown_name(path), content) for path, content in zip((a, b), contents, strict=True)]
         machines = [machine_for_program(config, *one) for one in zip((a, b), contents, strict=True)]
         for (name, _), machine in zip(data, machines, strict=True):
-            voice.did(f"read {name}, a program as one of {machine.name}")
+            console.did(f"read {name}, a program as one of {machine.name}")
         found, said = differences_of(data, machines, config.strict)
         if output is not None:
             drawn = drawn_over(data, machines, found, output)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
-    voice.did(f"compared them: {len(found)} difference(s)")
+        console.stop(error.diagnostics)
+    console.did(f"compared them: {len(found)} difference(s)")
     if output is not None:
-        write(output, drawn, voice, files_read(config, (a, b)))
+        write(output, drawn, console, files_read(config, (a, b)))
     else:
         show(found, as_json)
     if said:
-        voice.say(said)
+        console.say(said)
     if found or errors_in(said):
         raise SystemExit(REFUSED)
 
@@ -214,7 +214,9 @@ def show(found: tuple[Difference, ...], as_json: bool) -> None:
 # Two folders of programs or parts, compared file by file.
 
 
-def diff_folders(a: Path, b: Path, as_json: bool, voice: Voice, asked: Mapping[str, Any]) -> None:
+def diff_folders(
+    a: Path, b: Path, as_json: bool, console: Console, asked: Mapping[str, Any]
+) -> None:
     """Print what the files of `b` make otherwise than those of `a`, and end with the status."""
     try:
         config = settled(asked, (str(a), str(b)))
@@ -223,12 +225,12 @@ def diff_folders(a: Path, b: Path, as_json: bool, voice: Voice, asked: Mapping[s
         results = []
         for name in sorted(first.keys() & second.keys()):
             results.append(_compared(name, first[name], second[name], recorded, config))
-            voice.did(f"{name}: {results[-1].result}")
+            console.did(f"{name}: {results[-1].result}")
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     alone = [(str(a / name), "only in A") for name in sorted(first.keys() - second.keys())]
     alone += [(str(b / name), "only in B") for name in sorted(second.keys() - first.keys())]
-    wanted = [severity.value for severity in Severity if voice.wants(severity)]
+    wanted = [severity.value for severity in Severity if console.wants(severity)]
     if as_json:
         rows = records(results, wanted)
         rows += [
@@ -241,7 +243,7 @@ def diff_folders(a: Path, b: Path, as_json: bool, voice: Voice, asked: Mapping[s
         say_lines(f"{name}: {where}" for name, where in alone)
         said = (m for one in results for m in one.messages if m["severity"] in wanted)
         say_lines(map(message_line, said), err=True)
-        if not voice.quiet:
+        if not console.quiet:
             same = sum(one.result in ("same", "bytes") for one in results)
             say_lines([f"{same} of {len(results) + len(alone)} files mean the same"])
     if alone or any(one.result not in ("same", "bytes") for one in results):

@@ -9,12 +9,12 @@ from msgspec import Struct
 
 from beamcam import readers
 from beamcam.commands.rules import NEW, NO_SAMPLE
-from beamcam.diff.pairing import Difference
-from beamcam.diff.statements import ProgramText, diff_texts
+from beamcam.comparison.pairing import Difference
+from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.errors import ReadError, Source, errors_in
 from beamcam.machine import Machine
-from beamcam.report.hand_list import LIST_SUFFIX, HandRow, as_csv
-from beamcam.report.run import Message, as_message
+from beamcam.reports.hand_list import LIST_SUFFIX, HandRow, as_csv
+from beamcam.reports.run import Message, as_message
 
 Result = Literal["same", "bytes", "differs", "refused", "missing", "unknown"]
 MOST_NAMED = 3  #: programs of a group that are named

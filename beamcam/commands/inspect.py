@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Grouped, Voice, followed, say_json, say_lines
+from beamcam.commands.common import REFUSED, Console, Grouped, followed, say_json, say_lines
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
@@ -19,8 +19,8 @@ from beamcam.errors import BeamcamError
 from beamcam.model.part_json import part_to_json
 from beamcam.pipeline import read_file
 from beamcam.readers.content import Reading, shown_name
-from beamcam.report.run import as_message
-from beamcam.report.tables import member_table, part_table
+from beamcam.reports.run import as_message
+from beamcam.reports.tables import member_table, part_table
 
 SCHEMA = "beamcam/inspect/1"
 
@@ -36,7 +36,7 @@ def as_json_object(path: str, reading: Reading) -> dict[str, object]:
     }
 
 
-def show(path: str, reading: Reading, voice: Voice) -> None:
+def show(path: str, reading: Reading, console: Console) -> None:
     """Print a reading for people: a model's members a line each, other parts at length."""
     say_lines([f"{path}: {reading.format}, {len(reading.parts)} part(s)"])
     if reading.format == "ifc":
@@ -44,7 +44,7 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
     else:
         for part in reading.parts:
             say_lines(part_table(part))
-    voice.say(reading.diagnostics)
+    console.say(reading.diagnostics)
 
 
 @click.command("inspect", cls=Grouped)
@@ -62,7 +62,7 @@ def show(path: str, reading: Reading, voice: Voice) -> None:
 @options.strict
 @options.voiced
 def command(
-    inputs: tuple[str, ...], check: bool, as_json: bool, voice: Voice, **asked: Any
+    inputs: tuple[str, ...], check: bool, as_json: bool, console: Console, **asked: Any
 ) -> None:
     """Print what a file holds, and everything that is wrong with it.
 
@@ -78,18 +78,18 @@ def command(
     try:
         config = settled(asked, inputs)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     refused = False
     how = drawing_choice(asked) | member_choice(asked, kernel=check)
     for path in inputs:
-        with followed(path, voice) as follow:
+        with followed(path, console) as follow:
             read = read_file(path, config.strict, **how, progress=follow)
         reading = with_thickness(read, config)
-        voice.did(f"read {shown_name(path)}")
+        console.did(f"read {shown_name(path)}")
         if as_json:
             say_json(as_json_object(path, reading), None)
         else:
-            show(path, reading, voice)
+            show(path, reading, console)
         refused |= reading.refused
     if refused:
         raise SystemExit(REFUSED)

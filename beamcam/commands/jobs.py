@@ -9,7 +9,8 @@ import click
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.commands.common import STANDARD, Voice
+from beamcam.checks.head import head_of
+from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.diff import is_part, refuse_other_format
 from beamcam.commands.parts import input_bytes, read_parts, request_of
 from beamcam.commands.settings import machine_for_program, machines_for
@@ -21,7 +22,6 @@ from beamcam.model.plan import AnyPlan, Order, Plan
 from beamcam.pictures.program import ReadProgram
 from beamcam.pipeline import Posted, begin, finished, read_back, untold, whole_job
 from beamcam.readers.content import shown_name
-from beamcam.verify.head import head_of
 
 
 def one_program(inputs: Sequence[str]) -> bytes | None:
@@ -100,7 +100,7 @@ class AskedProgram(Struct, frozen=True):
 
 def asked_program(
     inputs: Sequence[str], against: bool, config: Config, asked: Mapping[str, Any], output: str,
-    order: Order, turn: bool, voice: Voice, said: list[Diagnostic],
+    order: Order, turn: bool, console: Console, said: list[Diagnostic],
 ) -> AskedProgram:  # fmt: skip
     """The program among the inputs, read back against the parts behind it; or that of the parts.
 
@@ -109,10 +109,10 @@ def asked_program(
     first = input_bytes(inputs[0])
     is_file = is_program(inputs, first, against)
     named = inputs[1:] if is_file else inputs
-    parts, told = read_parts(named, config, asked, voice) if named else ((), ())
+    parts, told = read_parts(named, config, asked, console) if named else ((), ())
     said += told
     if not is_file:
-        job = posted_job(inputs, parts, config, asked, output, order, turn, voice)
+        job = posted_job(inputs, parts, config, asked, output, order, turn, console)
         said += (*job.said, *job.posted.remarks)
         return AskedProgram(job.program, job.posted.plan, ())
     program = read_program(first, inputs[0], config, asked.get("bar"))
@@ -125,12 +125,12 @@ def asked_program(
 
 def posted_job(
     inputs: Sequence[str], parts: tuple[Part, ...], config: Config, asked: Mapping[str, Any],
-    output: str, order: Order, turn: bool, voice: Voice,
+    output: str, order: Order, turn: bool, console: Console,
 ) -> PostedJob:  # fmt: skip
     """The parts of the inputs posted as `post` would, and read back. Raises BeamcamError."""
     machines = machines_for(config, parts, output)
     request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
-    stage = voice.did if voice.verbose else untold
+    stage = console.did if console.verbose else untold
     (begun,), choice = on_best_machine(
         request, machines, partial(begin, together=True, stage=stage)
     )

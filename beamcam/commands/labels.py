@@ -11,7 +11,7 @@ import click
 from beamcam.api.shop_lists import label_lines, programs_of
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, write
+from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, write
 from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missing
 from beamcam.commands.options import quantity
 from beamcam.commands.parts import drawing_options, member_options, torch_options
@@ -23,7 +23,7 @@ from beamcam.model.request import Request
 from beamcam.planning.jobs import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers.content import content
-from beamcam.report.labels import (
+from beamcam.reports.labels import (
     CODES,
     SCHEMA,
     Code,
@@ -35,7 +35,7 @@ from beamcam.report.labels import (
     code_fault,
     labels_in,
 )
-from beamcam.report.part_list import PartCount
+from beamcam.reports.part_list import PartCount
 
 FORMATS = ("pdf", "zpl", "json")
 HEAD_BYTES = 100  #: in which a file says what it is
@@ -82,7 +82,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
 @options.voiced
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, size: Size, code: Code, order: Order,
-    turn: bool, as_json: bool, voice: Voice, **asked: Any,
+    turn: bool, as_json: bool, console: Console, **asked: Any,
 ) -> None:  # fmt: skip
     """Write a label for each piece of the parts in files and folders.
 
@@ -105,7 +105,7 @@ def command(
         config = settled(asked, inputs)
         known = _of_batch(inputs)
         if known is None:
-            counts, said = counted_parts(inputs, config, asked, voice)
+            counts, said = counted_parts(inputs, config, asked, console)
             labels, without = _labels(counts, config, code, order, turn)
             said = (*said, *without)
         else:
@@ -114,9 +114,9 @@ def command(
                 raise PlanError(said)
         data = _written(form, labels, size, code)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
-    write(output, data, voice, files_read(config, inputs))
-    voice.say(said)
+        console.stop(error.diagnostics)
+    write(output, data, console, files_read(config, inputs))
+    console.say(said)
     if errors_in(said):
         raise SystemExit(REFUSED)
 

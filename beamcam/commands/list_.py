@@ -13,7 +13,15 @@ from beamcam.batch.find import FoundInputs, find_inputs
 from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, read_all, wants_colour, write
+from beamcam.commands.common import (
+    REFUSED,
+    STANDARD,
+    Console,
+    Grouped,
+    read_all,
+    wants_colour,
+    write,
+)
 from beamcam.commands.options import quantity
 from beamcam.commands.parts import (
     drawing_choice,
@@ -41,7 +49,7 @@ from beamcam.pipeline import counted, sound, stock_of
 from beamcam.plain_text import terminal_text
 from beamcam.planning.jobs import number_of
 from beamcam.planning.rules import named_skips
-from beamcam.report.part_list import (
+from beamcam.reports.part_list import (
     CutBar,
     PartCount,
     bar_list,
@@ -49,8 +57,8 @@ from beamcam.report.part_list import (
     part_list,
     total_row,
 )
-from beamcam.report.tables import Table, as_csv, as_lines, as_xlsx
-from beamcam.report.tables import as_json as as_json_text
+from beamcam.reports.tables import Table, as_csv, as_lines, as_xlsx
+from beamcam.reports.tables import as_json as as_json_text
 
 SCHEMA = "beamcam/list/1"
 FORMATS = ("txt", "csv", "xlsx", "json")
@@ -85,8 +93,8 @@ FORMATS = ("txt", "csv", "xlsx", "json")
 @options.voiced
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, bars: tuple[float, ...],
-    remnants: tuple[str, ...], table: str, order: Order, turn: bool, as_json: bool, voice: Voice,
-    **asked: Any,
+    remnants: tuple[str, ...], table: str, order: Order, turn: bool, as_json: bool,
+    console: Console, **asked: Any,
 ) -> None:  # fmt: skip
     """Write the part list of files and folders, and the cutting list of their bars.
 
@@ -107,7 +115,7 @@ def command(
     try:
         form = options.form_of(output, to, as_json, FORMATS, "txt")
         config = settled(asked, inputs)
-        counts, said = counted_parts(inputs, config, asked, voice)
+        counts, said = counted_parts(inputs, config, asked, console)
         request = _asked(config, tuple(sorted(bars)) or config.stock_lengths, order, turn)
         machines = machines_in_shop(config, "")
         there = tuple(map(remnant_of, remnants))
@@ -115,10 +123,10 @@ def command(
         counts, nested = bars_of(counts, machines, request, there)
         data = _written(form, counts, nested, table, output == STANDARD)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
-    write(output, data, voice, files_read(config, inputs))
+        console.stop(error.diagnostics)
+    write(output, data, console, files_read(config, inputs))
     said = (*said, *not_made(counts))
-    voice.say(said)
+    console.say(said)
     if errors_in(said):
         raise SystemExit(REFUSED)
 
@@ -164,7 +172,7 @@ def _text(tables: Sequence[Table], is_coloured: bool) -> str:
 
 
 def counted_parts(
-    names: Sequence[str], config: Config, asked: Mapping[str, Any], voice: Voice
+    names: Sequence[str], config: Config, asked: Mapping[str, Any], console: Console
 ) -> tuple[tuple[PartCount, ...], tuple[Diagnostic, ...]]:
     """The parts in order with their quantities, and everything that was said of their files.
 
@@ -176,7 +184,7 @@ def counted_parts(
     said: list[Diagnostic] = [*found.diagnostics]
     parts: list[Part] = []
     how = drawing_choice(asked, config.map) | member_choice(asked, kernel=False)
-    for reading in read_all((i.path for i in found.inputs), config.strict, how, voice):
+    for reading in read_all((i.path for i in found.inputs), config.strict, how, console):
         reading = with_thickness(reading, config)
         said += reading.diagnostics
         parts += marked(counted(sound(reading)), asked["mark_from"])

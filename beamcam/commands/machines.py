@@ -8,7 +8,7 @@ import click
 
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
-from beamcam.commands.common import Voice, cannot_write, say_json, say_lines, write
+from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
 from beamcam.commands.pictures import picture, picture_suffix
 from beamcam.config.places import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
@@ -65,7 +65,7 @@ def list_machines(as_json: bool) -> None:
         width = max(len(m.name) for m in machines)
         say_lines(f"{m.name:{width}}  {m.controller:10}  {m.title}" for m in machines)
     if faults:
-        Voice().stop(faults)
+        Console().stop(faults)
 
 
 @command.command("new")
@@ -82,7 +82,7 @@ def list_machines(as_json: bool) -> None:
 )
 @click.option("--user", is_flag=True, help="Among the user's settings, for jobs in every folder.")
 @options.voiced
-def new(name: str, base: str, chart: str | None, user: bool, voice: Voice) -> None:
+def new(name: str, base: str, chart: str | None, user: bool, console: Console) -> None:
     """Write a machine file of your own: all values of the base as comments, to be made yours.
 
     It goes to `machines` beside the nearest beamcam.toml, or in this folder, where it is known by
@@ -98,32 +98,32 @@ def new(name: str, base: str, chart: str | None, user: bool, voice: Voice) -> No
         raise click.UsageError(f"found {name!r} for the machine's name; expected {expected}.")
     folder = machine_folders(own_files())[-1 if user else 0]
     path = os.path.join(folder, f"{name}.toml")
-    rows = _chart(chart, voice) if chart else []
+    rows = _chart(chart, console) if chart else []
     try:
         if rows and load(base).torch is None:
             raise click.UsageError(f"{base} has no torch, so --chart has no effect.")
         text = starting_file(name, base, rows)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     if os.path.lexists(path):
         raise click.UsageError(f"{path} is there already; expected a name that is free.")
     try:
         os.makedirs(folder, exist_ok=True)
         write_whole(path, text)
     except OSError as error:
-        voice.stop([cannot_write(path, error)])
-    voice.did(f"wrote {path}")
-    if not voice.quiet:
+        console.stop([cannot_write(path, error)])
+    console.did(f"wrote {path}")
+    if not console.quiet:
         say_lines([f"{path}: change what differs, then `beamcam machines check {name}`:"])
-        _held_up(load(path), path, voice)
+        _held_up(load(path), path, console)
 
 
-def _chart(path: str, voice: Voice) -> list[dict[str, Any]]:
+def _chart(path: str, console: Console) -> list[dict[str, Any]]:
     """The rows of a cut chart; ends where one cannot be read."""
     with open(path, encoding="utf-8", errors="replace") as file:
         rows, said = chart_rows(file.read(MAX_CHART_BYTES), path)
     if said:
-        voice.stop(said)
+        console.stop(said)
     return rows
 
 
@@ -141,8 +141,8 @@ def show(name: str, as_json: bool) -> None:
         place = resolved(name, own_files())
         rows, machine = settings(place), load_proved(place)
     except BeamcamError as error:
-        Voice(as_json=as_json).stop(error.diagnostics)
-    Voice(as_json=as_json).say(machine.remarks)
+        Console(as_json=as_json).stop(error.diagnostics)
+    Console(as_json=as_json).say(machine.remarks)
     if as_json:
         say_json({r.key: {"value": r.value, "source": r.source and str(r.source)} for r in rows})
         return
@@ -156,7 +156,7 @@ def show(name: str, as_json: bool) -> None:
 @command.command("check")
 @click.argument("name")
 @options.voiced
-def check(name: str, voice: Voice) -> None:
+def check(name: str, console: Console) -> None:
     """Hold a section up to the machine NAME: where each spindle puts a hole, to be measured.
 
     One sentence for each spindle, in the axes of its programs. A face that the file takes for its
@@ -169,19 +169,19 @@ def check(name: str, voice: Voice) -> None:
         place = resolved(name, own_files())
         machine = load_proved(place)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
-    faults = _held_up(machine, place, voice)
-    voice.did(f"held a section up to {machine.name}")
+        console.stop(error.diagnostics)
+    faults = _held_up(machine, place, console)
+    console.did(f"held a section up to {machine.name}")
     if faults:
-        voice.stop(faults)
+        console.stop(faults)
 
 
-def _held_up(machine: Machine, place: str, voice: Voice) -> tuple[Diagnostic, ...]:
+def _held_up(machine: Machine, place: str, console: Console) -> tuple[Diagnostic, ...]:
     """Print where holes go; what tells that a face is mirrored comes back."""
     from beamcam.planning.held_up import hand_faults, held_up
 
     held = held_up(machine)
-    if not voice.quiet:
+    if not console.quiet:
         none = f"{machine.name} has no spindles; its words make a part that is read back"
         say_lines((one.sentence for one in held) if held else [none])
     return tuple(hand_faults(held, Source(place)))
@@ -191,7 +191,7 @@ def _held_up(machine: Machine, place: str, voice: Voice) -> tuple[Diagnostic, ..
 @click.argument("name")
 @options.output(".svg, .png or .pdf; - is SVG on standard output.")
 @options.voiced
-def plot(name: str, output: str, voice: Voice) -> None:
+def plot(name: str, output: str, console: Console) -> None:
     """Draw the line NAME: its stations along X, and its spindles at a section.
 
     What the machine file says of X, of the saw's signs and of the axes of each spindle, to be held
@@ -211,8 +211,8 @@ def plot(name: str, output: str, voice: Voice) -> None:
             raise click.UsageError(f"found {machine.name}, {what}; expected a saw or drilling line")
         drawn = picture([line_scene(machine)], suffix)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
-    write(output, drawn, voice, FilesRead(files_of(place)))
+        console.stop(error.diagnostics)
+    write(output, drawn, console, FilesRead(files_of(place)))
 
 
 @command.command("keys")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, say_lines
+from beamcam.commands.common import Console, say_lines
 from beamcam.commands.jobs import read_program
 from beamcam.commands.options import MODBUS_PORT, Address
 from beamcam.commands.parts import input_bytes
@@ -76,7 +76,7 @@ class PageServer(ThreadingHTTPServer):
         self.end_slow()
 
     def end_slow(self) -> None:
-        """End callers who take too long; a letter a second would keep a thread for ever."""
+        """End callers who take too long; a letter a second would keep a thread for good."""
         with self._lock:
             slow = [r for r, since in self.callers.items() if monotonic() - since > ANSWERED_S]
         for request in slow:
@@ -169,7 +169,7 @@ def _handler(pages: Pages, bound: str) -> type[BaseHTTPRequestHandler]:
 @options.voiced
 def command(
     host: tuple[str, int], parts: tuple[str, ...], program: str | None,
-    page: tuple[str, int], every: float, as_json: bool, voice: Voice, **asked: Any,
+    page: tuple[str, int], every: float, as_json: bool, console: Console, **asked: Any,
 ) -> None:  # fmt: skip
     """Read a controller's axes over Modbus TCP and draw them in a page, until Ctrl-C.
 
@@ -183,7 +183,7 @@ def command(
     beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
     """
     from beamcam.setup_sheet.study_page import axes_of, monitor_page
-    from beamcam.simulate.rules import PORT
+    from beamcam.simulation.rules import PORT
 
     try:
         machine, work = _work(parts, program, settled(asked, ()))
@@ -199,8 +199,8 @@ def command(
             place = Source(f"{page[0]}:{page[1]}")
             raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
-    if not (voice.quiet or as_json):
+        console.stop(error.diagnostics)
+    if not (console.quiet or as_json):
         at = f"http://{page[0]}:{server.server_port}/"
         say_lines([f"{machine.name} at {host[0]}:{host[1]} is drawn in {at}; Ctrl-C ends it"],
                   err=True)  # fmt: skip
@@ -242,16 +242,16 @@ class Reader:
 
     def read_first(self) -> None:
         """Raises VerifyError where there is no controller, or not such registers."""
-        from beamcam.simulate.modbus import Client
-        from beamcam.simulate.rules import CONTROLLER
+        from beamcam.simulation.modbus import Client
+        from beamcam.simulation.rules import CONTROLLER
 
         with Client(*self._host, CONTROLLER) as client:
             self._read(client)
 
     def run(self) -> None:
         """Read until the process ends."""
-        from beamcam.simulate.modbus import Client
-        from beamcam.simulate.rules import CONTROLLER
+        from beamcam.simulation.modbus import Client
+        from beamcam.simulation.rules import CONTROLLER
 
         pause = threading.Event()
         while True:
@@ -266,7 +266,7 @@ class Reader:
     def _read(self, client: Any) -> None:
         from msgspec.structs import asdict
 
-        from beamcam.simulate.modbus import axes_shown
+        from beamcam.simulation.modbus import axes_shown
 
         now = axes_shown(client, self._machine.modbus, self._axes)
         reads = self._said["reads"] + 1

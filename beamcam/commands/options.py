@@ -18,7 +18,7 @@ from typing import Any
 
 import click
 
-from beamcam.commands.common import STANDARD, Voice
+from beamcam.commands.common import STANDARD, Console
 from beamcam.commands.pictures import Callback
 from beamcam.commands.rules import MORE_BARS, OUTPUT_FORMAT
 from beamcam.errors import BeamcamError, PlanError, Source
@@ -303,24 +303,24 @@ def form_of(
 
 
 def voiced(function: Function) -> Function:
-    """Adds --quiet and --verbose, which come to the command as `voice`; `as_json` counts too."""
+    """Adds --quiet and --verbose, which come to the command as `console`; `as_json` counts too."""
 
     @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
     @click.option(
         "-v", "--verbose", is_flag=True, help="Print what is done, and the time it takes."
     )
     @wraps(function)
-    def with_voice(*args: Any, quiet: bool, verbose: bool, **values: Any) -> Any:
+    def with_console(*args: Any, quiet: bool, verbose: bool, **values: Any) -> Any:
         if quiet and verbose:
             raise click.UsageError("--quiet and --verbose exclude each other.")
-        voice = Voice(quiet, verbose, values.get("as_json", False))
-        click.get_current_context().meta[Voice.__name__] = voice
+        console = Console(quiet, verbose, values.get("as_json", False))
+        click.get_current_context().meta[Console.__name__] = console
         try:
-            return function(*args, voice=voice, **values)
+            return function(*args, console=console, **values)
         finally:
-            voice.end()
+            console.end()
 
-    return with_voice
+    return with_console
 
 
 MODBUS_PORT = 502  #: of Modbus TCP, by the standard

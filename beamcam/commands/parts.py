@@ -7,7 +7,7 @@ from typing import Any, get_args
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, read_all
+from beamcam.commands.common import Console, read_all
 from beamcam.commands.options import Number, group, quantity
 from beamcam.config.values import Config, Origin
 from beamcam.errors import Diagnostic, ReadError
@@ -245,14 +245,14 @@ looking_options = options.group(
 
 
 def read_parts(
-    inputs: Iterable[str], config: Config, asked: Mapping[str, Any], voice: Voice
+    inputs: Iterable[str], config: Config, asked: Mapping[str, Any], console: Console
 ) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
     """All parts of the inputs, and what is said of them.
 
     `asked` holds the values of `part_options`. Raises ReadError.
     """
     how = drawing_choice(asked, config.map) | member_choice(asked, kernel=True)
-    parts, said = parts_of(read_all(inputs, config.strict, how, voice), counted)
+    parts, said = parts_of(read_all(inputs, config.strict, how, console), counted)
     return marked(parts, asked["mark_from"]), said
 
 

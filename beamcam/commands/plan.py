@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Grouped, Voice, write
+from beamcam.commands.common import Console, Grouped, write
 from beamcam.commands.common import as_json as json_of
 from beamcam.commands.parts import looking_options, read_parts, request_of
 from beamcam.commands.pictures import of_kind
@@ -37,7 +37,7 @@ from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
 from beamcam.planning.stock import from_store
 from beamcam.posts import post_of
-from beamcam.report.run import as_message, ledger_of
+from beamcam.reports.run import as_message, ledger_of
 
 
 @click.command("plan", cls=Grouped)
@@ -58,7 +58,7 @@ def command(
     order: Order,
     turn: bool,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Explain the work that makes parts, step by step.
@@ -77,12 +77,12 @@ def command(
     as_json = as_json or output.lower().endswith(".json")
     try:
         config = settled(asked, inputs)
-        parts, said = read_parts(inputs, config, asked, voice)
+        parts, said = read_parts(inputs, config, asked, console)
         machines = machines_for(config, parts, output)
         request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
         (planned,), choice = on_best_machine(request, machines, _planned)
         job, plan, machine = planned.job, planned.plan, planned.job.machine
-        voice.remark(choice)
+        console.remark(choice)
         remarks = (*said, *remarks_on(plan, machine, config.strict))
         read = files_read(config, inputs)
         if not isinstance(plan, Plan):
@@ -92,24 +92,24 @@ def command(
                 lines, record = (
                     sheet_lines(plan, time, machine), sheet_record(plan, time, machine, remarks)
                 )  # fmt: skip
-                voice.did(f"planned a sheet on {machine.name}")
+                console.did(f"planned a sheet on {machine.name}")
             else:
                 lines, record = (
                     coping_lines(plan, time, machine), coping_record(plan, time, machine, remarks)
                 )  # fmt: skip
-                voice.did(f"planned a part on {machine.name}")
-            _print(output, read, voice, as_json, lines, record, remarks, config, machine)
+                console.did(f"planned a part on {machine.name}")
+            _print(output, read, console, as_json, lines, record, remarks, config, machine)
             return
         turned = dict.fromkeys(job.parts) if turn else ()  # each once, however often it is made
         skips = job.request.skips
         trials = [(part, tuple(try_turns(part, machine, skips))) for part in turned]
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
-    voice.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
+        console.stop((*said, *error.diagnostics))
+    console.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
     explained = explain(plan, machine)
     record = plan_record(plan, explained, machine, trials, remarks)
     lines = plan_lines(plan, explained, machine, trials)
-    _print(output, read, voice, as_json, lines, record, remarks, config, machine)
+    _print(output, read, console, as_json, lines, record, remarks, config, machine)
 
 
 def _planned(request: Request) -> list[Planned]:
@@ -126,7 +126,7 @@ def _planned(request: Request) -> list[Planned]:
 def _print(
     output: str,
     read: FilesRead,
-    voice: Voice,
+    console: Console,
     as_json: bool,
     lines: Iterable[str],
     record: dict[str, object],
@@ -138,10 +138,10 @@ def _print(
         from beamcam.commands.configuration import used
 
         record["settings"] = used(config, machine)
-        write(output, json_of(record) + "\n", voice, read)
+        write(output, json_of(record) + "\n", console, read)
     else:
-        write(output, "\n".join(map(terminal_text, lines)) + "\n", voice, read)
-        voice.say(said)
+        write(output, "\n".join(map(terminal_text, lines)) + "\n", console, read)
+        console.say(said)
 
 
 Trials = list[tuple[Part, tuple[Trial, ...]]]

@@ -9,7 +9,7 @@ from beamcam.machine.machine import Machine
 from beamcam.model.lengths import total_length
 from beamcam.model.plan import NOT_MADE, AnyPlan, ContourOp, CopeCut, CopePlan, SheetPlan, WorkTime
 from beamcam.motion.coping import NAMES
-from beamcam.report.run import as_message
+from beamcam.reports.run import as_message
 
 
 def length_of(op: ContourOp) -> float:

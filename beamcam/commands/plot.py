@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Grouped, Voice, write
+from beamcam.commands.common import Console, Grouped, write
 from beamcam.commands.jobs import one_program, posted_job, read_program
 from beamcam.commands.options import quantity
 from beamcam.commands.parts import job_options, read_parts
@@ -43,7 +43,7 @@ def command(
     order: Order,
     turn: bool,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Draw a part with its faces unfolded, or what a program makes.
@@ -70,24 +70,24 @@ def command(
         if data is not None:
             scenes = [program_scene(read_program(data, inputs[0], config, asked["bar"]), unit)]
         elif show == "program" or (show is None and len(inputs) > 1):
-            parts, said = read_parts(inputs, config, asked, voice)
-            job = posted_job(inputs, parts, config, asked, output, order, turn, voice)
+            parts, said = read_parts(inputs, config, asked, console)
+            job = posted_job(inputs, parts, config, asked, output, order, turn, console)
             said = (*said, *job.said, *job.posted.remarks)
             scenes = [program_scene(job.program, unit)]
         else:
-            parts, said = read_parts(inputs, config, asked, voice)
+            parts, said = read_parts(inputs, config, asked, console)
             if not parts or (len(parts) > 1 and suffix != ".pdf"):
-                voice.say(said)
+                console.say(said)
                 found = f"found {len(parts)} parts for {output!r}"
                 raise click.UsageError(f"{found}; expected one, or a .pdf of many pages")
             table = _processes(config, parts, output)
             scenes = [part_scene(part, unit, table) for part in parts]
         drawn = picture(scenes, suffix, paper)
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
-    voice.did(f"drew {len(scenes)} picture(s)")
-    write(output, drawn, voice, files_read(config, inputs))
-    voice.say(said)
+        console.stop((*said, *error.diagnostics))
+    console.did(f"drew {len(scenes)} picture(s)")
+    write(output, drawn, console, files_read(config, inputs))
+    console.say(said)
 
 
 def _processes(config: Config, parts: Sequence[Part], output: str) -> Mapping[str, str] | None:

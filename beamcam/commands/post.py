@@ -9,7 +9,7 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import STANDARD, Grouped, Voice, keep_apart, keep_refused, write
+from beamcam.commands.common import STANDARD, Console, Grouped, keep_apart, keep_refused, write
 from beamcam.commands.options import program_names, quantity
 from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.pictures import program
@@ -95,7 +95,7 @@ def command(
     no_verify: bool,
     exit_left_out: int | None,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Turn parts into a machine program.
@@ -133,7 +133,7 @@ def command(
     try:
         config = settled(asked, inputs)
         strict = config.strict
-        parts, said = read_parts(inputs, config, asked, voice)
+        parts, said = read_parts(inputs, config, asked, console)
         machines = machines_for(config, parts, output)
         coded = any(map(is_coded_sheet, machines))
         if contour is not None and not coded:
@@ -145,7 +145,7 @@ def command(
         said += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, order, turn)
         request = replace(request, verified=not no_verify, date=asked["date"] or "")
-        stage = voice.did if voice.verbose else untold
+        stage = console.did if console.verbose else untold
 
         def planned(wanted: Request) -> list[Begun]:
             job = job_name(config, wanted.machine, output)
@@ -168,23 +168,23 @@ def command(
             said += (told,)
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
-        voice.stop((*said, *error.diagnostics, *kept))
+        console.stop((*said, *error.diagnostics, *kept))
     except StrictError as error:
-        voice.stop((*said, *error.diagnostics))
+        console.stop((*said, *error.diagnostics))
     except PlanError as error:
         way = () if request is None else (_way_out(request, machines, config, asked),)
-        voice.stop((*said, *error.diagnostics, *way))
+        console.stop((*said, *error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.pipeline import read_file
         from beamcam.ways_out import ways_to_read
 
         ways = tuple(ways_to_read(error.diagnostics, read_file, strict))
-        voice.stop((*said, *error.diagnostics, *ways))
-    _write(made, beside, files_read(config, inputs), voice)
-    voice.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
-    if not (voice.quiet or voice.as_json):
+        console.stop((*said, *error.diagnostics, *ways))
+    _write(made, beside, files_read(config, inputs), console)
+    console.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
+    if not (console.quiet or console.as_json):
         for name, each in made:
-            voice.tell(success(name, each, first or contour))
+            console.tell(success(name, each, first or contour))
     if exit_left_out is not None and any(each.leaves_out for _, each in made):
         raise SystemExit(exit_left_out)
 
@@ -245,7 +245,7 @@ def _write(
     made: Sequence[tuple[str, Posted]],
     beside: Sequence[tuple[str, str]],
     read: FilesRead,
-    voice: Voice,
+    console: Console,
 ) -> None:
     """Write programs, lists of manual work and what else goes with them by the names of `beside`.
 
@@ -255,17 +255,17 @@ def _write(
         (name, posted, tuple(outputs(posted, posted.job.machine, name))) for name, posted in made
     ]
     paths = [path for _, _, pieces in files for path, _ in pieces]
-    keep_apart((*paths, *(path for path, _ in beside)), read, voice)
+    keep_apart((*paths, *(path for path, _ in beside)), read, console)
     for name, posted, pieces in files:
-        if voice.verbose:
-            from beamcam.report.run import ledger_of
+        if console.verbose:
+            from beamcam.reports.run import ledger_of
 
-            voice.did(f"{posted.job.machine.name}: {ledger_of(posted.plan.outcomes)}")
-        write_list(posted, name, voice, read)
+            console.did(f"{posted.job.machine.name}: {ledger_of(posted.plan.outcomes)}")
+        write_list(posted, name, console, read)
         for path, content in pieces:
-            write(path, content, voice, read)
+            write(path, content, console, read)
     for path, text in beside:
-        write(path, text.encode(), voice, read)
+        write(path, text.encode(), console, read)
 
 
 # --- what is said of a program that is written ----------------------------------------------------

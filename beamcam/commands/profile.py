@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import Voice, write
+from beamcam.commands.common import Console, write
 from beamcam.commands.pictures import KINDS, PICTURES, expected, picture
 from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 
 if TYPE_CHECKING:
     from beamcam.geometry.velocity_profile import VelocityProfile
-    from beamcam.report.velocity_profile import VelocityUnit
+    from beamcam.reports.velocity_profile import VelocityUnit
 
 MOST_ROWS = 1_000_000
 NUMBER = options.Number()
@@ -61,7 +61,7 @@ def row_step(duration_s: float, step_s: float | None) -> float:
 
 def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "VelocityUnit":
     """The unit that the options speak of. Raises ValueError where they contradict each other."""
-    from beamcam.report.velocity_profile import MM_S, RPM, UNITS
+    from beamcam.reports.velocity_profile import MM_S, RPM, UNITS
 
     if travel is not None and pulses is None:
         raise ValueError("--travel goes with --pulses, the encoder's pulses a revolution")
@@ -149,7 +149,7 @@ def command(
     unit: str | None,
     pulses: int | None,
     travel: float | None,
-    voice: Voice,
+    console: Console,
 ) -> None:
     """Write the velocity profile of an axis, as a table or a picture.
 
@@ -166,7 +166,7 @@ def command(
     beamcam profile --points 0:0,2:300,5:300,6:0 -o job.html
     beamcam profile --distance 500 --velocity 200 --acceleration 800 --max-jerk 9000 -o -
     """
-    from beamcam.report.velocity_profile import Encoder, profile_table
+    from beamcam.reports.velocity_profile import Encoder, profile_table
 
     suffix = os.path.splitext(output)[1].lower()
     try:
@@ -190,8 +190,8 @@ def command(
             lines = [",".join(f"{value:.9g}" for value in row) for row in rows.rows.tolist()]
             data = "\n".join([",".join(rows.columns), *lines]) + "\n"
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    voice.did(f"profile of {profile.duration_s:g} s")
-    write(output, data, voice, FilesRead(()))
+    console.did(f"profile of {profile.duration_s:g} s")
+    write(output, data, console, FilesRead(()))

@@ -14,18 +14,18 @@ from beamcam.batch.pool import Here
 from beamcam.batch.recipe import asked_again, path_below
 from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly, rests_of
 from beamcam.batch.rules import LINK
-from beamcam.batch.work import Shop, Task, make_all
+from beamcam.batch.work import BatchSettings, Task, make_all
 from beamcam.commands.golden import Checked, compared, named, sample_of
 from beamcam.commands.rules import GONE, NEW
 from beamcam.commands.running import shop_of
 from beamcam.commands.settings import settled_again
+from beamcam.comparison.pairing import Difference
 from beamcam.config.values import Config
-from beamcam.diff.pairing import Difference
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import remove_made, write_whole
 from beamcam.machine import Machine
-from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, HandRow, as_csv
-from beamcam.report.run import Row, as_message
+from beamcam.reports.hand_list import LIST_BEGIN, LIST_SUFFIX, HandRow, as_csv
+from beamcam.reports.run import Row, as_message
 
 DEFAULT_SAMPLES = Path("samples")
 
@@ -47,7 +47,7 @@ class Recorded:
     ) -> None:
         """`asked` holds what the command line asks for, over what the record says."""
         self._folder, self._samples, self._asked, self._update = folder, samples, asked, update
-        self._shops: dict[str, tuple[Config, Shop] | BeamcamError] = {}
+        self._shops: dict[str, tuple[Config, BatchSettings] | BeamcamError] = {}
         self._noted = noted_in(str(folder))
         self._known = {part["output"] for noted in self._noted for part in noted.row["parts"]}
 
@@ -123,7 +123,7 @@ class Recorded:
     def _path(self, output: str) -> Path:
         return self._folder / output
 
-    def _shop(self, noted: Noted) -> tuple[Config, Shop] | BeamcamError:
+    def _shop(self, noted: Noted) -> tuple[Config, BatchSettings] | BeamcamError:
         name = noted.recipe.name
         if name not in self._shops:
             files, again = asked_again(noted.recipe, str(self._folder))
@@ -140,7 +140,7 @@ class Recorded:
                 self._shops[name] = error
         return self._shops[name]
 
-    def _input(self, noted: Noted, config: Config, shop: Shop) -> Iterator[Checked]:
+    def _input(self, noted: Noted, config: Config, shop: BatchSettings) -> Iterator[Checked]:
         """The outcome of the programs of one input."""
         for name in noted.outputs:
             if not is_within(str(self._folder), name):
@@ -258,7 +258,7 @@ def accept(results: Sequence[Checked]) -> tuple[Checked, ...]:
     return tuple(one for one in results if one.new is None)
 
 
-def machines_of(row: Row, shop: Shop) -> list[Machine]:
+def machines_of(row: Row, shop: BatchSettings) -> list[Machine]:
     """The machine of each program of an input."""
     return [shop.machine_named(part["machine"]) for part in row["parts"]]
 

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, read_all, write
+from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, read_all, write
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes, torch_options
@@ -47,7 +47,7 @@ def command(
     to: str | None,
     profile: str | None,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Write the part that PROGRAM makes as DSTV, JSON or a drawing of its faces.
@@ -75,31 +75,31 @@ def command(
                 f"found the machine {machine.name}; expected one for bars, or a table that runs "
                 "G-code: recover reads no triggers and no step tables."
             )
-        stock, said = _stock(profile, config, voice)
+        stock, said = _stock(profile, config, console)
         name = shown_name(program)
         found = recover(text, machine, name, stock)
         said = (*said, *found.said)
         if config.strict:
             said = tuple(map(as_error, said))
         if errors_in(said):
-            voice.stop(said)
-        voice.did(f"read {name} on {machine.name}: {len(found.parts)} part(s)")
+            console.stop(said)
+        console.did(f"read {name} on {machine.name}: {len(found.parts)} part(s)")
         named = name if output == STANDARD or is_folder(output) else output
         parts = found.parts if found.marked else with_marks(found.parts, PurePath(named).stem)
         read = files_read(config, (program, *((profile,) if profile else ())))
         if is_folder(output):
-            said = (*said, *write_folder(read, parts, target, output, voice))
+            said = (*said, *write_folder(read, parts, target, output, console))
         else:
-            write(output, only_text(name, parts, target, output), voice, read)
+            write(output, only_text(name, parts, target, output), console, read)
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
-    voice.say(said)
+        console.stop((*said, *error.diagnostics))
+    console.say(said)
     if errors_in(said):
         raise SystemExit(REFUSED)
 
 
 def _stock(
-    profile: str | None, config: Config, voice: Voice
+    profile: str | None, config: Config, console: Console
 ) -> tuple[Stock, tuple[Diagnostic, ...]]:
     """The bar's section and steel, of a part's file or by the section's name. Raises ReadError."""
     if profile is None:
@@ -110,7 +110,7 @@ def _stock(
         return Stock(Profile(code, profile.upper(), *sizes)), ()
     if not os.path.exists(profile):
         raise ReadError(SECTION.at(Source(profile), found=profile))
-    (reading,) = read_all((profile,), bool(config.strict), {}, voice)
+    (reading,) = read_all((profile,), bool(config.strict), {}, console)
     if errors_in(reading.diagnostics) or not reading.parts:
         raise ReadError(reading.diagnostics or (SECTION.at(Source(profile), found=profile),))
     part = reading.parts[0]

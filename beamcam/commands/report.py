@@ -7,7 +7,7 @@ import click
 from msgspec.structs import replace
 
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Grouped, Voice, write
+from beamcam.commands.common import REFUSED, Console, Grouped, write
 from beamcam.commands.configuration import configuration_line, machine_line, reference
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.options import quantity
@@ -40,7 +40,7 @@ def command(
     order: Order,
     turn: bool,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Write the setup sheet of a program: one file for the operator.
@@ -65,7 +65,7 @@ def command(
     said: list[Diagnostic] = []
     try:
         config = settled(asked, inputs)
-        job = asked_program(inputs, against, config, asked, output, order, turn, voice, said)
+        job = asked_program(inputs, against, config, asked, output, order, turn, console, said)
         source = SheetSources(job.program, job.plan, tuple(said), job.found)
         used_file = machine_line(reference(source.program.machine, config))
         settings = (("Machine file", used_file), ("Configuration", configuration_line(config)))
@@ -80,9 +80,9 @@ def command(
 
             sheet = setup_page(content)
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
-    voice.did(f"made the sheet of {source.program.name}")
-    write(output, sheet, voice, files_read(config, inputs))
-    voice.say((*source.said, *source.found))
+        console.stop((*said, *error.diagnostics))
+    console.did(f"made the sheet of {source.program.name}")
+    write(output, sheet, console, files_read(config, inputs))
+    console.say((*source.said, *source.found))
     if errors_in(source.found):
         raise SystemExit(REFUSED)

@@ -18,9 +18,9 @@ from beamcam.batch.find import FoundInputs, Input
 from beamcam.batch.names import check_template
 from beamcam.batch.pool import Here, Workers
 from beamcam.batch.shares import ShareTask
-from beamcam.batch.work import Shop
+from beamcam.batch.work import BatchSettings
 from beamcam.commands import options
-from beamcam.commands.common import Voice, say_lines
+from beamcam.commands.common import Console, say_lines
 from beamcam.commands.options import quantity
 from beamcam.commands.parts import (
     drawing_choice,
@@ -42,7 +42,7 @@ from beamcam.machine.tables import DIALECTS
 from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
-from beamcam.report.run import Counts, Message, Row, dumped, ledger_line, loaded, message_line
+from beamcam.reports.run import Counts, Message, Row, dumped, ledger_line, loaded, message_line
 from beamcam.system import cores
 
 
@@ -105,7 +105,7 @@ run_options = options.group(
 )
 
 
-def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Shop:
+def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> BatchSettings:
     """Everything that determines the outputs: the job's configuration and reading options.
 
     Raises MachineError, ConfigError and PlanError.
@@ -127,7 +127,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     of_sheets = [m for m in (sheets, *more_sheets, *more_bars) if m.torch is not None]
     if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
         raise click.UsageError(f"--style is not for {sheets.name}.")
-    return Shop(
+    return BatchSettings(
         bars,
         config.job,
         config.stock_lengths,
@@ -152,7 +152,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Sh
     )
 
 
-def told_of(config: Config, shop: Shop) -> tuple[Diagnostic, ...]:
+def told_of(config: Config, shop: BatchSettings) -> tuple[Diagnostic, ...]:
     """Whose configuration and machines a run has, for its report."""
     from beamcam.commands.configuration import reference, settings_line
 
@@ -193,7 +193,9 @@ QUICK_BYTES = 32 * 1024
 FILES_OF_HEAD_START = 32
 
 
-def workers_of(shop: Shop, jobs: int | None, dask: Dask, inputs: Sequence[Input]) -> Workers:
+def workers_of(
+    shop: BatchSettings, jobs: int | None, dask: Dask, inputs: Sequence[Input]
+) -> Workers:
     """The workers for some files: a cluster, processes up to the number of cores, or this process.
 
     What may take long goes to another process, even a single file: there it can be ended at once.
@@ -227,23 +229,25 @@ def _is_quick(path: str) -> bool:
 SHOWN_OF_A_CODE = {"error": 20, "warning": 1, "note": 1}
 
 
-class Screen:
+class Progress:
     """Prints a run: messages, a line for each file if wanted, and a bar on a terminal."""
 
     WIDTH = 30
     EVERY_S = 0.1
 
-    def __init__(self, total: int | None, voice: Voice) -> None:
+    def __init__(self, total: int | None, console: Console) -> None:
         self.counts = Counts()
-        self._total, self._voice = total, voice
-        self._json_rows = voice.as_json and total is None
+        self._total, self._voice = total, console
+        self._json_rows = console.as_json and total is None
         # A note is harmless, and thousands of them would hide what is not.
         self._wanted = {
             severity.value
             for severity in Severity
-            if voice.wants(severity) and (voice.verbose or severity is not Severity.NOTE)
+            if console.wants(severity) and (console.verbose or severity is not Severity.NOTE)
         }
-        self._bar = total is not None and not (voice.quiet or voice.as_json) and sys.stderr.isatty()
+        self._bar = (
+            total is not None and not (console.quiet or console.as_json) and sys.stderr.isatty()
+        )
         self._drawn = -1.0
         self._said: Counter[tuple[str, str]] = Counter()  #: messages by severity and code
 
@@ -357,8 +361,8 @@ class Report:
             self._rows.write(dumped(row) + b"\n")
 
     def write(
-        self, counts: Counts, said: Iterable[Message], shop: Shop | None = None, jobs: int = 1,
-        shares: Sequence[ShareTask] = (),
+        self, counts: Counts, said: Iterable[Message], shop: BatchSettings | None = None,
+        jobs: int = 1, shares: Sequence[ShareTask] = (),
     ) -> None:  # fmt: skip
         """Write the report in the format that its name says; `-` prints JSON.
 
@@ -367,12 +371,12 @@ class Report:
         """
         if self.path is None:
             return
-        from beamcam.report.run import as_json
+        from beamcam.reports.run import as_json
 
         suffix = PurePath(self.path).suffix.lower()
         pieces: Iterable[bytes]
         if suffix == ".csv":
-            from beamcam.report.run import as_csv
+            from beamcam.reports.run import as_csv
 
             # A table has rows of files and of what is wrong, for programs that read it.
             rows = [one for one in said if one["code"] != SETTINGS.code]
@@ -390,10 +394,10 @@ class Report:
             self._rows.close()
 
     def _page(
-        self, counts: Counts, said: Iterable[Message], shop: Shop | None, jobs: int,
+        self, counts: Counts, said: Iterable[Message], shop: BatchSettings | None, jobs: int,
         shares: Sequence[ShareTask],
     ) -> Iterable[bytes]:  # fmt: skip
-        from beamcam.report.run_page import as_html
+        from beamcam.reports.run_page import as_html
 
         if shop is None or self.path is None:
             return as_html(self._read, counts, said)

@@ -253,7 +253,7 @@ def machine_for_program(
 
 def _machine_in_head(data: bytes | str) -> str | None:
     """The machine that the head of a program names."""
-    from beamcam.verify.head import head_of
+    from beamcam.checks.head import head_of
 
     head = head_of(data.decode("utf-8", "replace") if isinstance(data, bytes) else data)
     return None if head is None else head.machine
@@ -316,13 +316,13 @@ def check_split(config: Config, asked: Mapping[str, Any]) -> None:
 
 def _told(name: str, machine: Machine, config: Config) -> Machine:
     """The machine; --verbose says whose file it is, and an untrusted one is always reported."""
-    voice = running_voice()
-    if voice is not None and (voice.verbose or name.endswith(".toml")):
+    console = running_voice()
+    if console is not None and (console.verbose or name.endswith(".toml")):
         from beamcam.commands.configuration import settings_line, strange
 
-        voice.remark(strange(name))
-        if voice.verbose:
-            voice.did_once(settings_line(config, [name]))
+        console.remark(strange(name))
+        if console.verbose:
+            console.did_once(settings_line(config, [name]))
     return machine
 
 
@@ -388,7 +388,7 @@ def _with_sheet(machine: Machine, config: Config) -> Machine:
 
     try:
         return with_torch(
-            machine, config.meanings, settings=config.look_settings, **config.sheet.given()
+            machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
         )
     except ValueError as error:
         said = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())

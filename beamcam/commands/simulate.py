@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from beamcam.commands import options
-from beamcam.commands.common import STANDARD, Grouped, Voice, say_lines, write
+from beamcam.commands.common import STANDARD, Console, Grouped, say_lines, write
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.options import Address, quantity
 from beamcam.commands.parts import job_options
@@ -21,8 +21,8 @@ from beamcam.model.plan import Order
 if TYPE_CHECKING:
     from beamcam.machine.machine import Machine
     from beamcam.pictures.graphs import Study
-    from beamcam.simulate.encoder import Encoder
-    from beamcam.simulate.trace import Trace
+    from beamcam.simulation.encoder import Encoder
+    from beamcam.simulation.trace import Trace
 
 _UNITS_S = {"ms": 0.001, "s": 1.0}
 
@@ -56,7 +56,7 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> "Encoder | Literal['machine']":
-        from beamcam.simulate.encoder import Encoder
+        from beamcam.simulation.encoder import Encoder
 
         if value == "machine":
             return "machine"
@@ -110,7 +110,7 @@ def command(
     order: Order,
     turn: bool,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Run a program on a model of its machine and write its axes over time.
@@ -143,14 +143,14 @@ def command(
     told: list[Diagnostic] = []
     try:
         config = settled(asked, inputs)
-        job = asked_program(inputs, against, config, asked, STANDARD, order, turn, voice, told)
+        job = asked_program(inputs, against, config, asked, STANDARD, order, turn, console, told)
         if len(inputs) > 1 and errors_in(job.found):
             raise VerifyError(job.found)
         data, machine, name = job.program.data, job.program.machine, job.program.name
-        from beamcam.simulate.limits import run_warnings
-        from beamcam.simulate.modbus import check_range
-        from beamcam.simulate.program import simulate_program
-        from beamcam.simulate.trace import trace_rows
+        from beamcam.simulation.limits import run_warnings
+        from beamcam.simulation.modbus import check_range
+        from beamcam.simulation.program import simulate_program
+        from beamcam.simulation.trace import trace_rows
 
         done = simulate_program(data, machine, name, job.program.style)
         if errors_in(done.diagnostics):
@@ -160,14 +160,14 @@ def command(
         reader = _own_encoder(machine) if encoder == "machine" else encoder
         if reader is not None:
             said += (_precision(trace, reader, name),)
-        voice.did(f"ran {name} on {machine.name}")
+        console.did(f"ran {name} on {machine.name}")
         if modbus is not None or serve is not None:
             check_range(trace, machine.modbus, Source(machine.name))
         if modbus is not None:
-            from beamcam.simulate.modbus import send
+            from beamcam.simulation.modbus import send
 
             sent = send(trace_rows(trace, every), machine.modbus, *modbus, pace or 0.0)
-            if not (voice.quiet or as_json):
+            if not (console.quiet or as_json):
                 say_lines([f"{sent} rows sent to {modbus[0]}:{modbus[1]}"], err=True)
         if output is not None:
             content: str | bytes
@@ -180,13 +180,13 @@ def command(
                 content = _drawn(output, study)
             else:
                 content = _text(output, trace, machine, every, reader, said)
-            write(output, content, voice, files_read(config, inputs))
-        voice.say(said)
+            write(output, content, console, files_read(config, inputs))
+        console.say(said)
         if serve is not None:
-            from beamcam.simulate.modbus import serve as serve_rows
+            from beamcam.simulation.modbus import serve as serve_rows
 
             def tell(host: str, port: int) -> None:
-                if not (voice.quiet or as_json):
+                if not (console.quiet or as_json):
                     say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
 
             rows = trace_rows(trace, every)
@@ -202,12 +202,12 @@ def command(
             if asked_so:
                 raise SystemExit(INTERRUPTED)
     except BeamcamError as error:
-        voice.stop((*told, *error.diagnostics))
+        console.stop((*told, *error.diagnostics))
 
 
 def _own_encoder(machine: "Machine") -> "Encoder":
     """The encoder of a machine's file. Raises UsageError where it has none."""
-    from beamcam.simulate.encoder import Encoder
+    from beamcam.simulation.encoder import Encoder
 
     own = machine.triggers
     if own is None:
@@ -219,8 +219,8 @@ def _own_encoder(machine: "Machine") -> "Encoder":
 
 def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
     """Loss of precision by an encoder, with the block of the corner with the largest error."""
-    from beamcam.simulate.encoder import precision
-    from beamcam.simulate.rules import PRECISION
+    from beamcam.simulation.encoder import precision
+    from beamcam.simulation.rules import PRECISION
 
     study = precision(trace, encoder)
     return PRECISION.at(
@@ -250,7 +250,7 @@ def _text(
     said: tuple[Diagnostic, ...],
 ) -> str:  # fmt: skip
     from beamcam.plain_text import json_text
-    from beamcam.simulate.text import csv_text, json_data
+    from beamcam.simulation.text import csv_text, json_data
 
     if _suffix(output) != ".json":
         return csv_text(trace, machine, every, encoder)

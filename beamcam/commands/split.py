@@ -8,12 +8,12 @@ import click
 
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import options
-from beamcam.commands.common import Grouped, Voice, cannot_write, keep_apart, write
+from beamcam.commands.common import Console, Grouped, cannot_write, keep_apart, write
 from beamcam.commands.parts import part_options, read_parts, request_of
 from beamcam.commands.post import success
 from beamcam.commands.settings import files_read, machines_of_split, settled
 from beamcam.errors import BeamcamError, Diagnostic
-from beamcam.report.hand_list import LIST_SUFFIX, as_csv, hand_rows
+from beamcam.reports.hand_list import LIST_SUFFIX, as_csv, hand_rows
 from beamcam.writers import target_of_suffix
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def command(
     folder: str,
     rest_as: str,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Make parts on several machines, each making what the others cannot.
@@ -68,7 +68,7 @@ def command(
         shop = machines_of_split(config)
         if not shop:
             raise click.UsageError("found no machines; expected --machines, or `split` in a file.")
-        parts, said = read_parts(inputs, config, asked, voice)
+        parts, said = read_parts(inputs, config, asked, console)
         for part in parts:
             request = request_of((part,), config, shop[0], None)
             chain, more = chain_for(request, shop)
@@ -81,19 +81,19 @@ def command(
                 said += stage.remarks
                 told.append(success(program, stage.posted))
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
+        console.stop((*said, *error.diagnostics))
     read = files_read(config, inputs)
-    keep_apart([path for path, _ in files], read, voice)
+    keep_apart([path for path, _ in files], read, console)
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        voice.stop((*said, cannot_write(folder, error)))
+        console.stop((*said, cannot_write(folder, error)))
     for path, text in files:
-        write(path, text.encode(), voice, read)
-    voice.say((*dict.fromkeys(said),))
-    if not (voice.quiet or voice.as_json):
+        write(path, text.encode(), console, read)
+    console.say((*dict.fromkeys(said),))
+    if not (console.quiet or console.as_json):
         for line in told:
-            voice.tell(line)
+            console.tell(line)
 
 
 def _files(stage: "Stage", name: str, rest_as: str) -> tuple[str, list[tuple[str, str]]]:

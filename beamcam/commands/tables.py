@@ -5,7 +5,7 @@ from pathlib import PurePath
 
 import click
 
-from beamcam.commands.common import STANDARD, Voice, write
+from beamcam.commands.common import STANDARD, Console, write
 from beamcam.config.values import Config
 from beamcam.files import FilesRead, remove_made
 from beamcam.machine.machine import Machine
@@ -62,17 +62,17 @@ def outputs(
     yield output, posted.pieces()
 
 
-def write_list(posted: Posted, output: str, voice: Voice, read: FilesRead) -> None:
+def write_list(posted: Posted, output: str, console: Console, read: FilesRead) -> None:
     """Write the list of manual work beside a program, or take away an older one.
 
     Of a program on standard output the messages alone say what is left for manual work.
     """
     if output == STANDARD:
         return
-    from beamcam.report.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv, hand_rows
+    from beamcam.reports.hand_list import LIST_BEGIN, LIST_SUFFIX, as_csv, hand_rows
 
     path = output + LIST_SUFFIX
     if rows := hand_rows(posted.plan):
-        write(path, as_csv(rows), voice, read)
+        write(path, as_csv(rows), console, read)
     else:
         remove_made(path, LIST_BEGIN)

@@ -6,8 +6,10 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
+from beamcam.checks.asked import BY_HAND, LEFT_OUT
+from beamcam.checks.head import Head, head_of, head_remarks
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Grouped, Voice, say_json
+from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, say_json
 from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes, looking_options, read_parts, request_of
 from beamcam.commands.remainders import (
@@ -27,9 +29,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import read_back
 from beamcam.planning.rules import named_skips
 from beamcam.readers.content import shown_name
-from beamcam.report.run import as_message
-from beamcam.verify.asked import BY_HAND, LEFT_OUT
-from beamcam.verify.head import Head, head_of, head_remarks
+from beamcam.reports.run import as_message
 
 #: Rules for features that a program may be without.
 NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
@@ -62,7 +62,7 @@ def command(
     solid: bool,
     exit_left_out: int | None,
     as_json: bool,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Read PROGRAM back and say where it differs from its parts.
@@ -109,7 +109,7 @@ def command(
     said: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, parts or (program,))
-        wanted, said = read_parts(parts, config, asked, voice)
+        wanted, said = read_parts(parts, config, asked, console)
         data = input_bytes(program)
         refuse_part(program, data)
         machine = machine_for_program(config, program, data, wanted)
@@ -134,12 +134,12 @@ def command(
             *(_solid_faults(data, request, bar) if solid else ()),
         )
     except BeamcamError as error:
-        voice.stop((*said, *error.diagnostics))
-    voice.did(f"read {name} back on {machine.name}: {len(found)} message(s)")
+        console.stop((*said, *error.diagnostics))
+    console.did(f"read {name} back on {machine.name}: {len(found)} message(s)")
     if as_json:
-        say_json([as_message(d) for d in (*said, *found) if voice.wants(d.severity)])
+        say_json([as_message(d) for d in (*said, *found) if console.wants(d.severity)])
     else:
-        voice.say((*said, *found))
+        console.say((*said, *found))
     if errors_in(found):
         raise SystemExit(REFUSED)
     if exit_left_out is not None and any(d.code in NOT_MADE for d in found):

@@ -13,12 +13,12 @@ from beamcam.batch.record import claims_of
 from beamcam.batch.rules import NO_END, NOTHING, WRITE
 from beamcam.batch.run import BatchError, run
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Grouped, Voice, say_lines
-from beamcam.commands.running import Screen, run_options, shop_of, unused, workers_of
+from beamcam.commands.common import REFUSED, Console, Grouped, say_lines
+from beamcam.commands.running import Progress, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.interrupts import INTERRUPTED, asked_to_end
-from beamcam.report.run import Row, as_message
+from beamcam.reports.run import Row, as_message
 from beamcam.watch import END_S, HotFolder, file_away, look
 
 
@@ -53,7 +53,7 @@ def command(
     every: float,
     once: bool,
     exit_left_out: int | None,
-    voice: Voice,
+    console: Console,
     **asked: Any,
 ) -> None:
     """Post the files put into IN_FOLDER as they arrive, until Ctrl-C.
@@ -71,24 +71,24 @@ def command(
     try:
         config = settled(asked, (folder,))
         shop = shop_of(config, asked)
-        voice.say_remarks()
+        console.say_remarks()
         for place in (output, done, refused):
             if place is not None:
                 _make(place)
     except BeamcamError as error:
-        voice.stop(error.diagnostics)
+        console.stop(error.diagnostics)
     hot = HotFolder(settle, end_wait)
     recipe = recipe_of(config, asked, output)
     leave_out = tuple(place for place in (output, done, refused) if place is not None)
     claims = claims_of(output, folder)
     marks: dict[MarkKey, str] = {}
     told: tuple[Diagnostic, ...] = ()
-    if not (voice.quiet or voice.as_json):
+    if not (console.quiet or console.as_json):
         ending = "" if once else "; Ctrl-C ends it"
         say_lines(
             [f"watching {folder} every {every:g} s, programs go to {output}{ending}"], err=True
         )
-    with Screen(None, voice) as screen, asked_to_end() as interrupted:
+    with Progress(None, console) as screen, asked_to_end() as interrupted:
         try:
             while not interrupted:
                 found = find_inputs((folder,), leave_out)
@@ -121,7 +121,7 @@ def command(
                 else:
                     interrupted.wait(every)
         except BeamcamError as error:
-            voice.stop(error.diagnostics)
+            console.stop(error.diagnostics)
         screen.end()
     if interrupted:
         raise SystemExit(INTERRUPTED)
@@ -140,7 +140,7 @@ def _make(folder: str) -> None:
 
 
 def _file_away(
-    found: Input, row: Row, hot: HotFolder, done: str | None, refused: str | None, screen: Screen
+    found: Input, row: Row, hot: HotFolder, done: str | None, refused: str | None, screen: Progress
 ) -> None:
     """Move an input to where it belongs now; one that failed is tried again later."""
     if row["status"] == "failed":

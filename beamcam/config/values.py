@@ -27,7 +27,7 @@ from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import slack_faults
 from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, toml_text
-from beamcam.machine.torch import Degrees, LookSettings
+from beamcam.machine.torch import Degrees, LayerSettings
 from beamcam.model.colour import parse_colour
 from beamcam.system import beginning_of, portable_path
 
@@ -97,14 +97,14 @@ class Dask(Keys, frozen=True):
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
-class MapRow(LookSettings, frozen=True, kw_only=True):
+class MapRow(LayerSettings, frozen=True, kw_only=True):
     """Process and settings of a layer or a colour."""
 
     process: Meaning
 
-    def settings(self) -> LookSettings:
+    def settings(self) -> LayerSettings:
         """How it is done."""
-        return LookSettings(**{k: getattr(self, k) for k in LookSettings.__struct_fields__})
+        return LayerSettings(**{k: getattr(self, k) for k in LayerSettings.__struct_fields__})
 
     def said(self) -> dict[str, Any]:
         """The keys that say something, with their values."""
@@ -170,7 +170,7 @@ class Config(ConfigFile, frozen=True):
         return {k: v.process if isinstance(v, MapRow) else v for k, v in self.map.items()}
 
     @property
-    def look_settings(self) -> dict[str, LookSettings]:
+    def layer_settings(self) -> dict[str, LayerSettings]:
         """How layers and colours of the map are worked, where it says more than the process."""
         return {k: v.settings() for k, v in self.map.items() if isinstance(v, MapRow)}
 

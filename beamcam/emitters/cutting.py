@@ -22,10 +22,10 @@ from beamcam.model.program import (
     EllipseFeed,
     Feed,
     OfPart,
-    Pace,
     ParabolaFeed,
     Power,
     Program,
+    SetFeed,
     StartSheet,
     ToolOff,
     ToolOn,
@@ -148,7 +148,7 @@ class _Writer:
                     **self._of_torch,
                     **self._of_part,
                 )
-            case Pace(feed_mm_min):
+            case SetFeed(feed_mm_min):
                 self._want(feed_mm_min)
                 if not words.slow or not self._row_feed:
                     return _filled(words.pace, feed=self._feed)

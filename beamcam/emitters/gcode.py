@@ -19,11 +19,11 @@ from beamcam.model.program import (
     OfPart,
     PathCycle,
     PathPoint,
+    PrintText,
     Program,
     SawStroke,
     SpindleStroke,
     StartBar,
-    TellText,
 )
 from beamcam.plain_text import comment_text, outside_text
 
@@ -110,7 +110,7 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
                 about = {**program.about, **command.about}
             case PathCycle():
                 yield from _path_blocks(command, templates, about)
-            case TellText():
+            case PrintText():
                 yield _filled(words[command.kind], _text_values(command, form), about)
             case ChangeTool() if "change" in words:
                 yield _filled(words["change"], _change_values(command), about)
@@ -146,7 +146,7 @@ def _change_values(command: ChangeTool) -> Values:
     }
 
 
-def _text_values(command: TellText, form: NumberFormat) -> Values:
+def _text_values(command: PrintText, form: NumberFormat) -> Values:
     return {
         "string": command.text,
         "x": number(command.x, form.length_decimals),

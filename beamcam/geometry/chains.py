@@ -30,8 +30,8 @@ WRITTEN_SAME = 1e-3
 #: A gap as wide as the tolerance is within it, whatever the last digits of its ends.
 SLACK = 1 + 1e-6
 
-#: Ends that hang together over more than so many tolerances are those of a hatch or a scale, whose
-#: lines lie nearer to one another than the tolerance: they meet only where they are written alike.
+#: Ends that meet one another over more than so many tolerances are those of a hatch or a scale,
+#: whose lines lie nearer to one another than the tolerance: they meet only where written alike.
 WIDEST_PLACE = 2.0
 
 
@@ -87,7 +87,7 @@ def join_curves(
     Curves are turned round where needed. An end very near its neighbour is moved onto it where a
     curve can be (lines and free curves), else a line bridges the gap.
 
-    Ends that are near a third one meet one another too, unless they hang together over more than
+    Ends that are near a third one meet one another too, unless they meet one another over more than
     twice the tolerance. Where three ends or more meet, a chain that begins and ends there is
     closed, and chains that lead to nowhere leave the way on to the others; if more are left, all
     of them stop and a junction is reported. Open ends of chains nearer than 10 times
@@ -201,7 +201,7 @@ def _meetings(points: Floats, tolerance: float) -> _Meetings:
 
 
 def _without_wide(near: _Meetings, points: Floats, tolerance: float) -> _Meetings:
-    """The meetings, but of ends that hang together over a long way only those written alike."""
+    """The meetings, but of ends that meet one another over a long way only those written alike."""
     partner, apart, crowds = near.partner, set(near.apart), []
     for crowd in near.crowds:
         if hypot(*np.ptp(points[crowd], axis=0)) <= WIDEST_PLACE * tolerance * SLACK:

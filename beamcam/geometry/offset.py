@@ -1,7 +1,7 @@
 """Closed chains moved outwards or inwards by the half width of a cut, many at once.
 
 Lines move beside themselves, arcs change their radius. At a corner that opens, the lines are
-prolonged until they meet (a mitre) or an arc about the corner joins them; at one that closes,
+extended until they meet (a mitre) or an arc about the corner joins them; at one that closes,
 both curves are cut where they meet. A ring that comes out so is right if it does not cross itself:
 
     All places beside the chain (with every corner swept round) wind about the points that the

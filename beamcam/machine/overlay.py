@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from beamcam.conversion import Fault, converted
 from beamcam.machine.faults import KERF_STEPS, TABLE_CONTROLLERS
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import OTHERS, LookSettings, Torch, TorchRow
+from beamcam.machine.torch import OTHERS, LayerSettings, Torch, TorchRow
 
 Meaning = Literal["cut", "mark", "engrave", "ignore"]
 MEANINGS: tuple[Meaning, ...] = ("cut", "mark", "engrave", "ignore")
@@ -28,7 +28,7 @@ def with_torch(
     machine: Machine,
     colours: Mapping[str, Meaning] | None = None,
     kerf: float | None = None,
-    settings: Mapping[str, LookSettings] | None = None,
+    settings: Mapping[str, LayerSettings] | None = None,
     sheet_size: tuple[float, float] | None = None,
     amps: float | None = None,
     nozzle: str | None = None,

@@ -123,7 +123,7 @@ class TorchRow(Keys, frozen=True):
         return self.pierce_width / 2 or self.kerf
 
 
-class LookSettings(Keys, frozen=True):
+class LayerSettings(Keys, frozen=True):
     """How the lines of one colour or layer are worked, over the row of their process."""
 
     speed: Positive | None = None  #: mm/min
@@ -138,7 +138,7 @@ class LookSettings(Keys, frozen=True):
 
     def given(self) -> tuple[str, ...]:
         """The keys that say something."""
-        default = LookSettings()
+        default = LayerSettings()
         return tuple(k for k in self.__struct_fields__ if getattr(self, k) != getattr(default, k))
 
 
@@ -169,7 +169,7 @@ class Torch(Keys, frozen=True):
     #: between
     between_rows: Literal["row above", "interpolate"] = "row above"
     more_rows: tuple[TorchRow, ...] = ()  #: added to the rows of a base, by their thickness
-    settings: Mapping[str, LookSettings] = field(default_factory=dict)  #: by keys of `colours`
+    settings: Mapping[str, LayerSettings] = field(default_factory=dict)  #: by keys of `colours`
     thickness: Positive | None = None  #: of a sheet that does not say; without it the job has to
     material: str = ""  #: of a sheet that does not say
     place: Literal["corner", "drawn"] = "corner"  #: moved to the corner, or left where it is drawn

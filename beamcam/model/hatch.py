@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point, unit_vector
-from beamcam.machine.torch import LookSettings, Torch
+from beamcam.machine.torch import LayerSettings, Torch
 from beamcam.model.colour import key_of
 from beamcam.model.part import Contour, Part
 from beamcam.model.plan import HATCH
@@ -70,7 +70,7 @@ def is_closed(contour: Contour) -> bool:
     return contour.curves[0].start == contour.curves[-1].end or contour.closed
 
 
-def _lines(contours: list[Contour], own: LookSettings) -> Iterator[Line]:
+def _lines(contours: list[Contour], own: LayerSettings) -> Iterator[Line]:
     distance = own.hatch or 0.0
     c, s = unit_vector(own.hatch_angle)
     edges = [

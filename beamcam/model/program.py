@@ -95,7 +95,7 @@ class BeginPart(Struct, frozen=True):
     text: str  #: for the operator
 
 
-class TellText(Struct, frozen=True):
+class PrintText(Struct, frozen=True):
     """Bring the bar to `x` and have a stamp or printer letter a text."""
 
     kind: str  #: of the unit
@@ -168,7 +168,7 @@ class ToolOff(Struct, frozen=True, gc=False):
     process: Literal["cut", "mark", "engrave", "spot"]
 
 
-class Pace(Struct, frozen=True, gc=False):
+class SetFeed(Struct, frozen=True, gc=False):
     """From the next move on the tool moves at this feed: what its axes can follow there."""
 
     feed_mm_min: float
@@ -274,10 +274,10 @@ class TorchRound(Struct, frozen=True, gc=False):
 
 Movement = Feed | ArcFeed | ParabolaFeed | EllipseFeed
 Command = (
-    StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | TellText | ChangeTool
+    StartBar | BeginPart | OfPart | SawStroke | DrillCycle | PathCycle | PrintText | ChangeTool
     | Comment | StartSheet | StartProfile | TurnTorch | TorchTo | TorchRound | ChooseTool
-    | ChooseMaterial | ToolOn | CloseCut | ToolOff | Pace | Power | PassEnd | Compensate | Traverse
-    | Movement
+    | ChooseMaterial | ToolOn | CloseCut | ToolOff | SetFeed | Power | PassEnd | Compensate
+    | Traverse | Movement
 )  # fmt: skip
 
 

@@ -22,11 +22,11 @@ from beamcam.model.program import (
     OfPart,
     PathCycle,
     PathPoint,
+    PrintText,
     Program,
     SawStroke,
     SpindleStroke,
     StartBar,
-    TellText,
 )
 from beamcam.plain_text import outside_text
 
@@ -134,7 +134,7 @@ def _commands(plan: Plan, machine: Machine, said: Collection[str]) -> Iterator[C
             case SawOp():
                 yield SawStroke(op.x, op.angle, saw.feed_mm_min, op.source, op.tilt)
             case TextOp():
-                yield TellText(
+                yield PrintText(
                     op.tool.kind, op.x, op.y, op.text.text, op.text.height, op.text.angle,
                     op.spindle, op.source,
                 )  # fmt: skip

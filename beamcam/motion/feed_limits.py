@@ -14,7 +14,7 @@ from operator import itemgetter
 
 from beamcam.geometry.plane import Point, cross
 from beamcam.machine.machine import PathLimits
-from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, Pace, ParabolaFeed
+from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed, SetFeed
 
 # --- bending --------------------------------------------------------------------------------------
 
@@ -60,7 +60,7 @@ def paced(
     feed_mm_min: float,
     shares: Sequence[float],
     limits: PathLimits | None,
-) -> Iterator[Movement | Pace]:
+) -> Iterator[Movement | SetFeed]:
     """The moves from `start`, and before each whose feed differs from the last one its own.
 
     `shares` are those of the feed that are asked of each move; without `limits` that is its feed.
@@ -72,7 +72,7 @@ def paced(
         feeds = repeat(asked) if limits is None else _feeds(start, stretch, asked, limits)
         for move, feed in zip(stretch, feeds, strict=False):
             if feed != now:
-                yield Pace(feed * SECONDS_PER_MINUTE)
+                yield SetFeed(feed * SECONDS_PER_MINUTE)
                 now = feed
             yield move
         start = stretch[-1].x, stretch[-1].y

@@ -27,10 +27,10 @@ from beamcam.model.program import (
     Feed,
     Lift,
     Movement,
-    Pace,
     ParabolaFeed,
     PassEnd,
     Program,
+    SetFeed,
     Switch,
     ToolOff,
     ToolOn,
@@ -97,7 +97,7 @@ def _passes(
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
                 waits = command.preheat_s + command.pierce_s
                 seconds += waits if standing is None else standing(command)
-            case Pace():
+            case SetFeed():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
             case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
                 segment = segment_of(here, command, feed, limits)

@@ -12,6 +12,14 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.bars.machined_features import (
+    Bore,
+    Cut,
+    MachinedFeatures,
+    MachinedPath,
+    StampedText,
+)
+from beamcam.checks.bars.pieces import CutPlane, planes
 from beamcam.machine.machine import Machine, text_x
 from beamcam.model.part import Face, Profile
 from beamcam.model.section import face_title, runs_down
@@ -51,14 +59,6 @@ from beamcam.pictures.views import (
     titles,
     unshown,
 )
-from beamcam.verify.bars.machined_features import (
-    Bore,
-    Cut,
-    MachinedFeatures,
-    MachinedPath,
-    StampedText,
-)
-from beamcam.verify.bars.pieces import CutPlane, planes
 
 OPEN_END = 120.0  #: of bar that is drawn behind the last cut where its length is not known
 LONG_REMNANT = 1.0  #: share of the worked length, above which a remnant is broken off

@@ -7,8 +7,9 @@ from pathlib import PurePath
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.diff.bars import made_pairs
-from beamcam.diff.parts import part_pairs
+from beamcam.checks.bars.machined_features import Bore, MachinedPath, StampedText
+from beamcam.comparison.bars import made_pairs
+from beamcam.comparison.parts import part_pairs
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import join_boxes
 from beamcam.model.part import Face, Part
@@ -44,7 +45,6 @@ from beamcam.pictures.views import (
     laid_out,
     titles,
 )
-from beamcam.verify.bars.machined_features import Bore, MachinedPath, StampedText
 
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
 
@@ -183,7 +183,7 @@ Move = tuple[tuple[int, int], tuple[int, int]]
 
 def _compared_ways(a: ReadProgram, b: ReadProgram) -> Compared:
     """The ways of two heads with a tool on, move by move."""
-    from beamcam.simulate.program import simulate_program
+    from beamcam.simulation.program import simulate_program
 
     both: list[dict[Move, int]] = []
     for program in (a, b):

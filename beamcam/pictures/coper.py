@@ -10,6 +10,13 @@ from collections.abc import Iterator, Sequence
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.coping.box_tube import box_outlines
+from beamcam.checks.coping.program import head_part, head_profile
+from beamcam.checks.coping.program import strokes_of as stroke_list
+from beamcam.checks.coping.section import lying
+from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.tube import tube_section, unrolled_pipe
+from beamcam.checks.head import head_of
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
@@ -34,13 +41,6 @@ from beamcam.pictures.views import (
     titles,
     unshown,
 )
-from beamcam.verify.coping.box_tube import box_outlines
-from beamcam.verify.coping.program import head_part, head_profile
-from beamcam.verify.coping.program import strokes_of as stroke_list
-from beamcam.verify.coping.section import lying
-from beamcam.verify.coping.strokes import Stroke
-from beamcam.verify.coping.tube import tube_section, unrolled_pipe
-from beamcam.verify.head import head_of
 
 NUMBER_SIZE = 9.0
 #: Of a T, which lies on its side.

@@ -7,8 +7,10 @@ from math import pi
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.diff.pairing import Pair
-from beamcam.diff.statements import is_closed, stroke_pairs
+from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.tube import tube_section, unrolled_pipe
+from beamcam.comparison.pairing import Pair
+from beamcam.comparison.statements import is_closed, stroke_pairs
 from beamcam.geometry.curves import join_boxes
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face, Part
@@ -27,8 +29,6 @@ from beamcam.pictures.program import ReadProgram, coper_program
 from beamcam.pictures.scene import Frame, Pieces, Polyline, Shape
 from beamcam.pictures.views import View, figures, head_height, heading, titles
 from beamcam.recovery.rings import drilled_of, round_of
-from beamcam.verify.coping.strokes import Stroke
-from beamcam.verify.coping.tube import tube_section, unrolled_pipe
 
 WITHIN = 0.05  #: mm of a circle that a cut is called a hole by
 

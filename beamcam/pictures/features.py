@@ -10,6 +10,8 @@ Depths of machined features in the steel: of the full diameter, not of the tool'
 from collections.abc import Iterable, Iterator, Sequence
 from math import atan2, degrees, hypot, radians, tan
 
+from beamcam.checks.bars.machined_features import Bore, MachinedPath, StampedText
+from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
@@ -31,8 +33,6 @@ from beamcam.model.part import (
 from beamcam.model.section import FACE_NAMES
 from beamcam.pictures.callouts import Place, Size
 from beamcam.pictures.scene import CAPITAL, Circle, Frame, Point, Polyline, Shape, Text
-from beamcam.verify.bars.machined_features import Bore, MachinedPath, StampedText
-from beamcam.verify.bars.tools import ToolCatalogue
 
 SAME_PLACE = 0.5  #: mm between a sink and its pilot hole
 

@@ -19,9 +19,9 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Shape, Text
 from beamcam.pictures.views import SIDE, WIDTH, footing, head_height, heading
-from beamcam.report.velocity_profile import VelocityUnit
-from beamcam.simulate.encoder import Encoder, Precision, precision, stair_times
-from beamcam.simulate.trace import Trace
+from beamcam.reports.velocity_profile import VelocityUnit
+from beamcam.simulation.encoder import Encoder, Precision, precision, stair_times
+from beamcam.simulation.trace import Trace
 
 COUNTS = 8  #: shown on each side of the corner
 SAMPLES = 16  #: of the true way from count to count

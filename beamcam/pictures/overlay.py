@@ -13,12 +13,12 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.diff.pairing import Pair
+from beamcam.checks.bars.machined_features import Bore
+from beamcam.comparison.pairing import Pair
 from beamcam.model.part import Hole, Slot
 from beamcam.pictures.callouts import Callouts, Place, Size, callouts, hole_words, slot_words
 from beamcam.pictures.scene import Frame, Labels, Pieces, Point, Polyline, Scene, Shape, Text
 from beamcam.pictures.views import SIDE, WIDTH, Paper, View, footing, laid_out
-from beamcam.verify.bars.machined_features import Bore
 
 MIN_ARROW = 2.0  #: pixels; nearer places have no arrow
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from beamcam.pictures.bar import BarMade
     from beamcam.pictures.coper import CoperProgram
     from beamcam.pictures.table import TableMade
-    from beamcam.simulate.program import Simulated
+    from beamcam.simulation.program import Simulated
 
 
 class ReadProgram(Struct, frozen=True):
@@ -76,7 +76,7 @@ def table_made(program: ReadProgram, done: "Simulated | None" = None) -> "TableM
     Raises VerifyError for a program that cannot be understood.
     """
     from beamcam.pictures.table import TableMade
-    from beamcam.simulate.program import simulate_program
+    from beamcam.simulation.program import simulate_program
 
     if done is None:
         done = simulate_program(
@@ -87,9 +87,9 @@ def table_made(program: ReadProgram, done: "Simulated | None" = None) -> "TableM
 
 def bar_made(program: ReadProgram) -> "BarMade":
     """What a program for bars makes. Raises VerifyError for one that cannot be understood."""
+    from beamcam.checks.bars import run, section_said
     from beamcam.controllers import rules
     from beamcam.pictures.bar import BarMade
-    from beamcam.verify.bars import run, section_said
 
     machine = program.machine
     profile = program.parts[0].profile if program.parts else None

@@ -41,7 +41,7 @@ from beamcam.pictures.views import (
     measured,
 )
 from beamcam.recovery.paths import ring_of
-from beamcam.simulate.trace import Trace
+from beamcam.simulation.trace import Trace
 
 SECONDS_PER_MINUTE = 60.0
 MIN_MOVE = 1e-6

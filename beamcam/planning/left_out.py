@@ -37,7 +37,7 @@ TEXT_SEARCH = error("plan-text-search",
     "found no end of the search for a place of the text {text!r} on face {face} in {most} steps; "
     'expected room where the part has it, fewer texts, or text = "list" in [marks]',
     "A text is moved to the nearest place that is clear. Among hundreds of texts or holes that may "
-    "take for ever; so that none is left out that has a place, the part is refused.")  # fmt: skip
+    "take for good; so that none is left out that has a place, the part is refused.")  # fmt: skip
 
 #: Why a mark is left for manual work, by its name in the ledger.
 BY_POLICY, NO_UNIT = "marks", "no-unit"

@@ -7,12 +7,12 @@
 What comes back was proved: the program, read back against the parts, makes exactly them.
 """
 
+from beamcam.checks.head import head_of, head_remarks
 from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.recovery import rules
 from beamcam.recovery.bars import recover_bars
 from beamcam.recovery.found import Recovered, Stock, with_marks
-from beamcam.verify.head import head_of, head_remarks
 
 __all__ = ["Recovered", "Stock", "recover", "with_marks"]
 

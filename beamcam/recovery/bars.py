@@ -11,6 +11,12 @@ from math import isnan, nan, radians, tan
 
 from msgspec.structs import replace
 
+from beamcam.checks.bars import run
+from beamcam.checks.bars.compare import Asked, Comparison
+from beamcam.checks.bars.machined_features import Bore, MachinedFeatures, MachinedPath
+from beamcam.checks.bars.pieces import CutPlane, Piece, pieces, planes
+from beamcam.checks.bars.targets import slot_corners
+from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine, drill_of, text_x
 from beamcam.machine.stations import FLAT_DEG, Saw
@@ -20,12 +26,6 @@ from beamcam.model.weight import sections
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain
 from beamcam.recovery.paths import NotAFeature, feature_of
-from beamcam.verify.bars import run
-from beamcam.verify.bars.compare import Asked, Comparison
-from beamcam.verify.bars.machined_features import Bore, MachinedFeatures, MachinedPath
-from beamcam.verify.bars.pieces import CutPlane, Piece, pieces, planes
-from beamcam.verify.bars.targets import slot_corners
-from beamcam.verify.bars.tools import ToolCatalogue
 
 # --- holes ----------------------------------------------------------------------------------------
 

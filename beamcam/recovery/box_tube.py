@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from msgspec import Struct
 
+from beamcam.checks.coping.section import TubeSection, areas_of, pieces_of
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import Move
 from beamcam.geometry.array_types import Floats
@@ -22,7 +23,6 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import EndCuts, Face, Profile
 from beamcam.recovery.found import plain
 from beamcam.recovery.rings import DECIMALS, PLACE
-from beamcam.verify.coping.section import TubeSection, areas_of, pieces_of
 
 Shape = Any  #: of shapely
 

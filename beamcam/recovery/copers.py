@@ -13,6 +13,14 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.coping import rules as coping_rules
+from beamcam.checks.coping import verify_coping
+from beamcam.checks.coping.compare import taken_of
+from beamcam.checks.coping.program import head_part, head_profile, strokes_of
+from beamcam.checks.coping.section import Section, as_drawn, kerf_of, lying, pieces_of
+from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.tube import tube_section, unrolled_pipe
+from beamcam.checks.head import head_of
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
@@ -30,14 +38,6 @@ from beamcam.recovery.rings import (
     round_of,
     rounded_corners,
 )
-from beamcam.verify.coping import rules as coping_rules
-from beamcam.verify.coping import verify_coping
-from beamcam.verify.coping.compare import taken_of
-from beamcam.verify.coping.program import head_part, head_profile, strokes_of
-from beamcam.verify.coping.section import Section, as_drawn, kerf_of, lying, pieces_of
-from beamcam.verify.coping.strokes import Stroke
-from beamcam.verify.coping.tube import tube_section, unrolled_pipe
-from beamcam.verify.head import head_of
 
 Shape = Any  #: of shapely
 

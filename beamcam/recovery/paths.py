@@ -8,15 +8,15 @@ from statistics import fmean
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.bars.machined_features import MachinedPath
+from beamcam.checks.bars.paths import pocket_error
+from beamcam.checks.bars.targets import Pocket
+from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line, Point
 from beamcam.geometry.plane import cross
 from beamcam.model.part import Contour, Hole, Profile, Slot
 from beamcam.recovery.found import plain
-from beamcam.verify.bars.machined_features import MachinedPath
-from beamcam.verify.bars.paths import pocket_error
-from beamcam.verify.bars.targets import Pocket
-from beamcam.verify.bars.tools import ToolCatalogue
 
 MIN_CORNERS = 8  #: of a chain of chords that replaces a circle
 MOST_SIDES = 64  #: of a path's hull that are tried as the direction of a slot, the longest

@@ -13,6 +13,10 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.need import rows_of
+from beamcam.checks.sheets.remainder import unchained
+from beamcam.checks.sheets.strokes import HeadStroke, Strokes, strokes_of
 from beamcam.controllers import table_events, table_run
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.curves import Line, join_boxes, signed_area
@@ -22,10 +26,6 @@ from beamcam.model.part import Contour, ContourKind, Hole, Measures, Part, Proce
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
-from beamcam.verify.sheets import verify_sheet
-from beamcam.verify.sheets.need import rows_of
-from beamcam.verify.sheets.remainder import unchained
-from beamcam.verify.sheets.strokes import HeadStroke, Strokes, strokes_of
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
 MOST_CROSSINGS = 100_000  #: of closed paths, about, that are looked into

@@ -16,6 +16,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.coping.tube import tube_section, unrolled_pipe
 from beamcam.errors import Diagnostic, Severity, errors_in
 from beamcam.geometry.array_types import Floats
 from beamcam.machine.coper import Coper
@@ -26,13 +27,12 @@ from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit
 from beamcam.pictures.table import TableMade
-from beamcam.report.hand_list import HandRow, hand_rows
-from beamcam.report.run import ledger_of
+from beamcam.reports.hand_list import HandRow, hand_rows
+from beamcam.reports.run import ledger_of
 from beamcam.setup_sheet.operations import Operation, operations_of, table_operations
-from beamcam.simulate.limits import run_warnings
-from beamcam.simulate.program import simulate_program
-from beamcam.simulate.trace import Trace, TraceAxis
-from beamcam.verify.coping.tube import tube_section, unrolled_pipe
+from beamcam.simulation.limits import run_warnings
+from beamcam.simulation.program import simulate_program
+from beamcam.simulation.trace import Trace, TraceAxis
 
 ROUND = TraceAxis("round the bar", "mm", has_encoder=False)
 

@@ -2,8 +2,8 @@
 
 from beamcam.pictures.scene import SPEED_COLOURS, css
 from beamcam.pictures.svg import inline_svg
-from beamcam.report.run import as_message, message_line
-from beamcam.report.templates import as_it_stands, static_text, template
+from beamcam.reports.run import as_message, message_line
+from beamcam.reports.templates import as_it_stands, static_text, template
 from beamcam.setup_sheet.playback import as_script
 
 SCRIPTS = (

@@ -6,12 +6,12 @@ from itertools import pairwise
 import numpy as np
 from msgspec import Struct
 
+from beamcam.checks.bars.machined_features import Bore, Cut, StampedText, Thing
 from beamcam.geometry.array_types import Counts, Flags
 from beamcam.pictures.bar import BarMade, order_numbers
 from beamcam.pictures.features import SteelDepths
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
-from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.machined_features import Bore, Cut, StampedText, Thing
+from beamcam.simulation.trace import Trace
 
 MIN_MOVE = 1e-6
 

@@ -5,6 +5,7 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 
 from typing import Any
 
+from beamcam.checks.asked import BY_HAND
 from beamcam.pictures.bar import BarMade
 from beamcam.planning.coping.rules import ROUNDED
 from beamcam.setup_sheet.content import Content
@@ -12,7 +13,6 @@ from beamcam.setup_sheet.html import page
 from beamcam.setup_sheet.playback import bar_data, table_data
 from beamcam.setup_sheet.solid_data import CHORDS, solids_of
 from beamcam.setup_sheet.tables import manual_work, tables_of
-from beamcam.verify.asked import BY_HAND
 
 MAX_TEXT = 1_500_000  #: characters of a program that the page holds
 HEAD_LINES = 200  #: that it shows of a longer one

@@ -20,7 +20,7 @@ from beamcam.pictures.pdf import (
 )
 from beamcam.pictures.scene import Scene, Unit, shown
 from beamcam.plain_text import terminal_text
-from beamcam.report.run import as_message, message_line
+from beamcam.reports.run import as_message, message_line
 from beamcam.setup_sheet.content import Content
 from beamcam.setup_sheet.page import verdict_of
 from beamcam.setup_sheet.solid_data import solids_of

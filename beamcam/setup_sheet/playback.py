@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
+from beamcam.checks.bars.machined_features import StampedText
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x
@@ -26,8 +27,7 @@ from beamcam.pictures.bar import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text
-from beamcam.simulate.trace import Trace
-from beamcam.verify.bars.machined_features import StampedText
+from beamcam.simulation.trace import Trace
 
 MICROSECONDS = 1e6
 STEP = 1e-3  #: of positions in a page, mm or degrees

@@ -8,7 +8,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from beamcam.diff.pairing import Difference
+from beamcam.comparison.pairing import Difference
 from beamcam.geometry.velocity_profile import VelocityProfile
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Profile
@@ -16,12 +16,12 @@ from beamcam.pictures.graphs import Study, encoder_scene, profile_scene, sample_
 from beamcam.pictures.overlay import Compared
 from beamcam.pictures.program import ReadProgram, bar_made, table_made
 from beamcam.pictures.scene import Unit
-from beamcam.report.velocity_profile import VelocityUnit
+from beamcam.reports.velocity_profile import VelocityUnit
 from beamcam.setup_sheet.html import page
 from beamcam.setup_sheet.page import program_data
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data, trace_data
-from beamcam.simulate.course import cell_axes
-from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder, head_axes
+from beamcam.simulation.course import cell_axes
+from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, head_axes
 
 MAX_LISTED = 2000  #: differences in the list
 DIGITS = 6

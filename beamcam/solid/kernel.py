@@ -38,7 +38,7 @@ def _loaded() -> Any:
     """manifold3d, loaded while this thread may use one processor only.
 
     As it works for the first time it starts a thread for each further one. A process that is forked
-    then has none of these, and would wait for them for ever.
+    then has none of these, and would wait for them for good.
     """
     processors: set[int] = set()
     with suppress(AttributeError, OSError):  # of Linux, where processes are forked

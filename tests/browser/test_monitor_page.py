@@ -13,17 +13,17 @@ from click.testing import CliRunner
 from beamcam.cli import main
 from beamcam.machine import Machine, load
 from beamcam.pipeline import read_file
-from beamcam.simulate.modbus import register_count
-from beamcam.simulate.program import simulate_program
-from beamcam.simulate.trace import State, TraceRow, trace_rows
+from beamcam.simulation.modbus import register_count
+from beamcam.simulation.program import simulate_program
+from beamcam.simulation.trace import State, TraceRow, trace_rows
 from tests.browser.conftest import Browser
 from tests.conftest import ROOT
 from tests.runs import wait_until
 
 pytest.importorskip("pymodbus", reason="the extra beamcam[modbus] is not installed")
 
-from beamcam.simulate.modbus import send
-from tests.unit.simulate.server import Server
+from beamcam.simulation.modbus import send
+from tests.unit.simulation.server import Server
 
 HOST = "127.0.0.1"
 DSTV = ROOT / "samples" / "dstv"

@@ -13,8 +13,8 @@ from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Part
 from beamcam.pipeline import read_file
-from beamcam.simulate.program import simulate_program
-from beamcam.simulate.trace import Trace
+from beamcam.simulation.program import simulate_program
+from beamcam.simulation.trace import Trace
 from tests.browser.conftest import Browser
 from tests.conftest import sampled
 from tests.runs import wait_until

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.checks.asked import BY_HAND, LEFT_OUT, TEXT_MOVED
+from beamcam.checks.bars import verify
 from beamcam.errors import PlanError, ReadError, errors_in
 from beamcam.machine import load
 from beamcam.model.request import Request
 from beamcam.pipeline import parts_of, post, read_file
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.asked import BY_HAND, LEFT_OUT, TEXT_MOVED
-from beamcam.verify.bars import verify
 from tests.conftest import CORPUS
 
 FILES = sorted((CORPUS / "dstv").glob("*/*.[nN][cC]*"))

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import pipeline
+from beamcam.checks.bars import verify
 from beamcam.cli import main
 from beamcam.errors import PlanError, VerifyError
 from beamcam.machine import Machine, load
@@ -17,7 +18,6 @@ from beamcam.model.part import EndCuts, Hole, Part
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
 from beamcam.posts import post_of
-from beamcam.verify.bars import verify
 from benchmarks.liars import PROFILES, SOURCE, told, unheld
 from benchmarks.mutation import MACHINES
 from tests.conftest import ROOT, examples

@@ -193,7 +193,7 @@ def test_slots_are_read_back_however_many() -> None:
 
 
 def test_the_read_back_looks_at_the_holes_that_comparing_each_two_finds() -> None:
-    from beamcam.verify.bars.machine_limits import Shape, _side_by_side
+    from beamcam.checks.bars.machine_limits import Shape, _side_by_side
 
     for seed in range(100):
         chance = random.Random(seed)

@@ -7,11 +7,11 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets.joining import rings_of, whole
+from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.geometry.chains import join_curves
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.verify.sheets.joining import rings_of, whole
-from beamcam.verify.sheets.toolpaths import Toolpaths
 
 GAP = 0.05
 CELL = 20.0

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beamcam.diff.bars import diff_programs
+from beamcam.checks.bars import run
+from beamcam.comparison.bars import diff_programs
 from beamcam.errors import errors_in
-from beamcam.verify.bars import run
 from benchmarks import feed_faults, sheet_faults
 from benchmarks.faults import FAULTS, NEED_PARTS
 from benchmarks.liars import told

@@ -15,7 +15,7 @@ from beamcam.pipeline import Posted, parts_of, post, read_file
 from beamcam.planning.rules import SKIP_NAMES
 from tests.property.test_plan_parts import random_part
 from tests.unit.planning.shop import hole, part
-from tests.unit.simulate.programs import course_of
+from tests.unit.simulation.programs import course_of
 
 MACHINES = ("beamline", "beamline-annex", "beamline-pusher")
 SAMPLES = Path(__file__).parents[2] / "samples" / "dstv"

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets.controller_state import expected_feeds
 from beamcam.controllers.events import Move
 from beamcam.controllers.moves import moves_of
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.plane import cross
 from beamcam.machine.machine import PathLimits
-from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Pace, ParabolaFeed
+from beamcam.model.program import ArcFeed, EllipseFeed, Feed, ParabolaFeed, SetFeed
 from beamcam.motion.feed_limits import (
     SECONDS_PER_MINUTE,
     calm_radius,
@@ -21,7 +22,6 @@ from beamcam.motion.feed_limits import (
     paced,
     turning_mm_s,
 )
-from beamcam.verify.sheets.controller_state import expected_feeds
 from tests.conftest import examples
 
 coordinates = st.floats(-50, 50).map(lambda v: round(v, 3))
@@ -75,11 +75,11 @@ def bends(move):
 def test_every_move_has_the_feed_that_the_read_back_expects(start, chain, asked, limits):
     assume(all(map(bends, chain)))
     found = list(paced(start, chain, asked * SECONDS_PER_MINUTE, [1.0] * len(chain), limits))
-    assert [step for step in found if not isinstance(step, Pace)] == chain
+    assert [step for step in found if not isinstance(step, SetFeed)] == chain
     feed, here = asked * SECONDS_PER_MINUTE, start
     for before, step in zip([None, *found], found, strict=False):
-        if isinstance(step, Pace):
-            assert not isinstance(before, Pace)
+        if isinstance(step, SetFeed):
+            assert not isinstance(before, SetFeed)
             assert step.feed_mm_min != feed
             feed = step.feed_mm_min
             continue

@@ -7,14 +7,14 @@ import shapely.affinity
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from beamcam.diff.bars import diff_programs
+from beamcam.checks.bars import run
+from beamcam.checks.coping import verify_coping
+from beamcam.comparison.bars import diff_programs
 from beamcam.errors import PlanError, Source, VerifyError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.recovery import Stock, recover
-from beamcam.verify.bars import run
-from beamcam.verify.coping import verify_coping
 from tests.conftest import examples
 from tests.property.test_sheet_plan_laws import (
     crosses,

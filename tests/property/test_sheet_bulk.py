@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from msgspec.structs import astuple
 from numpy.typing import NDArray
 
+from beamcam.checks.sheets.grid import widest_gap
+from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.controllers import table_events
 from beamcam.controllers.codesys.curves import arc_fault as codesys_fault
 from beamcam.controllers.events import TableEvent
@@ -19,8 +21,6 @@ from beamcam.controllers.rs274 import grbl, linuxcnc
 from beamcam.controllers.track import scan
 from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line
 from beamcam.machine import load
-from beamcam.verify.sheets.grid import widest_gap
-from beamcam.verify.sheets.toolpaths import Toolpaths
 from tests.conftest import examples
 
 numbers = st.decimals(-9999, 9999, places=4).map(lambda d: f"{d.normalize():f}")

@@ -6,12 +6,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam.diff.bars import diff_programs
+from beamcam.checks.bars import run, verify
+from beamcam.comparison.bars import diff_programs
 from beamcam.errors import PlanError, Source, errors_in
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
-from beamcam.verify.bars import run, verify
 from tests.conftest import examples
 
 PROFILES = (

@@ -4,13 +4,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.bars import verify
+from beamcam.checks.bars.turned import ROTATIONS, rotated, standing
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Hole, Part
 from beamcam.pipeline import post
 from beamcam.planning.turning import TURNS, alike, lies, turned
-from beamcam.verify.bars import verify
-from beamcam.verify.bars.turned import ROTATIONS, rotated, standing
 from tests.conftest import examples
 from tests.strategies import CHANNEL, SOURCE, parts
 

@@ -23,7 +23,7 @@ from beamcam.geometry.newton import newton_through
 from beamcam.geometry.offset import Offset, offset_chains
 from beamcam.geometry.plane import cross, determinant, mapped
 from beamcam.machine import load
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.model.hatch import hatched
 from beamcam.model.lengths import duplicate_length, total_length
 from beamcam.model.part import Contour, Part, Profile, moved_curve
@@ -273,7 +273,7 @@ def test_a_hatch(angle: float, count: int) -> None:
     assert torch is not None
     from msgspec.structs import replace
 
-    look = LookSettings(hatch=1.0, hatch_angle=angle)
+    look = LayerSettings(hatch=1.0, hatch_angle=angle)
     filled = hatched(part, replace(torch, settings={"black": look}))
     lines = [c.curves[0] for c in filled.contours if c.kind == "open"]
     assert len(lines) == count

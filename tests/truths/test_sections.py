@@ -11,6 +11,7 @@ from math import inf
 import pytest
 import shapely
 
+from beamcam.checks.bars.stations import lip_length
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Line
 from beamcam.model.part import FACES, MIRRORED_FACES, Contour, Part, Profile
@@ -23,7 +24,6 @@ from beamcam.model.section import (
     walls_beside,
 )
 from beamcam.model.weight import lip_of, measures_of, name_of, section_area, weight_of
-from beamcam.verify.bars.stations import lip_length
 
 SOURCE = Source("stranger.nc1", 1)
 #: One of each kind, its flanges and its web never equally thick.

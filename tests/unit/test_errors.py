@@ -7,7 +7,7 @@ import pytest
 
 from beamcam.commands.codes import all_rules
 from beamcam.errors import BeamcamError, Diagnostic, Rule, Severity, Source, errors_in
-from beamcam.report.run import as_message, message_line
+from beamcam.reports.run import as_message, message_line
 
 RULE = Rule("x-width", Severity.WARNING, "found {found}; expected {expected}", "Because.")
 

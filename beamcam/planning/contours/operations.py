@@ -26,8 +26,8 @@ from beamcam.planning.contours.entry import (
     waste_side,
 )
 from beamcam.planning.contours.kerf import NO_LEADS, Lead, common_cuts, compensated, leads_of
+from beamcam.planning.contours.layer_settings import is_one_way, rank
 from beamcam.planning.contours.layout import moved
-from beamcam.planning.contours.look_settings import is_one_way, rank
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.order import order
 from beamcam.planning.contours.outline import (

@@ -50,9 +50,9 @@ BLIND_POINT = warning("plan-blind-point",
     "The depth counts to the full diameter, and the drill's point goes beyond it.")  # fmt: skip
 RULES = (DUPLICATE, BLIND_POINT)
 REASONS = {
-    "drill-exact": "a drill of the very diameter",
-    "drill-nearest": "no drill of the very diameter; the nearest one within the tolerance",
-    "drill-twin": "as good as the drill of the very diameter, and used for another hole already",
+    "drill-exact": "a drill of exactly the diameter",
+    "drill-nearest": "no drill of exactly the diameter; the nearest one within the tolerance",
+    "drill-twin": "as good as the drill of exactly the diameter, and used for another hole already",
     "drill-before-tap": "the drill that the thread's table asks for",
     "tap-thread": "the tap of the thread's diameter",
     "sink-cone": "the cone alone reaches the outer diameter",

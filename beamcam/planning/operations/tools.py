@@ -89,7 +89,7 @@ class ToolLibrary:
     def sinks(
         self, diameter: float, point_deg: float, whole: bool, faces: tuple[Face, ...]
     ) -> Tools:
-        """Countersinks for an outer diameter; `whole` asks for a tool of that very diameter.
+        """Countersinks for an outer diameter; `whole` asks for a tool of exactly that diameter.
 
         A cone that ends at its outer diameter may be made with any larger tool, one that stands
         below the surface or a flat counterbore only with a tool that fits the diameter.

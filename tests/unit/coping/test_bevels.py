@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.coping import verify_coping
 from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine import Machine, load
@@ -15,9 +16,8 @@ from beamcam.model.part import Bevel, Contour, EndCuts, Part
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.report.hand_list import hand_rows
+from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.coping import verify_coping
 from benchmarks import coping_faults
 from tests.conftest import examples, sampled
 from tests.random_copes import random_bevel

@@ -23,7 +23,7 @@ from beamcam.model.request import Request
 from beamcam.model.surface import around
 from beamcam.pipeline import read_file
 from beamcam.recovery import recover
-from beamcam.report.hand_list import hand_rows
+from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.coping import verify_coping
 from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
@@ -17,9 +18,8 @@ from beamcam.model.part import Contour, EndCuts, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.report.hand_list import hand_rows
+from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.coping import verify_coping
 from benchmarks import coping_faults
 from tests.conftest import examples
 from tests.unit.coping.samples import (

@@ -14,6 +14,11 @@ from msgspec.structs import replace
 
 from beamcam import api
 from beamcam.asked import AskError
+from beamcam.checks.asked import RULES as REST_RULES
+from beamcam.checks.asked import rest_faults
+from beamcam.checks.coping import verify_coping
+from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.stock import stock_of
 from beamcam.cli import main
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, PlanError, Severity, errors_in
@@ -31,11 +36,6 @@ from beamcam.readers import read
 from beamcam.readers.dstv import MADE
 from beamcam.rest_part import RULES, Stage, chain_for, rest_of_part, stages_of
 from beamcam.solid.bar_solid import bar_pieces, work_of
-from beamcam.verify.asked import RULES as REST_RULES
-from beamcam.verify.asked import rest_faults
-from beamcam.verify.coping import verify_coping
-from beamcam.verify.coping.section import Section
-from beamcam.verify.coping.stock import stock_of
 from beamcam.writers import TARGETS
 from tests.conftest import SAMPLES, examples, sampled
 from tests.random_copes import random_cope, random_tee

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import LineString, MultiPoint
 
+from beamcam.checks.coping.section import kerf_of
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine
@@ -17,8 +18,7 @@ from beamcam.planning.coping.plan import ORDER, plan_coping
 from beamcam.planning.coping.regions import region_of
 from beamcam.planning.coping.rules import RULES
 from beamcam.planning.coping.walls import walls_of
-from beamcam.report.hand_list import hand_rows
-from beamcam.verify.coping.section import kerf_of
+from beamcam.reports.hand_list import hand_rows
 from tests.random_copes import random_cope
 from tests.unit.coping.samples import (
     AT,

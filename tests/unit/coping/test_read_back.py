@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import MultiPolygon, box
 
+from beamcam.checks.coping import verify_coping
+from beamcam.checks.coping.compare import Left, _holding
+from beamcam.checks.coping.rules import RULES
+from beamcam.checks.coping.section import Section
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Contour, Hole, Part, Profile, TextMark
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.verify.coping import verify_coping
-from beamcam.verify.coping.compare import Left, _holding
-from beamcam.verify.coping.rules import RULES
-from beamcam.verify.coping.section import Section
 from benchmarks import coping_faults
 from tests.conftest import examples
 from tests.random_copes import random_cope, random_tee

@@ -10,6 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.coping import verify_coping
+from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.skew import skew_ends
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.machine.coper import torch_way
@@ -19,11 +22,8 @@ from beamcam.model.request import Request
 from beamcam.pipeline import read_file
 from beamcam.planning.coping.ends import planes_of
 from beamcam.planning.coping.plan import plan_coping
-from beamcam.report.hand_list import hand_rows
+from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.coping import verify_coping
-from beamcam.verify.coping.section import Section
-from beamcam.verify.coping.skew import skew_ends
 from benchmarks import coping_faults
 from tests.conftest import SAMPLES, examples, sampled
 from tests.random_copes import random_mitre

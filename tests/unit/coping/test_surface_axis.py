@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.coping import verify_coping
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import Move
 from beamcam.controllers.rotary import in_degrees
@@ -20,9 +21,8 @@ from beamcam.model.part import Hole
 from beamcam.model.request import Request
 from beamcam.pipeline import post
 from beamcam.recovery import recover
-from beamcam.simulate.program import simulate_program
+from beamcam.simulation.program import simulate_program
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.coping import verify_coping
 from tests.conftest import examples
 from tests.random_boxes import random_box
 from tests.random_tubes import random_tube, window

@@ -11,17 +11,17 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import LineString, Polygon
 
+from beamcam.checks.coping import verify_coping
 from beamcam.errors import Diagnostic, PlanError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Bevel, EndCuts, Feature, Hole, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import as_pipe, plan_coping
-from beamcam.report.hand_list import hand_rows
+from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.kernel import kernel
 from beamcam.solid.opinion import solid_faults
 from beamcam.solid.part_solid import part_solid
-from beamcam.verify.coping import verify_coping
 from benchmarks import coping_faults
 from tests.conftest import examples
 from tests.random_tubes import SECTIONS, random_tube, window

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.checks.sheets.need import rows_on
 from beamcam.errors import PlanError
 from beamcam.machine import load, shipped
 from beamcam.machine.torch import is_row_for, material_of, material_said
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets.need import rows_on
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 
 MILD = ("S235JR", "S355J2+N", "S 355", "s275", "S460M", "ST 37-2", "RSt37-2", "Fe 360", "A36",

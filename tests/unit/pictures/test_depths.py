@@ -5,10 +5,10 @@ from math import radians, tan
 import pytest
 from msgspec.structs import replace
 
+from beamcam.checks.bars.machined_features import Bore, MachinedPath
 from beamcam.machine import load
 from beamcam.model.part import Profile
 from beamcam.pictures.features import SteelDepths
-from beamcam.verify.bars.machined_features import Bore, MachinedPath
 
 WEB = 8.5
 CHANNEL = Profile("U", "UPN200", 200.0, 75.0, 11.5, WEB)

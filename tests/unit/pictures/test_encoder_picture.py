@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from beamcam.cli import main
 from beamcam.pictures.graphs import COUNTS, Study, encoder_scene
 from beamcam.pictures.svg import to_svg
-from beamcam.simulate.encoder import Encoder
-from beamcam.simulate.trace import State, Trace, TraceAxis, TraceBuilder
+from beamcam.simulation.encoder import Encoder
+from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder
 from tests.conftest import examples
 from tests.unit.pictures.drawings import Drawing, corners
 

@@ -20,7 +20,7 @@ from beamcam.pictures.pdf import largest, to_pdf
 from beamcam.pictures.png import dashes, to_png
 from beamcam.pictures.scene import STYLES, Circle, Polyline, Scene, Text, css
 from beamcam.pictures.svg import to_svg
-from beamcam.report.velocity_profile import MM_S, RPM, VelocityUnit
+from beamcam.reports.velocity_profile import MM_S, RPM, VelocityUnit
 from tests.unit.pictures.drawings import Drawing, corners
 
 GUIDE = profile_to_velocity(1000.0, 100.0, 50.0)

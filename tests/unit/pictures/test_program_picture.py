@@ -10,14 +10,14 @@ from xml.etree.ElementTree import Element
 import pytest
 from msgspec.structs import replace
 
+from beamcam.checks.bars import interpret
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.pictures.program import ReadProgram, bar_made, program_scene
 from beamcam.pictures.svg import to_svg
 from beamcam.pipeline import post, read_file
-from beamcam.simulate.program import simulate_program
-from beamcam.verify.bars import interpret
+from beamcam.simulation.program import simulate_program
 from tests.unit.pictures.drawings import Drawing, corners
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"

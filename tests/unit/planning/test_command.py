@@ -88,7 +88,7 @@ def test_the_same_as_data(path: str) -> None:
     assert record["time"]["total_s"] == pytest.approx(
         sum(op["seconds"] for op in record["operations"]), abs=0.01
     )
-    assert record["operations"][0]["reasons"]["drill-exact"] == "a drill of the very diameter"
+    assert record["operations"][0]["reasons"]["drill-exact"] == "a drill of exactly the diameter"
     assert record["messages"][0]["code"] == "plan-remnant"
     assert record["travel"]["back"] == 0
     assert record["turns"] == []

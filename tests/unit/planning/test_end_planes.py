@@ -5,6 +5,8 @@ from math import radians, tan
 import pytest
 from msgspec.structs import replace
 
+from beamcam.checks.bars.cuts import ends_of
+from beamcam.checks.bars.turned import standing
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import saw_of
@@ -12,8 +14,6 @@ from beamcam.model.part import EndCuts, EndPlane, Part, Profile
 from beamcam.model.section import corners
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.operations import saw_cut
-from beamcam.verify.bars.cuts import ends_of
-from beamcam.verify.bars.turned import standing
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, part
 
 PUSHER = load("beamline-pusher")

@@ -5,6 +5,7 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.bars import skippable, verify
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, Line
 from beamcam.machine import load
@@ -13,7 +14,6 @@ from beamcam.model.part import Contour, EndCuts, Face, Feature, Part, Profile, S
 from beamcam.model.plan import DrillOp
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar, plan_oriented
-from beamcam.verify.bars import skippable, verify
 from tests.conftest import examples
 from tests.unit.planning.shop import ANGLE, BEAM, SOURCE, TUBE, hole, part, pusher
 

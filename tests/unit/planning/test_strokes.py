@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.bars import skippable, verify
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
@@ -13,7 +14,6 @@ from beamcam.model.part import Hole, HoleKind, Part, Profile
 from beamcam.pipeline import post
 from beamcam.planning.axis_limits import fixed_faces
 from beamcam.planning.beam import plan_bar
-from beamcam.verify.bars import skippable, verify
 from tests.conftest import examples
 from tests.unit.planning.shop import BEAM, hole, part, pusher
 

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import beamcam
+from beamcam.checks.coping import verify_coping
 from beamcam.cli import main
 from beamcam.errors import errors_in
 from beamcam.machine import load
@@ -18,7 +19,6 @@ from beamcam.readers.content import Reading
 from beamcam.readers.drawing import rules
 from beamcam.readers.drawing.wrap import tube_of
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.coping import verify_coping
 from tests.conftest import SAMPLES
 
 SADDLE = SAMPLES / "dxf" / "saddle.dxf"

@@ -11,6 +11,10 @@ from msgspec.structs import replace
 from shapely import Point
 
 import beamcam
+from beamcam.checks.coping import verify_coping
+from beamcam.checks.coping.section import Section, TubeSection
+from beamcam.checks.coping.stock import stock_of
+from beamcam.checks.coping.wanted import wanted_on
 from beamcam.cli import main
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Arc
@@ -19,10 +23,6 @@ from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot, Text
 from beamcam.pipeline import post
 from beamcam.recovery import Recovered, Stock, recover, rules
 from beamcam.recovery.box_tube import faces_of
-from beamcam.verify.coping import verify_coping
-from beamcam.verify.coping.section import Section, TubeSection
-from beamcam.verify.coping.stock import stock_of
-from beamcam.verify.coping.wanted import wanted_on
 from tests.conftest import SAMPLES, sampled
 from tests.random_boxes import over_corner, random_box
 from tests.random_copes import random_tee

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from beamcam import readers
 from beamcam.cli import main
-from beamcam.diff.parts import diff_parts
+from beamcam.comparison.parts import diff_parts
 from beamcam.errors import Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load

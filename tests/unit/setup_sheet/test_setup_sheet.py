@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 from msgspec.structs import replace
 
+from beamcam.checks.bars import run
 from beamcam.cli import main
 from beamcam.machine import load
 from beamcam.model.part import Part
@@ -21,7 +22,6 @@ from beamcam.setup_sheet.content import Content, SheetSources, content_of
 from beamcam.setup_sheet.page import setup_page
 from beamcam.setup_sheet.paper import setup_pdf
 from beamcam.setup_sheet.playback import trace_data
-from beamcam.verify.bars import run
 from tests.unit.pictures.test_formats import contrast
 
 SAMPLES = Path(__file__).resolve().parents[3] / "samples"
@@ -270,7 +270,7 @@ def test_another_suffix_is_wrong_usage(tmp_path: Path) -> None:
     assert not (tmp_path / "x.docx").exists()
 
 
-@pytest.mark.parametrize("path", ["setup_sheet/static/page.css", "report/static/run.css"])
+@pytest.mark.parametrize("path", ["setup_sheet/static/page.css", "reports/static/run.css"])
 def test_texts_of_the_pages_can_be_told_from_their_ground(path: str) -> None:
     """4.5 to 1, as WCAG asks of texts, in the light and in the dark."""
     text = (SAMPLES.parent / "beamcam" / path).read_text()

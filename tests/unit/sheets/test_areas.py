@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 from tests.unit.sheets.parts import contour, drawing
 

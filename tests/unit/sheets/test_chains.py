@@ -5,6 +5,7 @@ import re
 import pytest
 import shapely
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
@@ -13,7 +14,6 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.sheet_remainder import rest_of_sheet
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 from tests.unit.sheets.test_common_cuts import KERF, parts_are_exact, random_nest

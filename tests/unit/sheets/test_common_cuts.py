@@ -9,6 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Arc, Curve
 from beamcam.machine import Machine, load
@@ -19,7 +20,6 @@ from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
 from beamcam.planning.contours.kerf import in_levels
 from beamcam.planning.contours.outline import Shape
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 from tests.unit.sheets.test_feeds import length, strokes

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.machine import Machine, load
 from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 

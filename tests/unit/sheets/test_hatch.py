@@ -11,18 +11,18 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets.marks import hatch_faults
+from beamcam.checks.sheets.need import need_of
 from beamcam.cli import main
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine import load as load_machine
 from beamcam.machine.overlay import with_torch
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.model.hatch import hatched
 from beamcam.model.part import Contour, Part
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.verify.sheets.marks import hatch_faults
-from beamcam.verify.sheets.need import need_of
 from tests.conftest import SAMPLES, examples, sampled
 from tests.test_grbl_rules import faults
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
@@ -44,7 +44,7 @@ def asked(
     one_way: bool = False, outline: bool = True,
 ) -> Machine:  # fmt: skip
     own = {
-        "black": LookSettings(
+        "black": LayerSettings(
             hatch=distance, hatch_angle=angle, hatch_one_way=one_way, hatch_outline=outline
         )
     }
@@ -211,7 +211,7 @@ def test_what_cannot_be_filled_is_refused() -> None:
         post((loose,), asked())
     with pytest.raises(PlanError, match=r"plan-map-hatch.*what is cut out"):
         post((PART,), with_torch(asked(), {"black": "cut"}, settings={
-            "black": LookSettings(hatch=1.0)
+            "black": LayerSettings(hatch=1.0)
         }))  # fmt: skip
 
 
@@ -254,6 +254,6 @@ def test_an_edge_may_lie_on_a_line_of_the_hatch(angle: float, turned: float) -> 
     part = drawing(
         contour(step, "#0000ff"), contour(island, "#0000ff", line=2), thickness=3.0
     )  # fmt: skip
-    own = {"blue": LookSettings(hatch=2.0, hatch_angle=angle)}
+    own = {"blue": LayerSettings(hatch=2.0, hatch_angle=angle)}
     machine = with_torch(load_machine("laser-grbl"), {"blue": "mark"}, settings=own, rotate=turned)
     assert post((part,), machine).text.count("M4") > 12

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.controllers import table_events
 from beamcam.controllers.events import FeedShare, Lift, Output, Touch, Zero
 from beamcam.machine import Machine, load
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import SAMPLES, examples, sampled
 from tests.unit.sheets.parts import NESTED, table
 
@@ -355,7 +355,7 @@ def test_words_and_keys_that_a_table_cannot_have(
 
 
 def test_simulate_has_the_height_as_an_axis() -> None:
-    from beamcam.simulate.program import simulate_program
+    from beamcam.simulation.program import simulate_program
 
     machine = table("plate-mach3")
     done = simulate_program(program(machine), machine, parts=(NESTED,))
@@ -372,7 +372,7 @@ def test_simulate_has_the_height_as_an_axis() -> None:
 
 @pytest.mark.parametrize("words", ["", '[words]\ncut_off = ["M121", "M5", "G53 G0 Z0"]\n'])
 def test_plan_and_simulate_count_the_moves_of_the_torch(words: str, tmp_path: Path) -> None:
-    from beamcam.simulate.program import simulate_program
+    from beamcam.simulation.program import simulate_program
 
     machine = own(tmp_path, words)
     made = post((NESTED,), machine)

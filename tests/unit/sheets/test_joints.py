@@ -4,11 +4,11 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 from tests.unit.sheets.parts import box, contour, drawing, lines, table
 from tests.unit.sheets.spikes import Spike, cut

@@ -10,13 +10,13 @@ from hypothesis import event, example, given, settings
 from hypothesis import strategies as st
 from shapely.geometry.base import BaseGeometry
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import Diagnostic, PlanError
 from beamcam.geometry.curves import Bezier, Curve, Line
 from beamcam.model.part import Part
 from beamcam.pipeline import RefusedProgram, post
 from beamcam.planning.contours import doubling, narrow
 from beamcam.planning.contours import kerf as kerfs
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 from tests.unit.sheets.notches import Notch, left_at_best, left_in_program
 from tests.unit.sheets.parts import box, contour, drawing, lines, table

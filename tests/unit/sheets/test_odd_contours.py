@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError, Severity
 from beamcam.geometry.curves import Bezier, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.planning.contours import repeats
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 
 from .parts import box, circle, contour, drawing, lines, table

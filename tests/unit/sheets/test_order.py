@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec import Struct
 
-from beamcam.verify.sheets import order
+from beamcam.checks.sheets import order
 from tests.conftest import examples
 
 

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.controllers import table_events
 from beamcam.controllers.events import Output
 from beamcam.machine import Machine, load
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import NESTED, circle, contour, drawing, table
 
 START = "M64 P0\nG4 P2.5\nM3 S1\nG4 P0.5\n"
@@ -116,7 +116,7 @@ lead = "line"
 
 def test_air_may_come_before_or_behind_the_beam(tmp_path: Path) -> None:
     """grbl: M8 blows while M4 burns; the trace shows the beam on all along the contour."""
-    from beamcam.simulate.program import simulate_program
+    from beamcam.simulation.program import simulate_program
 
     path = tmp_path / "mine.toml"
     for on, off in (

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beamcam.errors import PlanError
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read
@@ -104,13 +104,13 @@ def test_another_overcut_is_refused(
 
 def test_a_colour_has_its_own() -> None:
     part = replace(PART, features=(*PART.features, contour(box(5, 5, 6, 6), BLUE, line=9)))
-    own = {"blue": LookSettings(overcut=1.0), "red": LookSettings(overcut=0.5)}
+    own = {"blue": LayerSettings(overcut=1.0), "red": LayerSettings(overcut=0.5)}
     machine = with_torch(asked(overcut=3.0), {"blue": "cut", "red": "cut"}, settings=own)
     text = post((part,), machine).text
     assert text.count("M4") == 5
     for other in (0.0, 2.0):
         wrong = with_torch(machine, {"blue": "cut", "red": "cut"}, settings={
-            **own, "blue": LookSettings(overcut=other)
+            **own, "blue": LayerSettings(overcut=other)
         })  # fmt: skip
         said = read_back(text, Request((part,), wrong))
         assert {one.code for one in said} <= {"verify-sheet-overcut"}
@@ -130,7 +130,7 @@ def test_what_is_not_cut_has_none() -> None:
     part = drawing(contour(box(0, 0, 20, 20)), contour(box(5, 5, 6, 6), BLUE), thickness=3.0)
     text = post((part,), with_torch(asked(overcut=2.0), {"blue": "mark"})).text
     assert [len(WORD.findall(moves)) for _, _, moves in STROKE.findall(text)] == [4, 5]
-    own = {"blue": LookSettings(overcut=1.0)}
+    own = {"blue": LayerSettings(overcut=1.0)}
     with pytest.raises(PlanError, match=r"plan-map-overcut: found map\.blue\.overcut"):
         post((part,), with_torch(GRBL, {"blue": "mark"}, settings=own))
 

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.asked_layout import as_asked
 from beamcam.errors import PlanError
 from beamcam.machine import Machine
 from beamcam.machine.faults import torch_faults
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
-from beamcam.verify.sheets.asked_layout import as_asked
 from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing
 from tests.unit.sheets.test_hatch import GRBL, PART, asked

@@ -4,11 +4,11 @@ import re
 
 import pytest
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import errors_in
 from beamcam.geometry.curves import Curve
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import sampled
 from tests.unit.sheets.notches import Notch
 from tests.unit.sheets.parts import contour, drawing, lines, table

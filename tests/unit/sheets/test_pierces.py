@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import VerifyError
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import post
 from beamcam.planning.contours import kerf
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 

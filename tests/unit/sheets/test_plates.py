@@ -10,6 +10,10 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from shapely import Polygon
 
+from beamcam.checks.asked import BY_HAND as FOR_HAND
+from beamcam.checks.head import head_of
+from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.need import need_of
 from beamcam.errors import MachineError, PlanError, errors_in
 from beamcam.machine import load, shipped
 from beamcam.model.part import Bevel, Contour, Feature, Hole, Part, Profile, Slot
@@ -18,11 +22,7 @@ from beamcam.pipeline import Posted, post, read_back
 from beamcam.planning.contours import rules
 from beamcam.planning.left_out import BY_HAND
 from beamcam.planning.rules import BEVEL_NOISE
-from beamcam.report.hand_list import hand_rows
-from beamcam.verify.asked import BY_HAND as FOR_HAND
-from beamcam.verify.head import head_of
-from beamcam.verify.sheets import verify_sheet
-from beamcam.verify.sheets.need import need_of
+from beamcam.reports.hand_list import hand_rows
 from tests.conftest import examples
 from tests.unit.sheets.parts import S, box, plate, table
 

@@ -6,9 +6,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.machine import Machine
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from benchmarks.sheet_liars import MACHINES, told
 from tests.conftest import examples
 

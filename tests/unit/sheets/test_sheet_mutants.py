@@ -6,8 +6,8 @@ from itertools import islice, pairwise
 
 import pytest
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from benchmarks.sheet_liars import MACHINES as LIARS
 from benchmarks.sheet_liars import told
 

@@ -5,11 +5,11 @@ import re
 import pytest
 import shapely
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import sampled
 from tests.unit.sheets.test_common_cuts import (
     KERF,

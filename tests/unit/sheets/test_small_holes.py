@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import VerifyError
 from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
 from beamcam.machine.faults import torch_faults
 from beamcam.pipeline import post
 from beamcam.planning.contours import kerf
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import Machine, load
@@ -16,9 +17,8 @@ from beamcam.model.part import Hole, Part
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import post
-from beamcam.report.hand_list import hand_rows
+from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.opinion import solid_faults
-from beamcam.verify.sheets import verify_sheet
 from tests.unit.sheets.parts import S, box, circle, contour, drawing, lines, plate, table
 
 #: On 6 mm plate-linuxcnc cuts holes of 4.8 mm and larger.

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.machine import Machine, load
 from beamcam.machine.faults import torch_faults
 from beamcam.machine.overlay import with_torch
@@ -15,7 +16,6 @@ from beamcam.model.part import Hole, Part, Slot
 from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import post
 from beamcam.recovery import recover
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 from tests.unit.sheets.parts import S, plate
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine import Machine, load
 from beamcam.machine.overlay import with_torch
@@ -17,7 +18,6 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post, whole_job
 from beamcam.planning.contours.outline import stretch
 from beamcam.posts import post_of
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
+from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import PlanError
 from beamcam.geometry.plane import Point
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
 from tests.conftest import examples
 from tests.unit.sheets.parts import contour, drawing, lines, table
 

@@ -7,14 +7,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from beamcam.checks.sheets import verify_sheet
+from beamcam.checks.sheets.region import region_of
+from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.errors import PlanError
 from beamcam.geometry.curves import Arc, BSpline, Curve, Line
 from beamcam.machine import Machine
 from beamcam.model.part import Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import verify_sheet
-from beamcam.verify.sheets.region import region_of
-from beamcam.verify.sheets.toolpaths import Toolpaths
 
 from .parts import box, circle, contour, drawing, lines, table
 
@@ -197,8 +197,8 @@ def test_rings_that_touch_in_a_corner() -> None:
 def test_paths_follow_one_another() -> None:
     """The pieces of a stroke lead on where the one before ends, after compensation too."""
     machine = table(kerf=1.2, thickness=3.0, kerf_by="machine", lead="line")
+    from beamcam.checks.sheets.compensation import compensated
     from beamcam.controllers import table_run
-    from beamcam.verify.sheets.compensation import compensated
 
     part = drawing(contour(box(0, 0, 60, 40)), contour(circle(20, 20, 12)), thickness=3.0)
     done, _ = table_run(post((part,), machine).text, machine)

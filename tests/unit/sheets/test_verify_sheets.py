@@ -7,12 +7,12 @@ from math import sqrt
 import pytest
 from msgspec.structs import replace
 
+from beamcam.checks.sheets import grid, rules, verify_sheet
 from beamcam.errors import VerifyError
 from beamcam.geometry.curves import Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.machine import Machine
 from beamcam.model.part import Bend, Hole, Part
 from beamcam.pipeline import post
-from beamcam.verify.sheets import grid, rules, verify_sheet
 from tests.conftest import sampled
 from tests.unit.sheets.parts import NESTED, S, box, circle, contour, drawing, lines, plate, table
 

@@ -52,7 +52,7 @@ def close(index: int) -> Deed:
 
 
 def freeze(index: int) -> Deed:
-    """An encoder tells one place for ever; the belt may be torn."""
+    """An encoder tells one place for good; the belt may be torn."""
 
     def deed(plant: Plant) -> None:
         axis: Axis = plant.axes[index]

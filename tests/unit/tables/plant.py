@@ -122,7 +122,7 @@ class Plant(CuttingTable):
         super().__init__(units, machine, "a.st")
         self.script, self.jitter = dict(script or {}), jitter
         self.count = 0
-        self.frozen: dict[str, float] = {}  #: axes whose encoder tells one place for ever
+        self.frozen: dict[str, float] = {}  #: axes whose encoder tells one place for good
         self.astray: dict[str, float] = {}  #: axes whose encoder is out by so much
         self.creeps: dict[str, float] = {}  #: axes that drift from their set positions, mm/s
         self.trails_s = 0.0  #: time constant of the position controllers
@@ -294,7 +294,7 @@ class Plant(CuttingTable):
         """Go on as long as something holds; it has to end in time."""
         end = self.clock_s + most_s
         while goes_on():
-            assert self.clock_s < end, f"state {self.value('workState')} for ever"
+            assert self.clock_s < end, f"state {self.value('workState')} for good"
             self.cycle()
 
     def wait(self, seconds: float) -> None:

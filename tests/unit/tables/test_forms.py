@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from beamcam.checks.steps import FORMS
 from beamcam.cli import main
-from beamcam.verify.steps import FORMS
 
 from .shop import SAMPLES
 

@@ -65,11 +65,11 @@ def test_the_wrong_side_is_refused(name: str, style: str) -> None:
 
 def refused(program: bytes, machine: Machine, style: str) -> set[str]:
     if style.startswith("."):
-        from beamcam.verify.steps import verify_table
+        from beamcam.checks.steps import verify_table
 
         said = verify_table(style, (program,), [PART], machine, (), "a")
     else:
-        from beamcam.verify.st import verify_triggers
+        from beamcam.checks.st import verify_triggers
 
         said = verify_triggers(program.decode(), [PART], machine, (), "a")
     return {d.code for d in said}

@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 from msgspec.structs import replace
 
+from beamcam.checks.st import verify_triggers
 from beamcam.cli import main
 from beamcam.controllers.simotion import read_program
 from beamcam.emitters import simotion
@@ -21,8 +22,7 @@ from beamcam.model.program import Lift, Switch, TriggerTable
 from beamcam.motion.sheet_times import trigger_time
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
-from beamcam.simulate.program import trigger_trace
-from beamcam.verify.st import verify_triggers
+from beamcam.simulation.program import trigger_trace
 
 from . import test_grammar as stranger
 from .plant import DONE, STYLES, Plant, units_of

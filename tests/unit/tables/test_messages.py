@@ -5,6 +5,9 @@ import re
 import pytest
 from msgspec.structs import replace
 
+from beamcam.checks.st import verify_triggers
+from beamcam.checks.steps import rules as steps_rules
+from beamcam.checks.steps import verify_table
 from beamcam.controllers.simotion import rules as st_rules
 from beamcam.controllers.simotion.checker import check
 from beamcam.controllers.simotion.interpreter import Fault
@@ -17,9 +20,6 @@ from beamcam.machine import load
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.motion.steps import step_table
-from beamcam.verify.st import verify_triggers
-from beamcam.verify.steps import rules as steps_rules
-from beamcam.verify.steps import verify_table
 
 from . import test_lift_programs as lifts
 from .shop import part, plan, program, steel_part, table_machine

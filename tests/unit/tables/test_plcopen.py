@@ -5,9 +5,9 @@ from functools import cache
 import pytest
 import shapely
 
+from beamcam.checks.st import verify_triggers
 from beamcam.emitters import simotion
 from beamcam.machine.runtime import runtime_of
-from beamcam.verify.st import verify_triggers
 from tests.conftest import sampled
 
 from .deeds import close, mend

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from beamcam.checks.steps import verify_table
 from beamcam.emitters.step_table import FORMS
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Part
 from beamcam.motion.steps import step_table
 from beamcam.planning.sheet import plan_sheet
-from beamcam.verify.steps import verify_table
 from tests.conftest import sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing
 

@@ -3,6 +3,8 @@
 import numpy as np
 import shapely
 
+from beamcam.checks.steps.follow import Followed
+from beamcam.checks.steps.outline import OutlineCheck
 from beamcam.controllers import table_events
 from beamcam.controllers.events import Move
 from beamcam.controllers.step_table.rows import Stream, binary_rows
@@ -11,11 +13,9 @@ from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
-from beamcam.machine.torch import LookSettings
+from beamcam.machine.torch import LayerSettings
 from beamcam.motion.steps import step_table
 from beamcam.pipeline import post
-from beamcam.verify.steps.follow import Followed
-from beamcam.verify.steps.outline import OutlineCheck
 from tests.unit.sheets.parts import box, contour, drawing
 
 from .plant import DONE, Plant, units_of
@@ -91,7 +91,7 @@ def farthest(a: shapely.LineString, b: shapely.LineString) -> float:
 
 def test_the_controller_of_the_table_goes_on_by_the_overcut_in_each_pass() -> None:
     """Run with simulated axes: a square of 10 mm twice, each time 2 mm beyond its start."""
-    own = {"red": LookSettings(passes=2)}
+    own = {"red": LayerSettings(passes=2)}
     machine = with_torch(load("table-simotion"), {"red": "cut"}, settings=own, overcut=2.0)
     square = drawing(contour(box(5, 5, 10, 10)), thickness=3.0)
     plant = Plant(units_of(post((square,), machine, style="chain").text, machine), machine)

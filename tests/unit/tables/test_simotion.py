@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.st import Execution, verify_triggers
 from beamcam.controllers.simotion import read_program
 from beamcam.controllers.simotion import trial as trials
 from beamcam.controllers.simotion.trial import trial
@@ -22,7 +23,6 @@ from beamcam.machine.runtime import runtime_of
 from beamcam.model.program import Switch, Travel
 from beamcam.motion.triggers import trigger_table
 from beamcam.planning.sheet import plan_sheet
-from beamcam.verify.st import Execution, verify_triggers
 from tests.conftest import sampled
 from tests.unit.sheets.parts import circle, contour, drawing
 

@@ -3,11 +3,11 @@
 import pytest
 from msgspec.structs import replace
 
+from beamcam.checks.steps import verify_table
 from beamcam.errors import Source, errors_in
 from beamcam.machine import load
 from beamcam.model.part import Hole, Part, Profile, TextMark
 from beamcam.pipeline import post
-from beamcam.verify.steps import verify_table
 
 LASER = load("laser-stepper")
 SOURCE = Source("p.nc1", 7)

@@ -11,6 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from beamcam.checks.sheets.need import rows_on
+from beamcam.checks.steps import verify_table
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Counts
@@ -26,8 +28,6 @@ from beamcam.motion.steps import Way
 from beamcam.pipeline import post, read_back
 from beamcam.planning.contours.material import Material
 from beamcam.solid.sheet_solid import rows_for
-from beamcam.verify.sheets.need import rows_on
-from beamcam.verify.steps import verify_table
 from tests.conftest import examples
 from tests.path_samples import positions
 from tests.unit.sheets.parts import box, contour, drawing

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from beamcam.checks.steps import FORMS, verify_table
 from beamcam.emitters import step_table as forms
 from beamcam.machine import load
 from beamcam.motion.steps import step_table
-from beamcam.verify.steps import FORMS, verify_table
 
 from .shop import part, plan
 

@@ -1,0 +1,217 @@
+"""Programs for bars read back: what they make, what would break, and the parts compared.
+
+    text -> events (controllers) -> machined features (cell) -> pieces of bar (pieces) -> compared
+
+Nothing of it comes from a plan: which piece of the bar is which part, how it lies, and what may be
+missing, the read-back finds out from the program, the parts, the machine and what was asked.
+"""
+
+from collections.abc import Collection, Sequence
+from operator import attrgetter
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.caches import BoundedCache, PerObject
+from beamcam.checks import rules
+from beamcam.checks.bars.ability import FeatureRef, skippable
+from beamcam.checks.bars.cell import Cell
+from beamcam.checks.bars.compare import Asked, Comparison
+from beamcam.checks.bars.machine_limits import (
+    bar_faults,
+    bore_faults,
+    reach_faults,
+    size_faults,
+)
+from beamcam.checks.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
+from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
+from beamcam.checks.bars.stations import Choice, choices_of, lip_length
+from beamcam.checks.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
+from beamcam.checks.bars.turned import standing
+from beamcam.checks.head import Head, head_of, part_faults, section_told, stock_faults
+from beamcam.controllers import cell_events
+from beamcam.controllers.dialect import Dialect, dialect_of
+from beamcam.controllers.events import BarEvent, Switch
+from beamcam.errors import Diagnostic, Source, VerifyError, errors_in
+from beamcam.machine.machine import Machine, drill_of
+from beamcam.model.part import Part, Profile
+
+__all__ = [
+    "BarRun", "Bore", "Cut", "FeatureRef", "MachinedFeatures", "MachinedPath", "interpret", "run",
+    "skippable", "verify",
+]  # fmt: skip
+
+
+class BarRun(Struct, frozen=True):
+    """A program that was interpreted."""
+
+    made: MachinedFeatures
+    events: tuple[BarEvent, ...]
+    diagnostics: tuple[Diagnostic, ...]  #: what is wrong with it by itself
+    dialect: Dialect
+    choices: dict[int, Choice]
+    unseen: tuple[str, ...] = ()  #: faces that it works on without saying where they lie
+    tools: tuple[Chosen | Changed, ...] = ()  #: that it chooses, and its stops for them
+
+
+class _Known:
+    """Values computed once for a machine and a section."""
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self.dialect = dialect_of(machine)
+        self.shop = ToolCatalogue(machine, drill_of(machine))
+        grades = {row.grade for row in self.shop.drill.cutting}
+        self.depends_on_grade = self.dialect.feeds and len(grades) > 1
+        self._choices = BoundedCache[tuple[Profile | None, float], dict[int, Choice]](
+            "verify.stations"
+        )
+        self._data = BoundedCache[tuple[str, ...] | None, CuttingData]("verify.grades")
+
+    def choices(self, profile: Profile | None, lip: float = 0.0) -> dict[int, Choice]:
+        """The stations of each spindle number on a section with lips of a length."""
+        known, key = self._choices, (profile, lip)
+        return known.get(key) or known.keep(key, choices_of(self.machine, profile, lip))
+
+    def data(self, grades: tuple[str, ...] | None) -> CuttingData:
+        """The cutting data for steel of some grades."""
+        known, drill = self._data, self.shop.drill
+        return known.get(grades) or known.keep(grades, CuttingData(self.machine, drill, grades))
+
+
+_known_of = PerObject("verify.machines", _Known)
+
+
+def run(
+    text: str, machine: Machine, profile: Profile | None = None, name: str = "program",
+    grades: tuple[str, ...] | None = None, lip: float = 0.0,
+) -> BarRun:  # fmt: skip
+    """A program interpreted on a bar of `profile` with lips of a length, of steel of some grades.
+
+    Where they are not given, the section is what the program says, and any grade may be meant.
+    """
+    known = _known_of(machine)
+    events, said = cell_events(text, machine, name)
+    if profile is None and known.dialect.section_fields:
+        profile = section_said(events, known.dialect, machine)
+    done = run_of_events(events, machine, profile, name, grades, lip)
+    told = comment_faults(stop_comments(text), done.tools, machine, name)
+    return replace(done, diagnostics=(*said, *done.diagnostics, *told))
+
+
+def run_of_events(
+    events: Sequence[BarEvent], machine: Machine, profile: Profile | None, name: str,
+    grades: tuple[str, ...] | None = None, lip: float = 0.0,
+) -> BarRun:  # fmt: skip
+    """What a program does whose blocks were read."""
+    known = _known_of(machine)
+    choices = known.choices(profile, lip)
+    cell = Cell(machine, known.dialect, choices, known.data(grades), name)
+    made = cell.run(events)
+    unseen = tuple(sorted(cell.unseen))
+    said = (*cell.said, *place_faults(made, machine, name))
+    tools = tuple(cell.tools)
+    return BarRun(made, tuple(events), said, known.dialect, choices, unseen, tools)
+
+
+def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
+    """The section as far as a program says it: what kind it is, and how high and wide.
+
+    A number that may mean several kinds says none of them.
+    """
+    said: dict[str, float] = {}
+    for event in events:
+        if type(event) is Switch:
+            word = dialect.m_words.get(event.number)
+            if word is not None and word.role == "section":
+                said |= {f: event.words[at] for at, f in word.fields if at in event.words}
+    codes = machine.sections_of(said.get("section", -1))
+    code = codes[0] if len(codes) == 1 else "SO"
+    height, width = said.get("height", 0.0), said.get("width", 0.0)
+    return Profile(code, "", height, width, 0.0, None)  # type: ignore[arg-type]
+
+
+def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFeatures:
+    """The features that a program makes. Raises VerifyError if the program is faulty by itself."""
+    done = run(text, machine, None, name)
+    if errors_in(done.diagnostics):
+        raise VerifyError(done.diagnostics)
+    return done.made
+
+
+def verify(
+    text: str,
+    parts: Sequence[Part],
+    machine: Machine,
+    skips: Collection[str] = (),
+    name: str = "program",
+    order: str = "given",
+    turn: bool = False,
+    bar: float | None = None,
+) -> tuple[Diagnostic, ...]:
+    """All faults of a program, by itself and against the parts on its bar.
+
+    The parts are those that were asked for, in the order asked; `order` and `turn` say whether
+    they may lie in another one and turned, `skips` names the kinds of features that may be left
+    out, `bar` is the bar's length. Nothing comes back for a program that makes exactly the parts.
+    """
+    known = _known_of(machine)
+    if not parts:
+        alone = run(text, machine, None, name)
+        # How large the section is, the program says itself.
+        section = section_said(alone.events, alone.dialect, machine)
+        large = (
+            *size_faults(section, machine, name),
+            *reach_faults(alone.made.cuts, section, machine, name),
+            *bore_faults(alone.made, section, machine, name),
+        )
+        unseen = (rules.UNSEEN.at(Source(name), found=face) for face in alone.unseen)
+        grade = [rules.UNKNOWN_STEEL.at(Source(name))] if known.depends_on_grade else []
+        return (*alone.diagnostics, *large, *unseen, *grade)
+    grades = tuple(dict.fromkeys(part.grade for part in parts))
+    profile, lip = parts[0].profile, max(map(lip_length, parts))
+    done = run(text, machine, profile, name, grades, lip)
+    if turn:
+        other = _lying_section(done.made, parts[0])
+        if other != profile:
+            profile = other
+            done = run(text, machine, profile, name, grades, lip)
+    more = compared(done, parts, machine, profile, skips, name, order, turn, bar, head_of(text))
+    return (*done.diagnostics, *more)
+
+
+def compared(
+    done: BarRun, parts: Sequence[Part], machine: Machine, profile: Profile, skips: Collection[str],
+    name: str, order: str, turn: bool, bar: float | None, head: Head | None = None,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
+    """What is made otherwise than the parts on the bar have it, and what no machine can hold.
+
+    Where nothing is, also what a `head` says otherwise.
+    """
+    known = _known_of(machine)
+    asked = Asked(parts, skips, order != "given", turn, bar)
+    comparison = Comparison(
+        done.made, asked, known.shop, profile, known.choices(profile), name
+    )  # fmt: skip
+    said = (*comparison.run(), *bar_faults(comparison.laid, machine, comparison.saw, bar, name))
+    if head is None or errors_in(said):
+        return said
+    laid = sorted(comparison.laid, key=attrgetter("start"))
+    lie = [(one.part, (one.start,)) for one in laid]
+    return (
+        *said, *stock_faults(head, parts, section_told(parts), machine, name),
+        *part_faults(head, lie, machine.format.resolution, asked.free, name),
+    )  # fmt: skip
+
+
+def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:
+    """The section of a part as it lies in a program, turned or as it was given."""
+    return _lying_section(run(text, machine, part.profile).made, part) if turn else part.profile
+
+
+def _lying_section(made: MachinedFeatures, part: Part) -> Profile:
+    """The section of a part as it lies by what the program says of it."""
+    said = dict(made.section)
+    size = said.get("height"), said.get("width")
+    fitting = (p.profile for p in standing(part) if (p.profile.height, p.profile.width) == size)
+    return next(fitting, part.profile)

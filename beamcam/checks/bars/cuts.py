@@ -1,0 +1,356 @@
+"""The cuts of a bar: the end planes of its parts, what they account for, and what is wrong."""
+
+from collections.abc import Sequence
+from math import atan, atan2, cos, degrees, hypot, radians, tan
+from operator import attrgetter
+from typing import Literal
+
+from msgspec import Struct
+
+from beamcam.checks import rules
+from beamcam.checks.bars.machined_features import Cut
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Line, Point
+from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Saw
+from beamcam.model.part import Contour, Face, Part, Profile
+from beamcam.model.section import corners
+
+# --- part ends ------------------------------------------------------------------------------------
+
+# End planes of a part, and the outlines that they account for.
+#
+# Computed from the part alone, and not by the planner. Both ends follow DSTV's formula, of the web
+# in y and of the flange in z (across, from the h side):
+#
+#     angle = atan2(x(lowest) - x(highest), height)      so      x = c - y tan(web) - z tan(flange)
+#
+# and touch x = 0 and x = length at their furthest points.
+
+
+OUTLINE_TOLERANCE = 1.0  #: mm that exporters leave between outline and header
+ANGLE_TOLERANCE_DEG = 0.2  #: between header and outline, and between a bevel and its mitre
+
+
+class End(Struct, frozen=True, gc=False):
+    """The plane of one end of a part."""
+
+    side: int  #: -1 start, +1 end: on which side of it the waste lies
+    web: float  #: degrees, DSTV's web angle
+    flange: float  #: and its flange angle; both 0 is square
+    x_0: float  #: x on the part at y = 0, z = 0
+    tan_web: float = 0.0
+    tan_flange: float = 0.0
+
+    @property
+    def name(self) -> Literal["start", "end"]:
+        return "start" if self.side < 0 else "end"
+
+    @property
+    def square(self) -> bool:
+        return not self.web and not self.flange
+
+    def x(self, y: float, z: float = 0.0) -> float:
+        return self.x_0 - y * self.tan_web - z * self.tan_flange
+
+    def kerf(self, saw: Saw) -> float:
+        """Length of bar that its cut takes: the blade's thickness, along the bar if it is so."""
+        if self.square or saw.kerf_along != "normal":
+            return saw.kerf
+        return saw.kerf * hypot(1.0, self.tan_web, self.tan_flange)
+
+    def blade(self, saw: Saw, height: float) -> float:
+        """The part's x of the blade's centre, on the saw's pivot edge."""
+        return self.x(height if saw.pivot == "o" else 0.0) + self.side * self.kerf(saw) / 2
+
+    def saw_angles(self, saw: Saw) -> tuple[float, float]:
+        """Angle and tilt in the machine's counting.
+
+        A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
+        which has to be along (1, tan w, tan f), so tan t = tan f cos w.
+        """
+        if not self.flange:
+            return saw.square + saw.angle_sign * self.web, 0.0
+        tilt = degrees(atan(self.tan_flange * cos(radians(self.web))))
+        return saw.square + saw.angle_sign * self.web, saw.tilt_sign * tilt + 0.0
+
+
+def ends_of(part: Part, saw: Saw) -> tuple[End, End]:
+    """Start and end of a part: by the header's angles, by the outlines where they are 0."""
+    cuts, least = part.cuts, saw.min_mitre
+    webs, flanges = (cuts.web_start, cuts.web_end), (cuts.flange_start, cuts.flange_end)
+    if Contour in map(type, part.features):
+        if abs(webs[0]) < least or abs(webs[1]) < least:
+            webs = _instead(webs, _drawn(part, "v"), least)
+        if abs(flanges[0]) < least or abs(flanges[1]) < least:
+            seen = [_drawn(part, face) for face in ("u" if part.profile.code == "L" else "ou")]
+            agreed = (
+                seen[0][i] if all(abs(s[i] - seen[0][i]) <= ANGLE_TOLERANCE_DEG for s in seen)
+                else 0.0
+                for i in (0, 1)
+            )  # fmt: skip
+            start, end = agreed
+            flanges = _instead(flanges, (start, end), least)
+    ends = []
+    for side, web, flange in ((-1, webs[0], flanges[0]), (1, webs[1], flanges[1])):
+        web = web if abs(web) >= least else 0.0
+        flange = flange if abs(flange) >= least else 0.0
+        x_0, t, s = 0.0 if side < 0 else part.length, 0.0, 0.0
+        if web or flange:
+            # x(y, z) runs through the outermost corner, which lies on x = 0 or x = length.
+            t, s = tan(radians(web)), tan(radians(flange))
+            leans = [y * t + z * s for y, z in corners(part.profile, part.section)]
+            x_0 += max(leans) if side < 0 else min(leans)
+        ends.append(End(side, web, flange, x_0, t, s))
+    return ends[0], ends[1]
+
+
+def _instead(
+    angles: tuple[float, float], drawn: tuple[float, float], least: float
+) -> tuple[float, float]:
+    """The header's angles, and what is drawn where they are 0."""
+    start, end = (a if abs(a) >= least else d for a, d in zip(angles, drawn, strict=True))
+    return start, end
+
+
+def _drawn(part: Part, face: Face) -> tuple[float, float]:
+    """Angles of start and end as an outline has them; 0 where either is not a straight line."""
+    outlines = [
+        f for f in part.features
+        if isinstance(f, Contour) and f.face == face and f.kind == "outer"
+    ]  # fmt: skip
+    if len(outlines) != 1 or not all(isinstance(c, Line) for c in outlines[0].curves):
+        return 0.0, 0.0
+    points = [c.start for c in outlines[0].curves]
+    ys = [y for _, y in points]
+    low, high = min(ys), max(ys)
+    if high - low < OUTLINE_TOLERANCE:
+        return 0.0, 0.0
+    bottom = [x for x, y in points if y <= low + OUTLINE_TOLERANCE]
+    top = [x for x, y in points if y >= high - OUTLINE_TOLERANCE]
+    within = [
+        p for p in points if low + OUTLINE_TOLERANCE < p[1] < high - OUTLINE_TOLERANCE
+    ]  # fmt: skip
+    ends = (
+        (min(bottom), min(top), [p for p in within if p[0] < part.length / 2]),
+        (max(bottom), max(top), [p for p in within if p[0] > part.length / 2]),
+    )
+    for x_low, x_high, between in ends:
+        for x, y in between:
+            if abs(x - x_low - (x_high - x_low) * (y - low) / (high - low)) > OUTLINE_TOLERANCE:
+                return 0.0, 0.0  # what is not sawn says nothing of the saw
+    start, end = (degrees(atan2(a - b, high - low)) for a, b, _ in ends)
+    return (
+        start if abs(start) > ANGLE_TOLERANCE_DEG else 0.0,
+        end if abs(end) > ANGLE_TOLERANCE_DEG else 0.0,
+    )
+
+
+def off_outline(contour: Contour, part: Part, ends: tuple[End, End]) -> Point | None:
+    """The first point of an outer contour off the sawn stock; None if there is none.
+
+    Every point of it has to lie on a long edge or an end, and every corner of the sawn face has
+    to be a point of it. A skew cut leaves a plate's end skew through its thickness, and either
+    surface may be drawn.
+    """
+    width = part.profile.face_width(contour.face)
+    points = [c.start for c in contour.curves]
+    points += [c.point(0.5) for c in contour.curves if not isinstance(c, Line)]
+    fixed = None
+    if ends[0].square and ends[1].square:
+        fixed = [_span(end, contour.face, part.profile, 0.0) for end in ends]
+    for x, y in points:
+        spans = fixed or [_span(end, contour.face, part.profile, y) for end in ends]
+        on_edge = min(abs(y), abs(y - width)) <= OUTLINE_TOLERANCE
+        at_end = x <= spans[0][1] or x >= spans[1][0]
+        if not (spans[0][0] <= x <= spans[1][1]) or not (on_edge or at_end):
+            return x, y
+    for corner in (0.0, width):
+        for end in ends:
+            least, greatest = _span(end, contour.face, part.profile, corner)
+            if not any(
+                least <= x <= greatest and abs(y - corner) <= OUTLINE_TOLERANCE for x, y in points
+            ):
+                return (least + greatest) / 2, corner
+    return None
+
+
+def _span(end: End, face: Face, profile: Profile, q: float) -> tuple[float, float]:
+    """Minimum and maximum x at which an end may be drawn on a face, at its coordinate q."""
+    if end.square:
+        return end.x_0 - OUTLINE_TOLERANCE, end.x_0 + OUTLINE_TOLERANCE
+    height, thick, web = profile.height, profile.flange_thickness, profile.web_thickness or 0.0
+    if face in ("o", "u"):
+        low = {"o": height - thick, "u": 0.0}[face]
+        if profile.code == "T":  # whose stem stands in the middle of its flange
+            low = (height - thick) / 2
+        surfaces = low, low + thick
+        xs = [end.x(y, q) for y in surfaces]
+    else:
+        middle = (profile.width - web) / 2 if profile.code == "I" else 0.0
+        if profile.code == "M" and face == "v":
+            middle = profile.width - web
+        whole = profile.code in ("SO", "RO", "RU")
+        xs = [end.x(q, z) for z in ((0.0, profile.width) if whole else (middle, middle + web))]
+    return min(xs) - OUTLINE_TOLERANCE, max(xs) + OUTLINE_TOLERANCE
+
+
+# --- cut faults -----------------------------------------------------------------------------------
+
+# Faults in the cuts of a bar whose pieces are not its parts.
+#
+#     | start cut |# part 1 ######/ end cut | parting cut |# part 2 ####| parting cut
+#
+# A square start is made by the cut that parts it from what lies before it, a skew end has a cut of
+# its own and a square one behind it that removes the wedge. The blade is always on the waste side.
+
+
+_by_x = attrgetter("x", "line")
+COMMON_DEG = 0.01  #: ends that differ by no more may share a cut
+SQUARE = End(1, 0.0, 0.0, 0.0)
+NEAR = 60.0  #: mm; a cut this near to where it should be is taken for it, in the wrong place
+
+
+class CutFaults:
+    """Parts laid on the bar by the cuts that come nearest to theirs: `starts`, and what is wrong in
+    `said`."""
+
+    def __init__(self, cuts: Sequence[Cut], machine: Machine, saw: Saw, name: str) -> None:
+        self.machine, self.saw, self.name = machine, saw, name
+        self.left = sorted(cuts, key=_by_x)
+        self.tolerance = machine.format.resolution + 1e-6
+        self.angle_tolerance = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
+        self.starts: list[float] = []
+        self.said: list[Diagnostic] = []
+
+    def place(self, parts: Sequence[Part], ends: Sequence[tuple[End, End]]) -> None:
+        """Find every part's cuts, in the order given; what is left over is too much."""
+        begin: float | None = None  #: where the cut before lets the next part begin
+        shared = False  #: whether that cut made the next start, skew as it may be
+        for index, part in enumerate(parts):
+            following = ends[index + 1][0] if index + 1 < len(parts) else None
+            begin, shared = self._place(part, ends[index], following, begin, shared)
+        for cut in self.left:
+            self.said.append(
+                rules.CUT_EXTRA.at(
+                    Source(self.name, cut.line), angle=_shown(cut.angle, cut.tilt), x=f"{cut.x:g}"
+                )
+            )
+
+    def _place(
+        self,
+        part: Part,
+        ends: tuple[End, End],
+        following: End | None,
+        begin: float | None,
+        shared: bool,
+    ) -> tuple[float, bool]:
+        """One part's cuts; where the next part begins, and whether its start is made already."""
+        first, last = ends
+        saw, height = self.saw, part.profile.height
+        start = begin
+        if start is None or not (first.square or shared):
+            start = self._start(part, ends, begin)
+            self._take(first, start + first.blade(saw, height), part)
+        self.starts.append(start)
+        end = start + part.length
+        if last.square:
+            return self._take_square(last, end + saw.kerf / 2, part), False
+        cut = self._take(last, start + last.blade(saw, height), part)
+        behind = self._behind_wedge(end, last, following)
+        at = next((x for x in behind if self._is_there(x, self._places(SQUARE))), None)
+        if at is None and cut is not None:
+            if following is None:
+                # The bar ends with the part, and its wedge falls off.
+                return cut.x - saw.x + saw.kerf / 2, False
+            if self._common(last, following):
+                return cut.x - saw.x - following.blade(saw, height), True
+        return self._take_square(SQUARE, behind[0] if at is None else at, part), False
+
+    def _behind_wedge(self, end: float, last: End, following: End | None) -> list[float]:
+        """Where the square cut may stand that removes the wedge, the likeliest first.
+
+        It never stands before the middle of the mitre.
+        """
+        behind = [end + last.kerf(self.saw) / 2]
+        if following is not None and following.square:
+            # It makes the next start too, so it says where that is.
+            least = end + self.saw.kerf / 2 - self.tolerance
+            behind += [x for x in self._places(SQUARE) if x >= least][:1]
+        return behind
+
+    def _take_square(self, end: End, bar_x: float, part: Part) -> float:
+        """Where the next part begins behind a square cut."""
+        cut = self._take(end, bar_x, part)
+        return (cut.x - self.saw.x if cut else bar_x) + self.saw.kerf / 2
+
+    def _common(self, end: End, start: End) -> bool:
+        """Whether one cut can make an end and the next start."""
+        return (
+            self.saw.common_cuts
+            and abs(end.web - start.web) <= COMMON_DEG
+            and abs(end.flange - start.flange) <= COMMON_DEG
+        )
+
+    def _like(self, end: End, cuts: Sequence[Cut]) -> list[Cut]:
+        """Those of the cuts that have an end's angles."""
+        angle, tilt = end.saw_angles(self.saw)
+        limit = self.angle_tolerance
+        return [c for c in cuts if abs(c.angle - angle) <= limit and abs(c.tilt - tilt) <= limit]
+
+    def _places(self, end: End) -> list[float]:
+        """Bar x of the cuts that are left and have an end's angles."""
+        return [c.x - self.saw.x for c in self._like(end, self.left)]
+
+    def _is_there(self, bar_x: float, places: Sequence[float]) -> bool:
+        return any(abs(place - bar_x) <= self.tolerance for place in places)
+
+    def _start(self, part: Part, ends: tuple[End, End], begin: float | None) -> float:
+        """The start of a part: where its first cut fits one at its other end, if there is any."""
+        height = part.profile.height
+        at, reach = (e.blade(self.saw, height) for e in ends)
+        found = [x - at for x in self._places(ends[0])]
+        last = self._places(ends[1])
+        for start in found:
+            if self._is_there(start + reach, last):
+                return start
+        others = [place - reach for place in last]
+        near = begin
+        if near is None and self.machine.layout is not None:
+            near = self.machine.layout.front_trim
+        return min((*found, *others), key=lambda s: abs(s - (near or 0.0)), default=near or 0.0)
+
+    def _take(self, end: End, bar_x: float, part: Part) -> Cut | None:
+        """The cut at `bar_x`, taken from those that are left; what is wrong with it is said."""
+        x = bar_x + self.saw.x
+        here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
+        best = min(self._like(end, here), key=lambda c: abs(c.x - x), default=None)
+        if best is None:
+            best, said = self._instead(end, x, here, part)
+            self.said.append(said)
+        if best is not None:
+            self.left.remove(best)
+        return best
+
+    def _instead(
+        self, end: End, x: float, here: Sequence[Cut], part: Part
+    ) -> tuple[Cut | None, Diagnostic]:
+        """The cut that was meant for an end at machine `x`, and what is wrong with it."""
+        names = {"end": end.name, "mark": part.mark}
+        angle, tilt = end.saw_angles(self.saw)
+        if here:
+            best = min(here, key=lambda c: abs(c.angle - angle))
+            source, found = Source(self.name, best.line), _shown(best.angle, best.tilt)
+            expected = _shown(angle, tilt)
+            return best, rules.CUT_ANGLE.at(source, found=found, expected=expected, **names)
+        near = [c for c in self._like(end, self.left) if abs(c.x - x) <= NEAR]
+        if near:
+            best = min(near, key=lambda c: abs(c.x - x))
+            source, found = Source(self.name, best.line), f"{best.x:.6g}"
+            return best, rules.CUT_PLACE.at(source, found=found, expected=f"{x:.6g}", **names)
+        source = part.cut_source("web" if end.web else "flange", end.name)
+        return None, rules.CUT_MISSING.at(source, angle=_shown(angle, tilt), x=f"{x:.6g}", **names)
+
+
+def _shown(angle: float, tilt: float) -> str:
+    return f"{angle:g}" if not tilt else f"{angle:g}, tilted {tilt:g}"

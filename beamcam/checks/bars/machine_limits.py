@@ -1,0 +1,415 @@
+"""What a machine's file rules out, whatever was planned: sections, mitres, and holes without steel.
+
+section      one that the machine takes, no larger than its stations
+cut          a turned blade reaches less far across
+hole         in the finished part, clear of its other walls and of other holes
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from math import dist, hypot, inf
+
+from msgspec import Struct
+
+from beamcam.caches import PerObject
+from beamcam.checks import rules as rules
+from beamcam.checks.bars.cuts import End
+from beamcam.checks.bars.machined_features import Cut, MachinedFeatures, MachinedPath
+from beamcam.checks.bars.pieces import LaidPart
+from beamcam.checks.bars.stations import limits_of, lip_length
+from beamcam.checks.bars.targets import PLAIN_KINDS, THREADS, Pocket, Round, Target, slot_corners
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.machine import Layout, Machine
+from beamcam.machine.stations import Saw
+from beamcam.model.part import Face, Hole, Part, Profile, Slot
+from beamcam.model.section import walls_beside
+
+TANGENT = 0.011  #: mm; holes are given to 0.01, so that those which touch may be off by it
+
+
+class Shape(Struct, frozen=True, gc=False):
+    """The circles that a hole or slot of a part has at its corners."""
+
+    feature: int
+    face: Face
+    what: str
+    centres: tuple[tuple[float, float], ...]
+    radius: float
+    through: bool
+    hole: Hole | None  #: None of a slot
+
+
+def shape_of(target: Target) -> Shape | None:
+    """The circles of what was made; None of a line, and of a slot's end, which is in the slot."""
+    if isinstance(target, Pocket):
+        source = target.source
+        if isinstance(source, Slot):
+            centres, hole = tuple(slot_corners(source)), None
+        else:
+            centres, hole = ((target.x, target.y),), source
+        return Shape(
+            target.feature, target.face, target.what, centres, target.diameter / 2,
+            target.depth is None, hole,
+        )  # fmt: skip
+    if not isinstance(target, Round) or target.optional:
+        return None
+    hole = target.kind.hole
+    return Shape(
+        target.feature, target.face, target.kind.what, ((target.x, target.y),), hole.diameter / 2,
+        hole.depth is None and hole.kind in ("through", *THREADS), hole,
+    )  # fmt: skip
+
+
+def section_faults(profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """A section that the machine does not take, or that is larger than a station of it."""
+    layout = machine.layout
+    taken = layout.profiles if layout is not None else ()
+    if taken and not (profile.code in taken and profile.code in machine.sections):
+        expected = f"one of {', '.join(taken)}"
+        yield rules.STOCK.at(Source(name), found=profile.code, expected=expected)
+    yield from size_faults(profile, machine, name)
+
+
+def size_faults(profile: Profile, machine: Machine, name: str) -> Iterator[Diagnostic]:
+    """A section that is larger than a station of the machine."""
+    for what, station in (("saw", machine.saw), ("drill", machine.drill)):
+        if station is None:
+            continue
+        most = station.max_height, station.max_width
+        if profile.height > most[0] or profile.width > most[1]:
+            yield rules.STOCK.at(
+                Source(name), found=f"{profile.height:g} x {profile.width:g} mm",
+                expected=f"at most {most[0]:g} x {most[1]:g} mm (height x width) at the {what}",
+            )  # fmt: skip
+
+
+def reach_faults(
+    cuts: Iterable[Cut], profile: Profile, machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """Cuts whose blade does not reach across the section at their angle."""
+    saw = machine.saw
+    if saw is None or not saw.max_sections:
+        return
+    for cut in cuts:
+        off = abs(cut.angle - saw.square)
+        rows = [row for row in saw.max_sections if off <= row.max_angle + 1e-6]
+        near = min(rows, key=lambda row: row.max_angle, default=None)
+        widest = near or max(saw.max_sections, key=lambda row: row.max_angle)
+        if profile.height > widest.max_height or profile.width > widest.max_width:
+            yield rules.SAW_REACH.at(
+                Source(name, cut.line), angle=f"{cut.angle:g}",
+                found=f"{profile.height:g} x {profile.width:g}",
+                expected=f"{widest.max_height:g} x {widest.max_width:g}",
+            )  # fmt: skip
+
+
+def steel_faults(
+    shapes: Sequence[Shape], part: Part, ends: tuple[End, End], machine: Machine
+) -> Iterator[Diagnostic]:
+    """Holes and slots of a part, made as it has them, that have no steel all round."""
+    step = machine.format.resolution + TANGENT
+    for shape in shapes:
+        found = (
+            _beyond_end(shape, part.profile, ends, step)
+            or _beyond_edge(shape, part.profile, step)
+            or _in_a_wall(shape, part.profile, step)
+        )
+        if found:
+            yield _said(shape, part, found, "steel all round it")
+        elif found := _behind_a_lip(shape, part, step):
+            yield _said(shape, part, found, "room for the tool")
+    for one, other in _overlapping(shapes, machine, step):
+        yield _said(other, part, *_apart(one, other))
+
+
+def bore_faults(
+    made: MachinedFeatures, section: Profile, machine: Machine, name: str
+) -> Iterator[Diagnostic]:
+    """Holes of a program that have no steel all round, on a section as far as that says it.
+
+    How thick the walls are a program does not say; a hole over the middle of one is in it. Holes
+    that a mill joins are a slot.
+    """
+    step = machine.format.resolution + TANGENT
+    shapes = [
+        Shape(
+            k, bore.face, f"hole of {bore.diameter:g}", ((bore.x, bore.y),),
+            bore.diameter / 2, False,
+            Hole(bore.face, bore.x, bore.y, bore.diameter, Source(name, bore.line)),
+        )
+        for k, bore in enumerate(made.bores) if bore.kind == "drill"
+    ]  # fmt: skip
+    for shape in shapes:
+        found = section.face_width(shape.face) and _beyond_edge(shape, section, step)
+        for wall in walls_beside(section, shape.face):
+            middle = (wall.least + wall.greatest) / 2
+            if abs(shape.centres[0][1] - middle) < shape.radius - step and not found:
+                found = f"over the wall at y {middle:g}"
+        if found:
+            yield _of_bar(shape, found, "steel all round it")
+    for one, other in _overlapping(shapes, machine, step):
+        if not any(_joins(path, (one, other), step) for path in made.paths):
+            yield _of_bar(other, *_apart(one, other))
+
+
+def _overlapping(
+    shapes: Sequence[Shape], machine: Machine, step: float
+) -> Iterator[tuple[Shape, Shape]]:
+    """Holes that meet, of two that are not one work about one middle."""
+    near = machine.drill.merge_tolerance if machine.drill else 0.0
+    for one, other in _side_by_side(shapes):
+        if one.hole is None or other.hole is None:
+            continue
+        apart = dist(one.centres[0], other.centres[0])
+        if apart < one.radius + other.radius - step and not (
+            apart <= near + 1e-9 and _is_one_work(one.hole, other.hole)
+        ):
+            yield one, other
+
+
+def _apart(one: Shape, other: Shape) -> tuple[str, str]:
+    """How far two holes are apart, and how far they have to be."""
+    apart = dist(one.centres[0], other.centres[0])
+    expected = f"at least {one.radius + other.radius:g} mm between their middles"
+    return f"{apart:.3g} mm from the {one.what}", expected
+
+
+def _joins(path: MachinedPath, holes: Iterable[Shape], step: float) -> bool:
+    """Whether a path comes by the middles of holes."""
+    return all(
+        hole.face == path.face
+        and min(dist(point, hole.centres[0]) for point in path.points) <= hole.radius + step
+        for hole in holes
+    )
+
+
+def _of_bar(shape: Shape, found: str, expected: str) -> Diagnostic:
+    x, y = shape.centres[0]
+    source = shape.hole.source if shape.hole is not None else Source("")
+    return rules.HOLE_STEEL.at(
+        source, what=shape.what, face=shape.face, mark="the bar", x=f"{x:g}", y=f"{y:g}",
+        found=found, expected=expected,
+    )  # fmt: skip
+
+
+def _side_by_side(shapes: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:
+    """Two holes of a face that may touch, in their order: those as near along the part."""
+    holes = [k for k, shape in enumerate(shapes) if shape.hole is not None]
+    holes.sort(key=lambda k: (shapes[k].face, shapes[k].centres[0][0]))
+    widest = max((shapes[k].radius for k in holes), default=0.0)
+    found: list[tuple[int, int]] = []
+    for place, k in enumerate(holes):
+        one = shapes[k]
+        for at in range(place + 1, len(holes)):
+            i = holes[at]
+            other = shapes[i]
+            if other.face != one.face:
+                break
+            if other.centres[0][0] - one.centres[0][0] > one.radius + widest:
+                break
+            found.append((min(k, i), max(k, i)))
+    return ((shapes[k], shapes[i]) for k, i in sorted(found))
+
+
+def _beyond_end(shape: Shape, profile: Profile, ends: tuple[End, End], step: float) -> str:
+    """By how much the circles reach beyond an end of the part, on either side of their wall."""
+    height, width = profile.height, profile.width
+    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
+    on_web = shape.face in ("v", "h")
+    middle = (width - web) / 2 if profile.code == "I" else 0.0
+    if profile.code == "M" and shape.face == "v":
+        middle = width - web
+    if on_web:
+        surfaces: tuple[float, float] = (middle, middle + web)
+    elif profile.code == "T":  # its stem stands in the middle of its flange
+        surfaces = height / 2 - flange / 2, height / 2 + flange / 2
+    else:
+        surfaces = (height - flange, height) if shape.face == "o" else (0.0, flange)
+    for end in ends:
+        slant = hypot(1.0, end.tan_web if on_web else end.tan_flange)
+        for surface in surfaces:
+            for x, y in shape.centres:
+                limit = end.x(y, surface) if on_web else end.x(surface, y)
+                left = -end.side * (x - limit) / slant - shape.radius
+                if left < -step:
+                    return f"{-left:.3g} mm beyond the {end.name} of the part"
+    return ""
+
+
+def _beyond_edge(shape: Shape, profile: Profile, step: float) -> str:
+    """By how much the circles reach beyond an edge of their face."""
+    width = profile.face_width(shape.face)
+    out = max(max(-(y - shape.radius), y + shape.radius - width) for _, y in shape.centres)
+    return f"{out:.3g} mm beyond the edge of the face" if out > step else ""
+
+
+def _in_a_wall(shape: Shape, profile: Profile, step: float) -> str:
+    """The wall that a tool would run into: behind the face, or before it beside a sunk one."""
+    if not shape.through and not profile.face_depth(shape.face):
+        return ""
+    low = min(y for _, y in shape.centres) - shape.radius
+    high = max(y for _, y in shape.centres) + shape.radius
+    for wall in walls_beside(profile, shape.face):
+        if high > wall.least + step and low < wall.greatest - step:
+            return f"in the wall from y {wall.least:g} to {wall.greatest:g}"
+    return ""
+
+
+def _behind_a_lip(shape: Shape, part: Part, step: float) -> str:
+    """That a lip of the section stands before a hole in its web."""
+    lip = lip_length(part)
+    if shape.face != "v" or not lip:
+        return ""
+    low = min(y for _, y in shape.centres) - shape.radius
+    high = max(y for _, y in shape.centres) + shape.radius
+    inside = low >= lip - step and high <= part.profile.height - lip + step
+    return "" if inside else f"behind a lip of {lip:.3g} mm"
+
+
+def _is_one_work(one: Hole, other: Hole) -> bool:
+    """Whether two holes about one middle are a sink, a thread or a stepped hole."""
+    narrow, wide = sorted((one, other), key=lambda hole: hole.diameter)
+    if "countersink" in (one.kind, other.kind) or "mark" in (one.kind, other.kind):
+        return True
+    if wide.kind in THREADS:
+        return narrow.kind in PLAIN_KINDS
+    deeper = wide.depth is not None and (narrow.depth is None or narrow.depth > wide.depth)
+    return deeper and narrow.diameter < wide.diameter
+
+
+def _said(shape: Shape, part: Part, found: str, expected: str) -> Diagnostic:
+    x, y = shape.centres[0]
+    source = part.features[shape.feature].source
+    return rules.HOLE_STEEL.at(
+        source, what=shape.what, face=shape.face, mark=part.mark, x=f"{x:g}", y=f"{y:g}",
+        found=found, expected=expected,
+    )  # fmt: skip
+
+
+# --- cell limits ----------------------------------------------------------------------------------
+
+# What a machine's file says about its cell, whatever program runs there.
+
+
+EPSILON = 1e-6
+_DWELL = re.compile(r"(?<![A-Z])G(?:0*4|82)(?![0-9.])")
+
+
+class CellLimits(Struct, frozen=True):
+    """What the machine's file says about its cell whatever the program is."""
+
+    max_pecks: dict[float, float]  #: how deep a drill of each size may be fed at once
+    stop: tuple[str, float, float]  #: name, minimum and maximum of the axis along the bar
+    never_back: bool  #: whether the bar only goes on
+    step: float  #: of written lengths, with some rounding
+    per_minute: float  #: makes mm/min of a feed in a template's unit
+    tools: dict[str, tuple[float, ...]]  #: the sizes of each kind that the shop has
+    dwells: bool  #: whether a word of its own dwells
+
+
+def _limits(machine: Machine) -> CellLimits:
+    form, layout = machine.format, machine.layout
+    return CellLimits(
+        _max_pecks(machine),
+        limits_of(machine, "X"),
+        layout is not None and layout.order == "saw-drill",
+        form.resolution + EPSILON,
+        60.0 if form.feed_unit == "mm/s" else 1.0,
+        {
+            kind: tuple(sorted({d for t in machine.tools if t.kind == kind for d in t.sizes}))
+            for kind in {tools.kind for tools in machine.tools}
+        },
+        "drill-cycle-dwell" in machine.codes.values()
+        or any(_DWELL.search(t) for t in _lines(machine)),
+    )
+
+
+def _lines(machine: Machine) -> Iterator[str]:
+    """The lines of all templates of work."""
+    for name in machine.words.__struct_fields__:
+        template = getattr(machine.words, name)
+        yield from template if isinstance(template, tuple) else ()
+
+
+limits_of_cell = PerObject("verify.cells", _limits)
+
+
+def _max_pecks(machine: Machine) -> dict[float, float]:
+    """How deep a drill of each size may be fed at once, where its size has a limit."""
+    found: dict[float, float] = {}
+    for tools in machine.tools:
+        if tools.kind == "drill":
+            for size in tools.sizes:
+                found[size] = max(found.get(size, 0.0), tools.max_peck or inf)
+    return {size: peck for size, peck in found.items() if peck < inf}
+
+
+# --- bar limits -----------------------------------------------------------------------------------
+
+# What the machine can hold of a bar: its size, both its ends, and the parts that come off it.
+#
+# | front trim |# part 1 ####|kerf|# part 2 ####|kerf|   remnant   | end trim | dead zone |
+# bar x 0                                            last cut ends                     length
+
+
+def bar_faults(
+    laid: Sequence[LaidPart], machine: Machine, saw: Saw, bar: float | None, name: str
+) -> Iterator[Diagnostic]:
+    """What of the parts on a bar the machine cannot hold, and the bar needed where it is unknown.
+
+    `bar` is the length of the bar. On a line without a saw the part is the bar.
+    """
+    layout = machine.layout
+    if layout is None or not laid:
+        return
+    if machine.saw is None:
+        yield from _size_faults(laid[0].part.length, layout.min_bar, layout, EPSILON, name)
+        return
+    # Places of parts are worked out from figures that are rounded.
+    slack = machine.format.resolution + EPSILON
+    yield from _short_parts([one.part for one in laid], layout)
+    first = min(laid, key=lambda one: one.start)
+    if first.start < layout.front_trim - slack:
+        yield rules.BAR_START.at(
+            Source(name), mark=first.part.mark, found=f"{first.start:.3f}",
+            expected=f"{layout.front_trim:g}",
+        )  # fmt: skip
+    trim = layout.end_trim + layout.dead_zone
+    ends = max(one.start + one.part.length + one.ends[1].kerf(saw) for one in laid)
+    if bar is None:
+        yield from _size_faults(ends + trim, 0.0, layout, slack, name)
+        if trim:
+            yield rules.BAR_NEEDED.at(Source(name), found=f"{ends + trim:.3f}", trim=f"{trim:g}")
+        return
+    yield from _size_faults(bar, layout.min_bar, layout, EPSILON, name)
+    if ends > bar - trim + slack:
+        yield rules.BAR_END.at(
+            Source(name), found=f"{ends:.3f}", expected=f"{bar - trim:.3f}", trim=f"{trim:g}"
+        )
+    last = max(laid, key=lambda one: one.start)
+    if bar - last.start < layout.min_bar_left - slack:
+        yield rules.BAR_LEFT.at(
+            Source(name), found=f"{bar - last.start:.3f}", mark=last.part.mark,
+            expected=f"{layout.min_bar_left:g}",
+        )  # fmt: skip
+
+
+def _short_parts(parts: Sequence[Part], layout: Layout) -> Iterator[Diagnostic]:
+    """Parts that the machine cannot hand out, each once."""
+    for part in {id(one): one for one in parts}.values():
+        if part.length < layout.min_part - EPSILON:
+            yield rules.PART_SHORT.at(
+                part.source, mark=part.mark, found=f"{part.length:.3f}",
+                expected=f"{layout.min_part:g}",
+            )  # fmt: skip
+
+
+def _size_faults(
+    bar: float, least: float, layout: Layout, slack: float, name: str
+) -> Iterator[Diagnostic]:
+    """A bar that is too short or too long for the machine."""
+    greatest = inf if layout.max_bar is None else layout.max_bar
+    if not least - slack <= bar <= greatest + slack:
+        yield rules.BAR_SIZE.at(
+            Source(name), found=f"{bar:.3f}", least=f"{layout.min_bar:g}", greatest=f"{greatest:g}"
+        )

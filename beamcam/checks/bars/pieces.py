@@ -1,0 +1,240 @@
+"""The pieces of a bar between its cuts.
+
+    | trim |# piece 1 ######/ wedge | piece 2 ####|  rest
+
+A cut is a slab as thick as the blade. Between two of them that follow each other along the bar lies
+a piece of steel, which is a part if both its ends are those of the part. X counts on the pivot
+edge of the saw; the plane of a cut is x = x_0 - y tan(web) - z tan(flange), in DSTV's angles.
+"""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from math import atan, cos, degrees, hypot, nan, radians, tan
+
+from msgspec import Struct
+
+from beamcam.checks.bars.cuts import End, ends_of
+from beamcam.checks.bars.machined_features import Cut
+from beamcam.checks.bars.turned import standing
+from beamcam.machine.machine import Machine
+from beamcam.machine.stations import Saw
+from beamcam.model.part import Part, Profile
+
+
+class CutPlane(Struct, frozen=True, gc=False):
+    """Position of a cut in the bar: the middle of its slab."""
+
+    cut: Cut
+    web_deg: float  #: DSTV's angles
+    flange_deg: float
+    at_pivot: float  #: bar x on the pivot edge
+    tan_web: float
+    tan_flange: float
+    half_kerf: float  #: along the bar
+
+    def along(self, rise: float, z: float) -> float:
+        """Bar x at a place of the section, `rise` above the pivot edge."""
+        return self.at_pivot - rise * self.tan_web - z * self.tan_flange
+
+
+class Piece(Struct, frozen=True, gc=False):
+    """The steel between two cuts."""
+
+    start: CutPlane
+    end: CutPlane
+
+
+def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[CutPlane]:
+    """The planes of the cuts in their order along the bar, by the middle of the section."""
+    rise = (-0.5 if saw.pivot == "o" else 0.5) * profile.height
+    found = [_plane(cut, saw) for cut in cuts]
+    found.sort(key=lambda p: (p.along(rise, profile.width / 2), p.cut.line))
+    return found
+
+
+def pieces(cuts: Sequence[CutPlane], bar: float | None = None) -> list[Piece]:
+    """The pieces between ordered planes, and before the end of a bar of known length.
+
+    The bar's own end counts as a cut of line 0.
+    """
+    found = [Piece(a, b) for a, b in pairwise(cuts)]
+    if bar is not None and cuts:
+        end = CutPlane(Cut(0, bar, nan, 0.0), 0.0, 0.0, bar, 0.0, 0.0, 0.0)
+        found.append(Piece(cuts[-1], end))
+    return found
+
+
+def overlapping(cuts: Sequence[CutPlane]) -> bool:
+    """Whether a cut is made a second time, on what the blade has taken already."""
+    return any(
+        a.web_deg == b.web_deg
+        and a.flange_deg == b.flange_deg
+        and b.at_pivot - a.at_pivot < a.half_kerf
+        for a, b in pairwise(cuts)
+    )
+
+
+def _plane(cut: Cut, saw: Saw) -> CutPlane:
+    """The plane of a cut.
+
+    A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t),
+    which is along (1, tan w, tan f), so tan f = tan t / cos w.
+    """
+    at = cut.x - saw.x
+    web = saw.angle_sign * (cut.angle - saw.square)
+    if not web and not cut.tilt:
+        return CutPlane(cut, 0.0, 0.0, at, 0.0, 0.0, saw.kerf / 2)
+    tan_web = tan(radians(web))
+    tan_flange = tan(radians(saw.tilt_sign * cut.tilt)) / cos(radians(web))
+    kerf = saw.kerf * hypot(1.0, tan_web, tan_flange) if saw.kerf_along == "normal" else saw.kerf
+    return CutPlane(cut, web, degrees(atan(tan_flange)), at, tan_web, tan_flange, kerf / 2)
+
+
+# --- layout ---------------------------------------------------------------------------------------
+
+# Which part each piece of the bar is: by its ends, and where those do not tell, by what is in it.
+#
+# With the order given the parts follow each other along the bar as they were named. Left free, each
+# piece is the part that fits it best; turned ones may stand in any of their eight ways.
+
+
+class Candidate(Struct, frozen=True, gc=False):
+    """A possible orientation of a part on the bar."""
+
+    part: Part
+    given: int  #: index among the required parts
+    ends: tuple[End, End]
+
+
+class LaidPart(Struct, frozen=True, gc=False):
+    """A part found on the bar."""
+
+    part: Part
+    given: int
+    ends: tuple[End, End]
+    start: float  #: bar x of its x 0
+    piece: Piece | None  #: None where its ends are not as they should be
+
+
+#: By the identity of a part: how it may lie, each way with its ends.
+Ways = dict[int, list[tuple[Part, tuple[End, End]]]]
+#: How unlike a part is to what is there if it starts at a bar x.
+Faults = Callable[[Candidate, float], tuple[int, int]]
+
+
+def lay_out(
+    found: Sequence[Piece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
+    turn: bool, faults: Faults,
+) -> list[LaidPart]:  # fmt: skip
+    """The parts that pieces are, from one end of the bar to the other.
+
+    Those of which no piece has the ends are missing. `free` leaves the order to the program.
+    """
+    ways: Ways = {}
+    waiting = [_candidates(part, i, saw, turn, ways) for i, part in enumerate(parts)]
+    laid: list[LaidPart] = []
+    for piece in found:
+        if not waiting:
+            break
+        choices = waiting if free else waiting[:1]
+        fitting = [
+            (candidate, start)
+            for candidate in _distinct(choices)
+            if (start := start_of(piece, candidate, machine, saw)) is not None
+        ]
+        if not fitting:
+            continue
+        best = fitting[0]
+        if len(fitting) > 1:
+            best = min(fitting, key=lambda one: faults(one[0], one[1]))
+        candidate, start = best
+        laid.append(LaidPart(candidate.part, candidate.given, candidate.ends, start, piece))
+        waiting = [c for c in waiting if c[0].given != candidate.given]
+    return laid
+
+
+def _candidates(part: Part, given: int, saw: Saw, turn: bool, known: Ways) -> list[Candidate]:
+    """The possible orientations of a part."""
+    if id(part) not in known:
+        ways = standing(part) if turn else [part]
+        known[id(part)] = [(way, ends_of(way, saw)) for way in ways]
+    return [Candidate(way, given, ends) for way, ends in known[id(part)]]
+
+
+def _distinct(choices: Sequence[Sequence[Candidate]]) -> list[Candidate]:
+    """The candidates, each part that is there several times once."""
+    seen: set[int] = set()
+    kept = []
+    for ways in choices:
+        for way in ways:
+            if id(way.part) not in seen:
+                seen.add(id(way.part))
+                kept.append(way)
+    return kept
+
+
+def start_of(piece: Piece, candidate: Candidate, machine: Machine, saw: Saw) -> float | None:
+    """Bar x at which a part starts that has a piece's ends; None if it has others."""
+    first, last = candidate.ends
+    if not (is_of(piece.start, first, machine, saw) and is_of(piece.end, last, machine, saw)):
+        return None
+    height = candidate.part.profile.height
+    start = piece.start.at_pivot - first.blade(saw, height)
+    by_end = piece.end.at_pivot - last.blade(saw, height)
+    if not piece.end.cut.line:
+        by_end = piece.end.at_pivot - candidate.part.length
+    return start if abs(start - by_end) <= machine.format.resolution + 1e-6 else None
+
+
+def is_of(plane: CutPlane, end: End, machine: Machine, saw: Saw) -> bool:
+    """Whether a cut has the angles of an end, to what the output can tell apart."""
+    if not plane.cut.line:  # the end of the bar
+        return end.square
+    slack = 0.5 * 10.0**-machine.format.angle_decimals + 1e-6
+    angle, tilt = end.saw_angles(saw)
+    return abs(plane.cut.angle - angle) <= slack and abs(plane.cut.tilt - tilt) <= slack
+
+
+def wedge_cuts(
+    laid: Sequence[LaidPart],
+    cuts: Sequence[CutPlane],
+    machine: Machine,
+    saw: Saw,
+    bar: float | None,
+) -> set[int] | None:
+    """The lines of the square cuts that remove the wedge behind each skew end.
+
+    None where one is missing. None is needed behind an end that is the next part's start too, and
+    where the bar ends with the part; where the next part starts square, the cut that gives it its
+    start is the one.
+    """
+    found: set[int] = set()
+    place = {plane.cut.line: i for i, plane in enumerate(cuts)}
+    for index, one in enumerate(laid):
+        end = one.piece.end if one.piece is not None else None
+        if end is None or one.ends[1].square:
+            continue
+        following = laid[index + 1] if index + 1 < len(laid) else None
+        at = place[end.cut.line] + 1
+        if following is not None and following.piece is not None:
+            start = following.piece.start
+            if start is end:
+                continue
+            if following.ends[0].square and start is cuts[at]:
+                found.add(start.cut.line)
+                continue
+        x = one.start + one.part.length + one.ends[1].kerf(saw) / 2
+        if at >= len(cuts) and following is None and _ends_with(bar, x, one, machine, saw):
+            continue
+        square = End(1, 0.0, 0.0, 0.0)
+        if at >= len(cuts) or not is_of(cuts[at], square, machine, saw):
+            return None
+        if abs(cuts[at].at_pivot - x) > machine.format.resolution + 1e-6:
+            return None
+        found.add(cuts[at].cut.line)
+    return found
+
+
+def _ends_with(bar: float | None, x: float, last: LaidPart, machine: Machine, saw: Saw) -> bool:
+    """Whether nothing of a bar is left behind its last cut; of one of unknown length it may be."""
+    return bar is None or bar <= x + last.ends[1].kerf(saw) / 2 + machine.format.resolution

@@ -1,0 +1,374 @@
+"""Features required by a part: the result at the end, not how it is made.
+
+hole               a drilled hole of a size that fits; larger than any drill: one milled round
+thread             a tapped hole, and below it that of the drill
+countersink        a sink in the hole that it widens
+mark of a punch    a punch mark
+slot               a pocket; holes at its ends may be in it
+line to mark       a scribed line
+outer contour      nothing, where the ends of the stock give it
+end plane          nothing, where it is the start or the end
+
+What nothing of the machine makes is a `Unmakeable`.
+"""
+
+from collections.abc import Iterator
+from math import cos, floor, radians, sin, tan
+from typing import TypeVar
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.checks.asked import is_by_hand
+from beamcam.checks.bars.cuts import ANGLE_TOLERANCE_DEG, End, off_outline
+from beamcam.checks.bars.stations import wall_thickness
+from beamcam.checks.bars.tools import ToolCatalogue
+from beamcam.geometry.curves import Curve, Point
+from beamcam.machine.machine import saw_of
+from beamcam.machine.stations import FLAT_DEG
+from beamcam.model.description import description, policy_on
+from beamcam.model.part import (
+    Bend,
+    Camber,
+    Contour,
+    EndPlane,
+    Face,
+    Feature,
+    Hole,
+    Part,
+    Slot,
+    TextMark,
+)
+from beamcam.model.section import OTHER_SIDE, corners
+
+PLAIN_KINDS = ("through", "blind")  #: of a hole that a drill alone makes
+PLANE_TOLERANCE = 0.1  #: mm between an end plane and the end that it states, at any corner
+THREADS = ("thread", "left-thread")
+
+
+class RoundKind(Struct, frozen=True, gc=False):
+    """A round thing that a tool of one kind leaves, wherever it is."""
+
+    tool: str  #: kind of the tool
+    what: str  #: for messages
+    least: float  #: diameters of the tool that leave it
+    most: float
+    own: float  #: the tool's diameter, for messages
+    hole: Hole  #: of which it is, or a part of it; a slot's end as a hole
+    pitch: float = 0.0
+    pilot: float = 0.0  #: diameter of the hole that a countersink widens
+
+
+class Round(Struct, frozen=True, gc=False):
+    """A round thing at its place on the part."""
+
+    feature: int
+    x: float
+    y: float
+    face: Face
+    kind: RoundKind
+    optional: bool = False  #: whether it may be there or not
+
+
+class Pocket(Struct, frozen=True, gc=False):
+    """A hole or slot that a mill is led round in: a rectangle with round corners."""
+
+    feature: int
+    face: Face
+    x: float  #: of the centre, on the part
+    y: float
+    length: float  #: between the corner circles' centres, along the angle
+    height: float  #: and across
+    angle: float  #: degrees
+    diameter: float  #: of the corner circles
+    depth: float | None
+    what: str
+    source: Hole | Slot
+
+
+class MarkingPath(Struct, frozen=True, gc=False):
+    """A line that a scribe is led along."""
+
+    feature: int
+    face: Face
+    curves: tuple[Curve, ...]
+    source: Contour | TextMark
+    what: str = "line to mark"
+
+
+class Unmakeable(Struct, frozen=True, gc=False):
+    """A feature, or a part of one, that the machine cannot make."""
+
+    feature: int
+    what: str
+    name: str  #: that `--allow-skips` calls it by
+    source: Feature
+    place: Point | None = None  #: of an outline
+
+
+Target = Round | Pocket | MarkingPath | Unmakeable
+
+
+def targets_of(part: Part, ends: tuple[End, End], shop: ToolCatalogue) -> list[Target]:
+    """Requirements of every feature of a part; duplicate holes count once."""
+    kinds: dict[tuple[object, ...], tuple[RoundKind, ...] | None] = {}
+    found: list[Target] = []
+    for f, feature in _once(part, shop):
+        if type(feature) is Hole and feature.kind in PLAIN_KINDS:
+            key = feature.face, feature.diameter, feature.depth
+            known = kinds.get(key, ())
+            if known == ():
+                known = kinds[key] = _drilled(feature, part, shop)
+            if known:
+                found.append(Round(f, feature.x, feature.y, feature.face, known[0]))
+                continue
+        found += _targets(f, feature, part, ends, shop)
+    return found
+
+
+Either = TypeVar("Either", bound=Hole | Slot)
+
+
+def from_behind(hole: Either, part: Part, shop: ToolCatalogue) -> Either:
+    """A through hole or slot on the plate's other side, if it is only there that it is made."""
+    if shop.works_on(hole.face, part):
+        return hole
+    other = OTHER_SIDE.get(part.profile.code, {}).get(hole.face)
+    through = hole.kind == "through" and hole.depth is None
+    return replace(hole, face=other) if through and other in shop.faces else hole
+
+
+def _once(part: Part, shop: ToolCatalogue) -> Iterator[tuple[int, Feature]]:
+    """The features, those made from the plate's other side there, holes written twice once."""
+    works = {face for face in shop.faces if shop.works_on(face, part)}
+    tolerance = shop.twice
+    seen: dict[tuple[Face, int], list[Hole]] = {}  # by the nearest millimetre of x
+    for f, feature in enumerate(part.features):
+        if type(feature) is Slot:
+            yield f, from_behind(feature, part, shop)
+            continue
+        if type(feature) is not Hole:
+            yield f, feature
+            continue
+        hole = feature if feature.face in works else from_behind(feature, part, shop)
+        # Most x are whole millimetres, in the middle of their own.
+        face, x = hole.face, hole.x + 0.5
+        low, high = floor(x - tolerance), floor(x + tolerance)
+        near = [h for place in range(low, high + 1) for h in seen.get((face, place), ())]
+        if near and any(is_same(hole, other, tolerance) for other in near):
+            continue
+        seen.setdefault((face, floor(x)), []).append(hole)
+        yield f, hole
+
+
+def is_same(hole: Hole, other: Hole, tolerance: float) -> bool:
+    """Whether two holes of one face are one that was written twice."""
+    return (
+        abs(hole.x - other.x) <= tolerance
+        and abs(hole.y - other.y) <= tolerance
+        and hole.diameter == other.diameter
+        and (hole.kind, hole.depth, hole.angle) == (other.kind, other.depth, other.angle)
+    )
+
+
+def _targets(
+    f: int, feature: Feature, part: Part, ends: tuple[End, End], shop: ToolCatalogue
+) -> Iterator[Target]:
+    if is_by_hand(feature, shop.machine):
+        return
+    if policy_on(feature, shop.machine.marks) == "refuse":
+        yield Unmakeable(f, f"the {description(feature)}", "mark", feature)
+        return
+    match feature:
+        case Hole():
+            yield from _hole(f, feature, part, shop)
+        case Slot():
+            yield from _slot(f, feature, part, shop)
+        case Contour(process="cut", kind="outer"):
+            off = off_outline(feature, part, ends)
+            if off is not None:
+                yield Unmakeable(f, "the outline", "cope", feature, off)
+            elif _unsawn_bevel(feature, ends, saw_of(shop.machine).min_mitre):
+                yield Unmakeable(f, "the bevel", "bevel", feature)
+        case Contour(process="cut"):
+            yield Unmakeable(f, "the cut-out", "cutout", feature)
+        case Contour():
+            if shop.works_on(feature.face, part) and any(shop.of("scribe", feature.face)):
+                yield MarkingPath(f, feature.face, feature.curves, feature)
+            else:
+                yield Unmakeable(f, "the line to mark", "mark", feature)
+        case TextMark():
+            return  # its position is taken from the program: see texts.py
+        case Bend():
+            yield Unmakeable(f, "the bend", "other", feature)
+        case EndPlane():
+            if not _is_end(feature, part, ends):
+                yield Unmakeable(f, "the end plane", "other", feature)
+        case Camber():
+            yield Unmakeable(f, "the camber", "other", feature)
+
+
+def _is_end(plane: EndPlane, part: Part, ends: tuple[End, End]) -> bool:
+    """Whether a plane states an end once more that the part's angles and length give."""
+    end = ends[plane.normal[0] > 0]
+    return all(
+        abs(plane.x(y, z) - end.x(y, z)) <= PLANE_TOLERANCE
+        for y, z in corners(part.profile, part.section)
+    )
+
+
+def _unsawn_bevel(contour: Contour, ends: tuple[End, End], least_deg: float) -> bool:
+    """Whether a contour has a weld preparation that no skew end of the part makes.
+
+    Below the least angle that a saw is turned by it is a rounding error of the file.
+    """
+    angles = [e.flange if contour.face in ("v", "h") else e.web for e in ends]
+    return any(
+        all(not a or abs(abs(bevel.angle) - abs(a)) > ANGLE_TOLERANCE_DEG for a in angles)
+        for bevel in contour.bevels
+        if abs(bevel.angle) >= least_deg
+    )
+
+
+def _drilled(hole: Hole, part: Part, shop: ToolCatalogue) -> tuple[RoundKind, ...] | None:
+    """The drilled hole that a plain hole requires; None if no drill makes it."""
+    if not shop.works_on(hole.face, part):
+        return None
+    fitting = shop.fits("drill", hole.diameter, hole.face)
+    limits = shop.fit(hole.diameter)
+    if not fitting or limits is None:
+        return None
+    return (RoundKind("drill", f"hole {hole.diameter:g}", *limits, fitting[0], hole),)
+
+
+def _hole(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+    size = f"{hole.diameter:g}"
+    if not shop.works_on(hole.face, part):
+        yield Unmakeable(f, f"the hole {size}", "face", hole)
+    elif hole.kind in PLAIN_KINDS:
+        # Drilled ones are known by now.
+        if shop.mills_round(hole.diameter, hole.face):
+            yield Pocket(
+                f, hole.face, hole.x, hole.y, 0.0, 0.0, 0.0, hole.diameter, hole.depth,
+                f"hole {size}", hole,
+            )  # fmt: skip
+        else:
+            yield Unmakeable(f, f"the hole {size}", "tool", hole)
+    elif hole.kind in THREADS:
+        yield from _thread(f, hole, part, shop)
+    elif hole.kind == "countersink":
+        yield from _countersink(f, hole, part, shop)
+    elif any(shop.of("punch", hole.face)):
+        own = next(iter(shop.sizes("punch", hole.face)), 0.0)
+        kind = RoundKind("punch", "punch mark", 0.0, float("inf"), own, hole)
+        yield Round(f, hole.x, hole.y, hole.face, kind)
+    else:
+        yield Unmakeable(f, "the punch mark", "mark", hole)
+
+
+def _thread(f: int, hole: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+    name = f"thread M{hole.diameter:g}"
+    tap = shop.tap(hole)
+    drills = shop.fits("drill", tap[2], hole.face) if tap else ()
+    if tap is None or not drills:
+        yield Unmakeable(f, f"the {name}", "tool", hole)
+        return
+    size, pitch, before = tap
+    if _too_deep(hole, part, pitch, drills[0], shop):
+        yield Unmakeable(f, f"the {name}", "thread-depth", hole)
+        return
+    least, most = shop.fit(before) or (before, before)
+    place = (f, hole.x, hole.y, hole.face)
+    yield Round(*place, RoundKind("drill", f"hole before the {name}", least, most, drills[0], hole))
+    yield Round(*place, RoundKind("tap", name, size, size, size, hole, pitch))
+
+
+def _too_deep(hole: Hole, part: Part, pitch: float, drill: float, shop: ToolCatalogue) -> bool:
+    """Whether the drill before a blind thread would come out on the other side."""
+    thickness = wall_thickness(part.profile, hole.face)
+    if hole.depth is None or not thickness:
+        return False
+    reach = hole.depth + shop.drill.runout_pitches * pitch + shop.tip("drill", drill, hole.face)
+    return reach > thickness + 1e-9
+
+
+def _countersink(f: int, sink: Hole, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+    name = f"countersink {sink.diameter:g}"
+    pilot = _pilot(sink, part, shop)
+    if pilot is None:
+        yield Unmakeable(f, f"the {name}", "countersink", sink)
+        return
+    lack, limits = _sink_tools(sink, pilot, shop)
+    if lack:
+        yield Unmakeable(f, f"the {name}", lack, sink)
+        return
+    kind = RoundKind("countersink", name, *limits, sink.diameter, sink, pilot=pilot)
+    yield Round(f, sink.x, sink.y, sink.face, kind)
+
+
+def _sink_tools(sink: Hole, pilot: float, shop: ToolCatalogue) -> tuple[str, tuple[float, float]]:
+    """What a countersink lacks, "" if nothing, and the diameters of the tools that make it."""
+    cone = sink.angle or FLAT_DEG
+    limits = shop.fit(sink.diameter) or (sink.diameter, sink.diameter)
+    sizes = [
+        d for t in shop.of("countersink", sink.face) if t.point_deg == cone for d in t.sizes
+    ]  # fmt: skip
+    exact = any(limits[0] <= d <= limits[1] for d in sizes)
+    if cone >= FLAT_DEG:
+        return ("" if exact and sink.depth else "tool"), limits
+    alone = (sink.diameter - pilot) / 2 / tan(radians(cone) / 2)
+    deep = sink.depth or alone
+    if deep < alone - shop.drill.sink_tolerance:
+        return "sink-depth", limits
+    if deep > alone + shop.drill.sink_tolerance:  # its rim lies below the surface
+        return ("" if exact else "tool"), limits
+    wide = sink.diameter - 1e-6, float("inf")
+    return ("" if any(d >= wide[0] for d in sizes) else "tool"), wide
+
+
+def _pilot(sink: Hole, part: Part, shop: ToolCatalogue) -> float | None:
+    """Diameter of the widest hole that a countersink stands on; None if there is none."""
+    tolerance = shop.drill.merge_tolerance + 1e-9
+    near = (
+        from_behind(h, part, shop) for h in part.holes
+        if abs(h.x - sink.x) <= tolerance and abs(h.y - sink.y) <= tolerance
+    )  # fmt: skip
+    below = [
+        h.diameter for h in near
+        if h.kind in (*PLAIN_KINDS, *THREADS)
+        and h.face == sink.face
+        and h.diameter < sink.diameter
+    ]  # fmt: skip
+    return max(below, default=None)
+
+
+def _slot(f: int, slot: Slot, part: Part, shop: ToolCatalogue) -> Iterator[Target]:
+    along, across = slot.length + slot.diameter, slot.height + slot.diameter
+    what = f"slot {along:g} x {across:g}"
+    mills = shop.sizes("mill", slot.face)
+    fits = bool(mills) and mills[0] <= slot.diameter + shop.drill.twin
+    if slot.kind not in PLAIN_KINDS or not fits:
+        yield Unmakeable(f, f"the {what}", "slot", slot)
+        return
+    if not shop.works_on(slot.face, part):
+        yield Unmakeable(f, f"the {what}", "face", slot)
+        return
+    yield Pocket(
+        f, slot.face, slot.x, slot.y, slot.length, slot.height, slot.angle, slot.diameter,
+        slot.depth, what, slot,
+    )  # fmt: skip
+    _, most = shop.fit(slot.diameter) or (0.0, slot.diameter)
+    for x, y in slot_corners(slot):
+        end = Hole(slot.face, x, y, slot.diameter, slot.source, slot.depth)
+        kind = RoundKind("drill", f"end of the {what}", 0.0, most, slot.diameter, end)
+        yield Round(f, x, y, slot.face, kind, True)
+
+
+def slot_corners(slot: Slot) -> Iterator[Point]:
+    """Centres of the corner circles of a slot: two, or four of a rectangle."""
+    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
+    corners = dict.fromkeys(
+        (a * slot.length / 2, b * slot.height / 2) for a in (-1, 1) for b in (-1, 1)
+    )
+    for a, b in corners:
+        yield slot.x + c * a - s * b, slot.y + s * a + c * b

@@ -1,0 +1,98 @@
+"""Programs of copers read back and compared with the part that they should make.
+
+    text -> events (controllers) -> strokes of the torch, square to a wall -> pieces of the walls
+
+Written from the controller's documentation, the machine file and the figures of the section;
+nothing is shared with planning and motion, nor is the map of surfaces that they go by.
+"""
+
+from collections.abc import Collection, Sequence
+
+from beamcam.checks.asked import by_hand, left_out, left_to_hand
+from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import is_row_for, material_said
+from beamcam.model.part import Part
+
+
+def verify_coping(
+    text: str,
+    parts: Sequence[Part],
+    machine: Machine,
+    skips: Collection[str] = (),
+    name: str = "program",
+) -> tuple[Diagnostic, ...]:
+    """All faults of a program, by itself and against the part that it makes.
+
+    `skips` are the kinds of features that may be missing, as `--allow-skips` names them. Without a
+    part only its blocks are read. Raises TypeError for a machine without a coper.
+    """
+    from beamcam.checks.coping import rules
+    from beamcam.checks.coping.asked import is_outline_of, walls_asked
+    from beamcam.checks.coping.collisions import strike_faults
+    from beamcam.checks.coping.compare import compare
+    from beamcam.checks.coping.section import Section, lying
+    from beamcam.checks.coping.stock import stock_of
+    from beamcam.checks.coping.strokes import ProfileTorch
+    from beamcam.checks.coping.tube import tube_faults, tube_section, unrolled_pipe
+    from beamcam.checks.coping.wanted import may_be_left
+
+    coper = machine.needed(machine.coper, "coper")
+    events, said = cell_events(text, machine, name)
+    if errors_in(said) or not parts:
+        return tuple(said)
+    if len(parts) > 1:
+        return (*said, rules.PARTS.at(Source(name), found=len(parts)))
+    part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
+    codes = ["RO", "M"] if coper.turns == "bar" else ["I", "U", "L", "T"]
+    codes = ["RO"] if coper.a_unit == "mm" else codes
+    code = part.profile.code
+    if code not in codes:
+        expected = ", ".join(codes)
+        return (*said, rules.SECTION.at(Source(name), found=code, expected=expected))
+    if code == "M":
+        size, wall = part.profile, tube_section(part, coper)
+        most = min(size.height, size.width) / 2
+        if not wall.wall <= wall.radius <= most:
+            return (*said, rules.RADIUS.at(
+                part.source, found=f"{wall.radius:g}", name=size.name or "a tube",
+                least=f"{wall.wall:g}", most=f"{most:g}",
+            ))  # fmt: skip
+    part = lying(part)
+    material = material_said(part.grade, coper.material)
+    rows = [row for row in coper.rows if is_row_for(row.material, material)]
+    left = may_be_left(part, machine, coper, skips)
+    if coper.turns == "bar":
+        events = in_degrees(events, coper, part.profile.height)
+        said += tube_faults(events, part, machine, coper, rows, left, name)
+        if errors_in(said):
+            return tuple(said)
+        return (*said, *left_to_hand(part, machine), *left_out(part, left))
+    section = Section(part.profile)
+    torch = ProfileTorch(machine, coper, section, rows, name)
+    torch.follow(events)
+    said = [*said, *torch.said, *strike_faults(torch.ways, section, coper, name)]
+    if errors_in(said):
+        return tuple(said)
+    stock = stock_of(part, section, coper)
+    asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
+    step = machine.format.resolution
+    said += compare(
+        torch.strokes,
+        asked.wanted,
+        asked.ends,
+        asked.passes,
+        stock,
+        section,
+        coper,
+        rows,
+        step,
+        name,
+    )
+    hand = (
+        by_hand(f, part, machine) for k, f in enumerate(part.features)
+        if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))
+    )  # fmt: skip
+    return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))

@@ -1,0 +1,210 @@
+"""What has to stay of all walls, surface by surface, with the skew ends of the part.
+
+What a web keeps along a flange at a hole that reaches it: the torch does not come there.
+
+A hole right under a flange that stays, at its end, is cut up to a ledge; that is as high as the
+torch over the web keeps off the flange, or as deep as the pass cuts that takes the root with it.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.coping.bevels import Pass, passes_of
+from beamcam.checks.coping.section import Section, areas_of, pieces_of
+from beamcam.checks.coping.skew import (
+    EndOnWall,
+    SkewEnd,
+    as_square,
+    ends_on,
+    is_tilted,
+    own_bevels,
+    skew_ends,
+)
+from beamcam.checks.coping.stock import Stock
+from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.wanted import Wanted, wanted_on, with_round_corners
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.torch import TorchRow
+from beamcam.model.part import Contour, Feature, Part
+
+Shape = Any  #: of shapely
+
+ABOVE = 0.1  #: mm that a ledge is higher than what is cut with the flange
+SHORT = 1.0  #: mm; a shorter gap between web and flange is none
+FAR = 1e5
+
+
+def ledges_of(
+    web: Shape, flange: Shape, face: str, section: Section, height: float, skew: Sequence[bool]
+) -> Iterator[tuple[Shape, list[Point]]]:
+    """The ledges of a web along a flange, `height` mm from the flange's outside, and where they end
+    in the web's contour; none where the start or the end is skew."""
+    from shapely import LineString, box, get_coordinates
+
+    low, high = section.web_ends
+    top = section.high - height - ABOVE if face == "o" else height + ABOVE
+    inner = high - 0.05 if face == "o" else low + 0.05
+    middle = (section.back + section.front) / 2
+    line = LineString([(-FAR, inner), (FAR, inner)])
+    stays = flange.intersection(LineString([(-FAR, middle), (FAR, middle)]))
+    band = (top, section.high) if face == "o" else (0.0, top)
+    for one in pieces_of(stays):
+        first, _, last, _ = one.bounds
+        over = line.intersection(box(first, inner - 1.0, last, inner + 1.0))
+        for gap in pieces_of(over.difference(web)):
+            x0, _, x1, _ = gap.bounds
+            is_first, is_last = abs(x0 - first) < 0.1, abs(x1 - last) < 0.1
+            at_end = (is_first and not skew[0]) != (is_last and not skew[1])
+            amid = section.high - section.flange / 2 if face == "o" else section.flange / 2
+            own = LineString([(x0, amid), (x1, amid)]).difference(web)
+            # A web that is not drawn in the flange's own thickness has no flange there.
+            if x1 - x0 <= SHORT or not at_end or own.length > SHORT:
+                continue
+            missing = box(first, band[0], last, band[1]).difference(web)
+            for piece in pieces_of(missing):
+                if piece.geom_type == "Polygon" and piece.intersects(gap):
+                    edge = piece.boundary.intersection(LineString([(-FAR, top), (FAR, top)]))
+                    places: Sequence[Any] = get_coordinates(edge).tolist()
+                    yield piece.buffer(1e-3, join_style="mitre"), [(x, y) for x, y in places]
+
+
+LEAST_OFF = 0.5  #: mm that a square cut is off at a skew end and that are manual work
+
+
+class WallsAsked(Struct, frozen=True):
+    """What has to stay, by face and by mm below it."""
+
+    wanted: Mapping[tuple[str, float], Wanted]
+    ends: Mapping[str, Sequence[EndOnWall]]  #: skew ends by the faces that they end
+    made: Sequence[SkewEnd]  #: those that a tilted torch makes as they are
+    off: Mapping[str, float]  #: mm too much by the walls that are cut square
+    passes: Sequence[Pass] = ()  #: bevels, with the strokes that make them
+
+    def has_bevels_left(self, k: int, feature: Feature, coper: Coper) -> bool:
+        """Whether the feature k of a part has bevels that neither an end nor a pass makes."""
+        there = [one.bevel for one in self.passes if one.feature == k]
+        return any(one not in there for one in own_bevels(feature, self.made, coper.min_bevel))
+
+
+def walls_asked(
+    part: Part,
+    section: Section,
+    coper: Coper,
+    rows: Sequence[TorchRow],
+    left: Collection[int],
+    stock: Stock,
+    strokes: Sequence[Stroke],
+) -> WallsAsked:
+    """What has to stay of a part; `left` are features that are not made."""
+    from shapely import union_all
+
+    ends = (None, None) if stock.is_piece else skew_ends(part, section)
+
+    def surface(face: str, depth: float, tilted: Sequence[bool]) -> Wanted:
+        there = ends_on(ends, tilted, face, section, depth)
+        return wanted_on(part, face, section, coper, left, stock, there)
+
+    faces = section.faces
+    upper = {face: surface(face, 0.0, (True, True)) for face in faces}
+    drawn = {face: one.drawn for face, one in upper.items()}
+    height = min((row.cut_height for row in rows), default=0.0)
+    near = coper.reach_beside(section.radius, height)
+    tilted = [
+        end is not None and is_tilted(end, drawn, section, coper, near) for end in ends
+    ]  # fmt: skip
+    wanted = {(face, 0.0): one for face, one in upper.items()}
+    if any(tilted):
+        wanted = {
+            (face, depth): surface(face, depth, tilted) if depth else upper[face]
+            for face in faces for depth in (0.0, section.thickness(face))
+        }  # fmt: skip
+    off: dict[str, float] = {}
+    if not stock.is_piece:
+        skew = [end is not None for end in ends]
+        off |= _with_ledges(wanted, section, rows, near, strokes, skew)
+    widest = max((row.kerf for row in rows), default=0.0)
+    for end, is_tilted_to in zip(ends, tilted, strict=True):
+        if end is None or is_tilted_to:
+            continue
+        depths = {face: _depth(face, end, section, strokes) for face in faces[1:]}
+        squares = {depth for _, depth in wanted}
+        for inner in (False, True):
+            some = {face: (face, section.thickness(face) if inner else 0.0) for face in faces}
+            if inner and len(squares) == 1:
+                continue
+            shapes = {face: wanted[key].drawn for face, key in some.items()}
+            more, by_face, steps = as_square(end, shapes, section, depths)
+            for face, key in some.items():
+                one = wanted[key]
+                cut = one.cut.union(more[face])
+                most = with_round_corners(one.most.union(cut), steps[face], widest / 2)
+                wanted[key] = Wanted(more[face], cut, one.short, most)
+            off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
+    passes = [] if any(ends) else passes_of(part, section, coper, strokes)
+    for face in {one.stroke.face for one in passes}:
+        own = [one for one in passes if one.stroke.face == face]
+        plain = wanted[face, 0.0]
+        for down in {0.0, section.thickness(face), *(p.thickness - p.bevel.land for p in own)}:
+            gone = union_all([bevel.strip(down) for bevel in own])
+            drawn, cut, most = (
+                areas_of(shape.difference(gone)) for shape in (plain.drawn, plain.cut, plain.most)
+            )
+            wanted[face, down] = Wanted(drawn, cut, plain.short, most)
+    return WallsAsked(
+        wanted, {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces},
+        [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes],
+        {face: mm for face, mm in off.items() if mm >= LEAST_OFF},
+        passes,
+    )  # fmt: skip
+
+
+def _with_ledges(
+    wanted: dict[tuple[str, float], Wanted],
+    section: Section,
+    rows: Sequence[TorchRow],
+    near: float,
+    strokes: Sequence[Stroke],
+    skew: Sequence[bool],
+) -> dict[str, float]:
+    """Adds the ledges of the web to what is wanted of it; how high they are, by wall."""
+    off: dict[str, float] = {}
+    widest = max((row.kerf for row in rows), default=0.0)
+    for face in section.faces[1:]:
+        deep = section.flange + near
+        for stroke in strokes:
+            back, front = section.root(face)
+            ys = [y for _, y in stroke.points]
+            if stroke.face == face and min(ys) <= back and max(ys) >= front:
+                deep = max(deep, stroke.row.up_to * stroke.share)
+        flange = wanted[face, 0.0].drawn
+        for (one, depth), asked in [*wanted.items()]:
+            found = ledges_of(asked.drawn, flange, face, section, deep, skew) if one == "v" else ()
+            for ledge, places in found:
+                asked = wanted[one, depth]
+                cut = asked.cut.union(ledge)
+                most = with_round_corners(asked.most.union(ledge), places, widest / 2)
+                wanted[one, depth] = Wanted(asked.drawn.union(ledge), cut, asked.short, most)
+                off["v"] = deep - section.flange
+    return off
+
+
+def _depth(face: str, end: SkewEnd, section: Section, strokes: Sequence[Stroke]) -> float:
+    """How deep the passes through a root cut near an end, square to the flange."""
+    back, front = section.root(face)
+    at, more = end.on(face, section, 0.0)
+    found = 0.0
+    for stroke in strokes:
+        ys = [y for _, y in stroke.points]
+        beyond = any(end.side * (x - at - more * y) > 0.0 for x, y in stroke.points)
+        if stroke.face == face and beyond and min(ys) <= back and max(ys) >= front:
+            found = max(found, stroke.row.up_to)
+    return found
+
+
+def is_outline_of(feature: Feature, off: Mapping[str, float]) -> bool:
+    """Whether a feature is an outline of a wall whose skew end is cut square."""
+    face = {"h": "v"}.get(getattr(feature, "face", ""), getattr(feature, "face", ""))
+    return isinstance(feature, Contour) and feature.kind == "outer" and face in off

@@ -1,0 +1,369 @@
+"""What has to stay of a rectangular tube, on its unrolled surface, for the read-back alone.
+
+A contour counts as it is seen square to its face. Over a corner a line of one face goes on in that
+of the other: both are added, less the x at which they meet at the sharp edge. An end that is a
+plane is cut where the wall reaches farthest, at its outside or at its inside.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from math import hypot, pi, radians, sin, tan
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.coping.section import TubeSection, pieces_of
+from beamcam.checks.coping.stock import outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.wanted import corners_of, with_round_corners
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Contour, Hole, Part, Slot
+
+Shape = Any  #: of shapely
+End = tuple[float, float, float]  #: x = first - second Y - third Z from the axis of the tube
+
+APART = 1.0  #: mm that a drawing may be off and mean it
+SQUARE_DEG = 0.2  #: of an end; less is noise
+PLACES = 48  #: across a corner
+LEVEL = tan(radians(SQUARE_DEG))
+INSIDE = 1e-6  #: mm off the edges of a band
+FAR = 1e5
+LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
+#: The faces beside each corner on the way round, and whether it is at the greatest y of each.
+CORNERS = (("u", True, "v", False), ("v", True, "o", True), ("o", False, "h", True),
+           ("h", False, "u", False))  # fmt: skip
+
+
+class BoxWanted(Struct, frozen=True):
+    """What has to stay of three turns of the surface, and how skew a square cut leaves walls."""
+
+    drawn: Shape
+    cut: Shape
+    off: dict[str, float]  #: mm at the inside of the wall, by face
+    lost: str = ""  #: the corner over which the contours do not go on
+
+
+class _Wall(Struct, frozen=True):
+    face: str
+    wide: float
+    steel: Shape
+    is_drawn: bool
+
+
+def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -> BoxWanted:
+    """What has to stay of a part; `left` are features that are not made."""
+    from shapely import union_all
+    from shapely.affinity import translate
+
+    features = [f for k, f in enumerate(part.features) if k not in left]
+    walls = {face: _outlined(part, face, features) for face in "uvoh"}
+    ends = [_end(part, walls, section, side) for side in (-1, 1)]
+    off = {face: max(_skew(end, section, face) for end in ends) for face in walls}
+    shapes, corners = [], list[Point]()
+    ending: dict[str, list[Shape]] = {face: [] for face in walls}
+    for face, wall in walls.items():
+        steel = _ended(wall, part, ends, section)
+        for feature in features:
+            if getattr(feature, "face", "") != face:
+                continue
+            void = _void(feature)
+            if _into_corner(void, wall.wide, section.radius):
+                ending[face].append(void)
+            else:
+                steel = steel.difference(void)
+            if isinstance(feature, Contour):
+                corners += [
+                    (x, section.around(face, y))
+                    for x, y in corners_of(feature.curves, steel)
+                    if section.radius - INSIDE <= y <= wall.wide - section.radius + INSIDE
+                ]
+        walls[face] = _Wall(face, wall.wide, steel, wall.is_drawn)
+        flat = steel.difference(union_all(ending[face])) if ending[face] else steel
+        shapes.append(_flat(_Wall(face, wall.wide, flat, wall.is_drawn), section))
+    for k, corner in enumerate(CORNERS):
+        shape = _rounded(k, walls, ends, section, off)
+        if shape is None:
+            return BoxWanted(shapes[0], shapes[0], off, f"{corner[0]} and {corner[2]}")
+        seen = [
+            _in_corner(void, walls[face].wide, at_high, is_first, k, section)
+            for face, at_high, is_first in ((*corner[:2], True), (*corner[2:], False))
+            for void in ending[face]
+        ]
+        shapes.append(shape.difference(union_all(seen)) if seen else shape)
+    one, turn = union_all(shapes), section.turn
+    drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
+    everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
+    cut = with_round_corners(drawn, everywhere, coper.corner_radius)
+    return BoxWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
+
+
+def box_outlines(part: Part, coper: Coper, section: TubeSection) -> Iterator[list[Point]]:
+    """The outlines of what is drawn on one turn of the surface, for pictures."""
+    from shapely import box
+
+    drawn = box_wanted(part, coper, set(), section).drawn
+    for one in pieces_of(drawn.intersection(box(-FAR, 0.0, FAR, section.turn))):
+        for ring in (one.exterior, *one.interiors):
+            yield [(x, s) for x, s in ring.coords[:-1]]
+
+
+def _outlined(part: Part, face: str, features: Sequence[Any]) -> _Wall:
+    """A face within its outline; v and h have that of the other one if they have none."""
+    from shapely import Polygon, box, make_valid, union_all
+
+    wide = part.profile.height if face in "vh" else part.profile.width
+    outer = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
+    own = [f for f in outer if f.face == face]
+    if not own and face in "vh":
+        own = [f for f in outer if f.face in "vh"]
+    if not own:
+        return _Wall(face, wide, box(0.0, 0.0, part.length, wide), False)
+
+    rings = [outline_ring(f.curves, (0.0, wide), lambda place: place) for f in own]
+    steel = union_all([make_valid(Polygon(ring)) for ring in rings])
+    return _Wall(face, wide, steel.intersection(box(-FAR, 0.0, FAR, wide)), True)
+
+
+def _void(feature: Any) -> Shape:
+    """What a feature takes of its face; nothing where it is an outline."""
+    from shapely import Point as Place
+    from shapely import Polygon, make_valid
+
+    if isinstance(feature, Hole):
+        return Place(feature.x, feature.y).buffer(feature.diameter / 2, 64)
+    if isinstance(feature, Slot):
+        return make_valid(Polygon(list(slot_ring(feature)))).convex_hull
+    if isinstance(feature, Contour) and feature.kind == "inner":
+        return make_valid(Polygon(ring_of(feature.curves)))
+    return Polygon()
+
+
+# --- ends -----------------------------------------------------------------------------------------
+
+
+def _surfaces(face: str, section: TubeSection) -> tuple[float, float]:
+    """Where the outside and the inside of a wall lie, from the axis, along Y or along Z."""
+    out = section.half_y if face in "ou" else section.half_z
+    side = 1.0 if face in "vo" else -1.0
+    return side * out, side * (out - section.wall)
+
+
+def _x_on(end: End, face: str, at: float, y: float, section: TubeSection) -> float:
+    """x of a plane at a y of a face, on the surface that is `at` from the axis."""
+    if face in "vh":
+        return end[0] - end[1] * (y - section.half_y) - end[2] * at
+    return end[0] - end[1] * at - end[2] * (y - section.half_z)
+
+
+def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int) -> End | None:
+    """The plane of a skew end; None of any other."""
+    import numpy as np
+
+    cuts = part.cuts
+    degs = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
+    web, flange = (tan(radians(d)) if abs(d) > SQUARE_DEG else 0.0 for d in degs)
+    drawn = [wall for wall in walls.values() if wall.is_drawn]
+    if not drawn:
+        if not (web or flange):
+            return None
+        # The farthest place of a rounded rectangle along a way, from its middle.
+        reach = section.flat_y * abs(web) + section.flat_z * abs(flange)
+        reach += section.radius * hypot(web, flange)
+        return (reach if side < 0 else part.length - reach), web, flange
+    seen = [(wall.face, y, x) for wall in drawn for y, x in _line(wall, side)]
+    best: tuple[float, End] | None = None
+    for signs in ((0, 0), *product((1, -1), repeat=2)):
+        rows, xs = [], []
+        for face, y, x in seen:
+            outside, inside = _surfaces(face, section)
+            # A plane whose x falls along an axis reaches farthest at the least place of a far end.
+            sign = signs[0] if face in "ou" else signs[1]
+            pick = min if sign * side > 0 else max
+            at = pick(outside, inside) if sign else outside
+            along = (y - section.half_y, at) if face in "vh" else (at, y - section.half_z)
+            rows.append((1.0, -along[0], -along[1]))
+            xs.append(x)
+        matrix, values = np.array(rows), np.array(xs)
+        if web or flange:
+            given = matrix[:, 1] * web + matrix[:, 2] * flange
+            found = np.array([np.mean(values - given), web, flange])
+        else:
+            found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+        worst = float(np.max(np.abs(matrix @ found - values)))
+        by_y, by_z = float(found[1]), float(found[2])
+        if worst > APART / 2 or min(signs[0] * by_y, signs[1] * by_z) < -LEVEL:
+            continue
+        if best is None or worst < best[0]:
+            best = worst, (float(found[0]), by_y, by_z)
+    if best is None or max(map(abs, best[1][1:])) <= LEVEL:
+        return None
+    return best[1]
+
+
+def _line(wall: _Wall, side: int) -> Iterator[tuple[float, float]]:
+    """y and x of places along the end of a face."""
+    from shapely import LineString
+
+    for k in range(1, 20):
+        y = wall.wide * k / 20
+        across = wall.steel.intersection(LineString([(-FAR, y), (FAR, y)]))
+        if across.is_empty:
+            yield y, FAR  # on no plane
+        else:
+            low, _, high, _ = across.bounds
+            yield y, low if side < 0 else high
+
+
+def _skew(end: End | None, section: TubeSection, face: str) -> float:
+    if end is None:
+        return 0.0
+    return section.wall * abs(end[1] if face in "ou" else end[2])
+
+
+def _ended(wall: _Wall, part: Part, ends: Sequence[End | None], section: TubeSection) -> Shape:
+    """A face whose ends are where planes are to be cut."""
+    from shapely import Polygon, box, union_all
+
+    steel = wall.steel if wall.is_drawn else box(
+        -FAR if ends[0] else 0.0, 0.0, FAR if ends[1] else part.length, wall.wide
+    )  # fmt: skip
+    for side, end in zip((-1, 1), ends, strict=True):
+        if end is None:
+            continue
+        pick = min if side < 0 else max
+        low, high = (
+            pick(_x_on(end, wall.face, at, y, section) for at in _surfaces(wall.face, section))
+            for y in (0.0, wall.wide)
+        )
+        deep = -side * (_skew(end, section, wall.face) + 2 * APART)
+
+        def quad(by: float, low: float = low, high: float = high, wide: float = wall.wide) -> Shape:
+            return Polygon([(low, 0.0), (high, wide), (high + by, wide), (low + by, 0.0)])
+
+        whole = union_all([steel, quad(deep)]) if wall.is_drawn else steel
+        steel = whole.intersection(quad(-side * FAR))
+    return steel
+
+
+def _into_corner(void: Shape, wide: float, radius: float) -> float:
+    """How far a cut-out goes beyond the flat of its face, where it ends before the middle of the
+    corner; 0 of any other."""
+    if void.is_empty:
+        return 0.0
+    _, low, _, high = void.bounds
+    into = max(high - wide, -low) + radius
+    return into if INSIDE < into <= radius * sin(pi / 4) else 0.0
+
+
+def _in_corner(
+    void: Shape, wide: float, at_high: bool, is_first: bool, k: int, section: TubeSection
+) -> Shape:
+    """A cut-out seen square to its face, where it lies on the corner behind or before that."""
+    from shapely import Polygon, box, transform
+
+    r, first = section.radius, section.corner(k)
+    zone = box(-FAR, wide - r, FAR, wide) if at_high else box(-FAR, 0.0, FAR, r)
+    part = void.intersection(zone)
+    if part.area <= 0.0:
+        return Polygon()
+
+    def laid(places: Any) -> Any:
+        import numpy as np
+
+        beyond = places[:, 1] - (wide - r) if at_high else r - places[:, 1]
+        turned = r * np.arcsin(np.clip(beyond / r, 0.0, 1.0))
+        turned = np.where(beyond < INSIDE, -1e-4, turned)  # over the seam with the flat
+        return np.column_stack((places[:, 0], first + turned if is_first
+                                else first + r * pi / 2 - turned))  # fmt: skip
+
+    return transform(part.segmentize(0.2), laid)
+
+
+# --- round ----------------------------------------------------------------------------------------
+
+
+def _flat(wall: _Wall, section: TubeSection) -> Shape:
+    """The flat stretch of a face on the unrolled surface."""
+    from shapely import box, transform
+
+    r = section.radius
+    flat = wall.steel.intersection(box(-FAR, r - 1e-4, FAR, wall.wide - r + 1e-4))
+
+    def laid(places: Any) -> Any:
+        places = places.copy()
+        places[:, 1] = [section.around(wall.face, y) for y in places[:, 1]]
+        return places
+
+    return transform(flat, laid)
+
+
+def _lines(wall: _Wall, at_high: bool, radius: float) -> list[Any]:
+    """The lines of a face beside an edge by their x there, each as distances from it and x."""
+    import numpy as np
+    from shapely import box, get_coordinates, line_merge
+
+    low, high = (wall.wide - radius, wall.wide) if at_high else (0.0, radius)
+    band = wall.steel.boundary.intersection(box(-FAR, low + INSIDE, FAR, high - INSIDE))
+    found = []
+    for piece in pieces_of(line_merge(band) if band.geom_type == "MultiLineString" else band):
+        x, y = get_coordinates(piece).T
+        off = wall.wide - y if at_high else y
+        order = np.argsort(off, kind="stable")
+        found.append((off[order], x[order]))
+    return sorted(found, key=lambda line: float(line[1][0]))
+
+
+def _rounded(
+    k: int,
+    walls: Mapping[str, _Wall],
+    ends: Sequence[End | None],
+    section: TubeSection,
+    off: dict[str, float],
+) -> Shape | None:
+    """What has to stay of a corner, or None; `off` gets what a square cut leaves beside it."""
+    import numpy as np
+    from shapely import Polygon, union_all
+
+    a, a_high, b, b_high = CORNERS[k]
+    r = section.radius
+    lines_a, lines_b = _lines(walls[a], a_high, r), _lines(walls[b], b_high, r)
+    whole = all(d[0] <= 2 * INSIDE and d[-1] >= r - 2 * INSIDE for d, _ in (*lines_a, *lines_b))
+    if len(lines_a) != len(lines_b) or len(lines_a) % 2 or not whole:
+        return None
+    turns = np.linspace(0.0, pi / 2, PLACES)
+    share = turns / (pi / 2)
+    curves = []
+    for number, ((da, xa), (db, xb)) in enumerate(zip(lines_a, lines_b, strict=True)):
+        at_end = ends[0] if number == 0 else ends[1] if number == len(lines_a) - 1 else None
+        if at_end is not None:
+            curves.append(_plane_round(at_end, k, turns, section, number == 0))
+            continue
+        if abs(xa[0] - xb[0]) > APART:
+            return None
+        edge = (1 - share) * xb[0] + share * xa[0]
+        curves.append(
+            np.interp(r * (1 - np.sin(turns)), da, xa)
+            + np.interp(r * (1 - np.cos(turns)), db, xb)
+            - edge
+        )
+        for face, d, x in ((b, da, xa), (a, db, xb)):
+            off[face] = max(off[face], abs(float(np.interp(section.wall, d, x)) - float(x[0])))
+    ss = section.corner(k) + r * turns
+    return union_all([
+        Polygon([*zip(low, ss, strict=True), *zip(high[::-1], ss[::-1], strict=True)])
+        for low, high in zip(curves[::2], curves[1::2], strict=True)
+    ])  # fmt: skip
+
+
+def _plane_round(end: End, k: int, turns: Any, section: TubeSection, is_start: bool) -> Any:
+    """x at which a plane is cut round a corner."""
+    import numpy as np
+
+    way = k * pi / 2 + turns  # of the normal, from -Y towards +Z
+    y = section.flat_y * (1 if k in (1, 2) else -1)
+    z = section.flat_z * (1 if k in (0, 1) else -1)
+    xs = [
+        end[0] - end[1] * (y - q * np.cos(way)) - end[2] * (z + q * np.sin(way))
+        for q in (section.radius, section.radius - section.wall)
+    ]
+    return np.minimum(*xs) if is_start else np.maximum(*xs)

@@ -1,0 +1,391 @@
+"""The walls as the strokes leave them, compared with what has to stay of each.
+
+    bar less kerfs -> pieces of each wall -> those of the part lie within what is wanted, and the
+    kerfs outside of it -> web and flange hold together where both stay, and nowhere else
+
+A pass through a root cuts the web below its flange as deep as its row of the cut chart says. Where
+a skew end has the torch tilted, both surfaces of each wall are looked at: a stroke goes on through
+it along the torch.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import radians, tan
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.coping import rules
+from beamcam.checks.coping.bevels import Pass, pass_faults
+from beamcam.checks.coping.section import ARC, Section, jet_of, line_of, narrowed, pieces_of
+from beamcam.checks.coping.skew import EndOnWall
+from beamcam.checks.coping.stock import FINE, Stock
+from beamcam.checks.coping.strokes import Stroke
+from beamcam.checks.coping.wanted import Wanted
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.coper import Coper
+from beamcam.machine.torch import TorchRow
+
+Shape = Any  #: of shapely
+Surface = tuple[str, float]  #: a face, and how far below it
+SLANTED = 2.0  #: mm along the bar by mm across it that a cut through a root goes, at most
+SPECK = 0.05  #: mm2 that is nothing
+TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
+SURE = 0.01  #: mm that figures of a thickness may be off
+
+
+class Left(Struct, frozen=True):
+    """What is left of a wall: the pieces of the part, and the others."""
+
+    part: Shape
+    scrap: Shape
+
+
+def compare(
+    strokes: Sequence[Stroke],
+    wanted: Mapping[Surface, Wanted],
+    ends: Mapping[str, Sequence[EndOnWall]],
+    passes: Sequence[Pass],
+    stock: Stock,
+    section: Section,
+    coper: Coper,
+    rows: Sequence[TorchRow],
+    step: float,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """All that strokes make otherwise than wanted on each surface; `ends` are skew ones by wall,
+    `passes` the strokes that make bevels."""
+    slack = coper.tolerance + 2 * step + FINE
+    left: dict[Surface, Left] = {}
+    for (face, depth), asked in wanted.items():
+        if asked.short:
+            yield rules.SHORT.at(Source(name), found=f"{asked.short:.2f}", face=face)
+        own = [stroke for stroke in strokes if stroke.face == face]
+        gone = taken_of(face, own, strokes, section, depth)
+        yield from _hurt(face, gone, asked.cut, section, slack, name)
+        left[face, depth] = _left(face, gone, asked.drawn, stock, section, slack)
+        yield from _standing(face, left[face, depth], asked.most, slack, name)
+        contours = {d: one.cut for (other, d), one in wanted.items() if other == face}
+        for stroke in own if not depth else ():
+            yield from _stroke_faults(
+                stroke, strokes, contours, passes, stock, section, coper, rows, slack, name
+            )
+        yield from _twice(face, own, name) if not depth else ()
+    for face in section.faces[1:]:
+        inner = max(depth for one, depth in left if one == face)
+        for one, depth in left:
+            if one == "v":
+                pair = left[one, depth], left[face, inner]
+                yield from _holding(face, *pair, section, section.front - depth, slack, name)
+    far = {s.line: not stock.is_piece and _is_far(s, wanted, ends) for s in strokes}
+    yield from _order_faults(strokes, far, name)
+    yield from pass_faults(passes, strokes, far, name)
+
+
+def taken_of(
+    face: str, own: Sequence[Stroke], strokes: Sequence[Stroke], section: Section,
+    depth: float = 0.0,
+) -> list[tuple[Shape, Shape]]:  # fmt: skip
+    """What each stroke takes of a wall, so far below its face: surely, and at most.
+
+    `own` are those on its face.
+    """
+    from shapely import Point, union_all
+
+    found: list[tuple[Shape, Shape]] = []
+    for stroke in own:
+        points, share = stroke.at(depth), stroke.share
+        kerf = jet_of(points, stroke.row.kerf / 2, share)
+        x, y = points[0]
+        pierced = Point(x * share, y).buffer(stroke.row.pierce_radius, ARC)
+        found.append((kerf, union_all([kerf, narrowed(pierced, 1.0 / share)])))
+    if face == "v":
+        found += [cut for stroke in strokes for cut in _below(stroke, section, depth)]
+    return found
+
+
+def _below(stroke: Stroke, section: Section, depth: float) -> Iterator[tuple[Shape, Shape]]:
+    """What a stroke on a flange takes of the web below it, so far below the web's face.
+
+    It goes on along the torch. What does not go through all of the web may take all that it meets.
+    """
+    from shapely import LineString, Polygon, box
+
+    half, low, high = stroke.row.kerf / 2, section.back, section.front
+    deep = stroke.row.up_to * stroke.share
+    if stroke.face == "v" or deep <= section.flange:
+        return
+    downs = section.flange, deep
+    ys = [section.high - down if stroke.face == "o" else down for down in downs]
+    back = [down * tan(radians(stroke.b_deg)) for down in downs]
+    run = line_of(stroke.points)
+    z = high - depth
+    for one in pieces_of(run.intersection(box(-1e6, low - half, 1e6, high + half))):
+        kerf = jet_of([*one.coords], half, stroke.share)
+        through = one.bounds[1] <= low + 1e-6 and one.bounds[3] >= high - 1e-6
+        across = kerf.intersection(LineString([(-1e6, z), (1e6, z)])) if through else kerf
+        x0, _, x1, _ = across.bounds
+        met = Polygon([
+            (x0 - back[0], ys[0]), (x1 - back[0], ys[0]), (x1 - back[1], ys[1]),
+            (x0 - back[1], ys[1]),
+        ])  # fmt: skip
+        least = one.intersection(box(-1e6, low, 1e6, high)).bounds
+        along = bool(least) and least[2] - least[0] > SLANTED * (high - low) + 2 * half
+        yield met if through and not along else Polygon(), met
+
+
+def _hurt(
+    face: str,
+    gone: Sequence[tuple[Shape, Shape]],
+    wanted: Shape,
+    section: Section,
+    slack: float,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """Steel that has to stay and that a kerf or a pierce takes."""
+    from shapely import box
+
+    low, high = section.extent(face)
+    kept = wanted.intersection(box(-1e6, low, 1e6, high))
+    inner = kept.buffer(-slack, join_style="mitre")
+    for _, at_most in gone:
+        hurt = at_most.intersection(inner)
+        if hurt.area > 0.0:
+            x, y = hurt.representative_point().coords[0]
+            deep = slack + max(inner.boundary.distance(line_of([p])) for p in _outline(hurt))
+            yield rules.HURT.at(
+                Source(name), found=f"{deep:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}",
+                expected=f"{slack:.2f}",
+            )  # fmt: skip
+            return
+
+
+def _outline(shape: Shape) -> list[tuple[float, float]]:
+    from shapely import get_coordinates
+
+    return [tuple(p) for p in get_coordinates(shape).tolist()]
+
+
+def _left(
+    face: str,
+    gone: Sequence[tuple[Shape, Shape]],
+    drawn: Shape,
+    stock: Stock,
+    section: Section,
+    slack: float,
+) -> Left:
+    """The pieces of a wall of the bar, or of the piece, after all strokes."""
+    from shapely import MultiPolygon, box, union_all
+
+    low, high = section.extent(face)
+    bar = stock.wall(face).intersection(box(-1e6, low, 1e6, high))
+    rest = bar.difference(union_all([surely for surely, _ in gone])) if gone else bar
+    pieces = [p for p in pieces_of(rest) if p.area > SPECK]
+    core = drawn.intersection(bar).buffer(-2 * slack, join_style="mitre")
+    mine = [p for p in pieces if p.intersection(core).area > SPECK]
+    others = [p for p in pieces if not any(p is one for one in mine)]
+    return Left(MultiPolygon(mine), MultiPolygon(others))
+
+
+def _standing(
+    face: str, left: Left, wanted: Shape, slack: float, name: str
+) -> Iterator[Diagnostic]:
+    """Scrap that holds to the part."""
+    if left.part.is_empty:
+        yield rules.GONE.at(Source(name), face=face)
+        return
+    over = left.part.difference(wanted.buffer(slack, join_style="mitre"))
+    for piece in pieces_of(over):
+        if piece.area > SPECK:
+            far = max(wanted.distance(line_of([p])) for p in _outline(piece))
+            x, y = piece.representative_point().coords[0]
+            yield rules.LEFT.at(
+                Source(name), found=f"{far:.2f}", face=face, x=f"{x:.1f}", y=f"{y:.1f}"
+            )
+            return
+
+
+def _holding(
+    face: str, web: Left, flange: Left, section: Section, z: float, slack: float, name: str
+) -> Iterator[Diagnostic]:
+    """Scrap of the web that a flange of the part holds at a surface z of the web, or the other way
+    round."""
+    from shapely import LineString, force_2d, transform
+
+    y = section.web_ends[1] - 1e-3 if face == "o" else section.web_ends[0] + 1e-3
+    along = LineString([(-1e6, y), (1e6, y)])
+    beside = LineString([(-1e6, z), (1e6, z)])
+
+    def flat(shape: Shape) -> Shape:
+        """Stretches along x, whatever their y."""
+
+        def to_axis(points: Any) -> Any:
+            points = points.copy()
+            points[:, 1] = 0.0
+            return points
+
+        return transform(force_2d(shape), to_axis)
+
+    for scrap, other, names in (
+        (web.scrap, flange.part, ("v", face)), (flange.scrap, web.part, (face, "v"))
+    ):  # fmt: skip
+        lines = (along, beside) if names[0] == "v" else (beside, along)
+        held = flat(scrap.intersection(lines[0])).intersection(flat(other.intersection(lines[1])))
+        if held.length > 2 * slack:
+            yield rules.HOLDS.at(
+                Source(name), scrap=names[0], face=names[1], found=f"{held.length:.2f}",
+                x=f"{held.bounds[0]:.1f}",
+            )  # fmt: skip
+
+
+def _stroke_faults(
+    stroke: Stroke,
+    strokes: Sequence[Stroke],
+    wanted: Mapping[float, Shape],
+    passes: Sequence[Pass],
+    stock: Stock,
+    section: Section,
+    coper: Coper,
+    rows: Sequence[TorchRow],
+    slack: float,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """A stroke beside its wall, along no contour of any surface, or at the speed of another
+    thickness."""
+    from shapely import box
+
+    source = Source(name, stroke.line)
+    low, high = section.extent(stroke.face)
+    over = stroke.row.kerf / 2 + coper.over + slack
+    free = (over, over)
+    if stroke.face == "v":
+        free = (-stroke.row.kerf / 2, -stroke.row.kerf / 2 if section.has_upper else over)
+    ys = [y for _, y in stroke.points]
+    if min(ys) < low - free[0] or max(ys) > high + free[1]:
+        y = min(ys) if min(ys) < low - free[0] else max(ys)
+        yield rules.PLACE.at(
+            source, y=f"{y:g}", face=stroke.face, least=f"{low:g}", most=f"{high:g}"
+        )
+        return
+    steel = stock.wall(stroke.face).intersection(box(-1e6, low, 1e6, high))
+    is_pass = any(one.stroke is stroke for one in passes)
+    offs = [_off_contour(stroke, one, depth, steel, slack) for depth, one in wanted.items()]
+    if not is_pass and (off := offs[0]) is not None and None not in offs:
+        x, y = off
+        yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
+    x, y = stroke.points[0]
+    lost = _in_air(stroke, steel, coper.over)
+    # No arc starts over a hole that is there; on its way it burns on over one, as the plan said.
+    solid = steel.difference(stock.open[stroke.face]) if stock.is_piece else steel
+    if solid.distance(line_of([(x, y)])) > slack or lost is not None:
+        x, y = lost or (x, y)
+        yield rules.AIR.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=stroke.face)
+    least, most = _thickness(stroke, strokes, section, coper)
+    if is_pass:
+        least = most = section.thickness(stroke.face) / stroke.share
+    rising = sorted(rows, key=lambda row: row.up_to)
+    fits = {next((r.feed_mm_min for r in rising if r.up_to >= t), 0.0) for t in (least, most)}
+    if stroke.row.feed_mm_min not in fits:
+        expected = " or ".join(f"{feed:g}" for feed in sorted(fits))
+        yield rules.FEED.at(
+            source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{least:.2f}",
+            expected=expected,
+        )  # fmt: skip
+
+
+def _in_air(stroke: Stroke, steel: Shape, over: float) -> tuple[float, float] | None:
+    """A place of a stroke in air, but just beyond the edges where it begins and ends; or None.
+
+    Where its lead begins on an edge it goes on beside that edge to the contour.
+    """
+    from shapely import Point
+
+    run = line_of(stroke.points[1:])
+    ends = [Point(stroke.points[1]), Point(stroke.points[-1])]
+    for air in pieces_of(run.difference(steel.buffer(stroke.row.kerf / 4))):
+        at_end = any(air.distance(end) <= SURE for end in ends)
+        if air.length > (over + 3 * stroke.row.kerf if at_end else stroke.row.kerf):
+            x, y = air.representative_point().coords[0]
+            return x, y
+    return None
+
+
+def _twice(face: str, own: Sequence[Stroke], name: str) -> Iterator[Diagnostic]:
+    """A stroke along what is cut already."""
+    for k, stroke in enumerate(own):
+        run = line_of(stroke.points)
+        for before in own[:k]:
+            if not run.intersects(line_of(before.points)):
+                continue
+            again = run.difference(jet_of(before.points, before.row.kerf / 2, before.share))
+            if again.length < TWICE * run.length:
+                x, y = stroke.points[0]
+                yield rules.EXTRA.at(
+                    Source(name, stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=face
+                )
+
+
+def _off_contour(
+    stroke: Stroke, wanted: Shape, depth: float, steel: Shape, slack: float
+) -> tuple[float, float] | None:
+    """A place of a stroke that keeps no half a kerf off a contour so far below; None if there is
+    none.
+
+    Its first stretch is the lead, and beyond the edges of the wall there is air.
+    """
+    share = stroke.share
+    # A path goes straight on beyond the end of a slanting contour, where an edge of its wall is.
+    seen, off_it = narrowed(wanted, share).simplify(FINE / 2), stroke.row.kerf / 2 + slack
+    around = seen.buffer(off_it, join_style="mitre").difference(seen)
+    near = seen.boundary.buffer(off_it).union(around)
+    run = narrowed(line_of(stroke.at(depth)[1:]).intersection(steel), share)
+    off = run.difference(near)
+    if off.length <= slack:
+        return None
+    x, y = off.representative_point().coords[0]
+    return x / share, y
+
+
+def _thickness(
+    stroke: Stroke, strokes: Sequence[Stroke], section: Section, coper: Coper
+) -> tuple[float, float]:
+    """The steel that a stroke has to go through, with what it may be off.
+
+    Through a root that is as deep as from outside of the flange to where cuts over the web end, and
+    `root_over` more.
+    """
+    ys = [y for _, y in stroke.points]
+    if stroke.face == "v":
+        low, high = section.extent("v")
+        ends = (min(max(y, low + SURE), high - SURE) for y in (min(ys), max(ys)))
+        deep = max(section.web, *(section.steel_through("v", y) for y in ends)) / stroke.share
+        return deep - SURE, deep + SURE
+    back, front = section.root(stroke.face)
+    if max(ys) <= back or min(ys) >= front:
+        return (section.flange / stroke.share,) * 2
+    over = [y for one in strokes if one.face == "v" for _, y in one.points]
+    end = (section.high - max(over) if stroke.face == "o" else min(over)) if over else 0.0
+    deep = (max(section.flange, end) + coper.root_over) / stroke.share
+    return deep - SURE, deep + SURE
+
+
+def _is_far(
+    stroke: Stroke, wanted: Mapping[Surface, Wanted], ends: Mapping[str, Sequence[EndOnWall]]
+) -> bool:
+    """Whether a stroke is of the far end."""
+    bounds = wanted[stroke.face, 0.0].drawn.bounds
+    return (bool(bounds) and max(x for x, _ in stroke.points) > bounds[2]) or any(
+        end.side > 0 and any(x > end.at + end.more * y for x, y in stroke.points)
+        for end in ends[stroke.face]
+    )
+
+
+def _order_faults(
+    strokes: Sequence[Stroke], far: Mapping[int, bool], name: str
+) -> Iterator[Diagnostic]:
+    """Cuts of anything else behind the first one of the far end."""
+    parting = False
+    for stroke in strokes:
+        if parting and not far[stroke.line]:
+            yield rules.ORDER.at(Source(name, stroke.line), face=stroke.face)
+            return
+        parting = parting or far[stroke.line]

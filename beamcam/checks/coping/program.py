@@ -1,0 +1,70 @@
+"""What a coper's program says of its part by itself: the head's words, and the strokes."""
+
+import re
+
+from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.strokes import ProfileTorch, Stroke
+from beamcam.checks.coping.tube import TubeTorch, tube_section, unrolled_pipe
+from beamcam.checks.head import Head
+from beamcam.controllers import cell_events
+from beamcam.controllers.rotary import in_degrees
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import is_row_for, material_said
+from beamcam.model.part import Part, Profile
+from beamcam.model.weight import measures_of
+
+#: A round tube, which its diameter and its wall say, in the catalogue or not.
+_TUBE = re.compile(
+    r"(?:PIPE|CHS|TUBE)\s*([0-9]+(?:\.[0-9]+)?)[*X]([0-9]+(?:\.[0-9]+)?)", re.IGNORECASE
+)
+_NAMED = re.compile(r"(?:MARK (.*?))?(?: ?\bDRAWING (.*?))?(?: ?\bORDER (.*))?")
+
+
+def head_profile(head: Head | None) -> Profile | None:
+    """The section that a head names: one of the catalogue, or a round tube by its figures."""
+    name = head.stock.replace("_", "*") if head is not None else ""  # as comments have it
+    known = measures_of(name)
+    if known is not None:
+        return Profile(known[0], name, *known[1])
+    tube = _TUBE.fullmatch(name)
+    if tube is None:
+        return None
+    across, wall = float(tube[1]), float(tube[2])
+    return Profile("RO", name, across, across, wall, wall) if 0 < 2 * wall < across else None
+
+
+def head_part(head: Head | None, profile: Profile, name: str) -> Part:
+    """A part of a section with the length, the grade and the names that a head has; no features."""
+    if head is None or not head.parts:
+        return Part("", profile, 0.0, Source(name), grade=head.grade if head else "")
+    told = head.parts[0]
+    said = _NAMED.fullmatch(told.texts)
+    mark, drawing, order = (text or "" for text in said.groups()) if said else ("", "", "")
+    return Part(
+        mark, profile, told.size[0] if told.size else 0.0, Source(name),
+        order=order, drawing=drawing, grade=head.grade,
+    )  # fmt: skip
+
+
+def strokes_of(
+    text: str, part: Part, machine: Machine, name: str
+) -> tuple[list[Stroke], list[Diagnostic]]:
+    """What the torch cuts of a part's section, in its order, and what is wrong by itself.
+
+    Raises TypeError for a machine without a coper.
+    """
+    coper = machine.needed(machine.coper, "coper")
+    events, said = cell_events(text, machine, name)
+    if errors_in(said):
+        return [], list(said)
+    material = material_said(part.grade, coper.material)
+    rows = [row for row in coper.rows if is_row_for(row.material, material)]
+    if coper.turns == "bar":
+        section = tube_section(unrolled_pipe(part), coper)
+        events = in_degrees(events, coper, 2 * section.half_y)
+        torch: ProfileTorch | TubeTorch = TubeTorch(machine, coper, section, rows, name)
+    else:
+        torch = ProfileTorch(machine, coper, Section(part.profile), rows, name)
+    torch.follow(events)
+    return torch.strokes, [*said, *torch.said]

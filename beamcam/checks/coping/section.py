@@ -1,0 +1,279 @@
+"""The section that a torch goes round, worked out from its figures for the read-back alone.
+
+Its plates as boxes in (Y, Z), its root fillets, and the plane that each face is. A T lies on its
+side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, seen from v.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property
+from itertools import pairwise
+from math import cos, hypot, inf, pi, radians, sin
+from typing import Any, Literal
+
+from msgspec.structs import replace
+
+from beamcam.checks.bars.turned import Rotation, rotated
+from beamcam.model.part import Feature, Part, Profile
+
+FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm
+ARC = 16  #: sides of a quarter of a kerf's end
+Box = tuple[float, float, float, float]  #: least Y and Z, greatest Y and Z
+
+
+def pieces_of(shape: Any) -> list[Any]:
+    """The single shapes that one of shapely consists of."""
+    return [one for one in getattr(shape, "geoms", (shape,)) if not one.is_empty]
+
+
+def areas_of(shape: Any) -> Any:
+    """A region without the lines and places that operations on regions may leave beside it."""
+    from shapely import union_all
+
+    if shape.geom_type in ("Polygon", "MultiPolygon"):
+        return shape
+    return union_all([one for one in pieces_of(shape) if one.area > 0.0])
+
+
+def line_of(points: Sequence[tuple[float, float]]) -> Any:
+    """A path as a line, or as a place where it has no length."""
+    from shapely import LineString, Point
+
+    return LineString(points) if len(set(points)) > 1 else Point(points[0])
+
+
+def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
+    """All that lies within half a kerf of a path.
+
+    That of a connected path is one polygon. GEOS fails at it now and then where a path comes back
+    to its start; then it is put together of its stretches, and so is that of a path which repeats
+    them many times.
+    """
+    from shapely import LineString, union_all
+
+    if len(points) < 2 * len(set(points)):
+        whole = line_of(points).buffer(half_kerf, ARC)
+        if whole.geom_type == "Polygon" and whole.is_valid:
+            return whole
+    ways = [LineString(way) for way in dict.fromkeys(pairwise(points)) if way[0] != way[1]]
+    if not ways:
+        return line_of(points).buffer(half_kerf, ARC)
+    return union_all([way.buffer(half_kerf, ARC) for way in ways])
+
+
+def narrowed(shape: Any, share: float) -> Any:
+    """A shape on a wall as a torch sees it that is tilted along x, or back again by 1 / share."""
+    from shapely.affinity import scale
+
+    return shape if share == 1.0 else scale(shape, share, 1.0, origin=(0.0, 0.0))
+
+
+def jet_of(points: Sequence[tuple[float, float]], half_kerf: float, share: float) -> Any:
+    """What a jet takes of a surface along a path, as wide as its kerf square to itself."""
+    seen = [(x * share, y) for x, y in points]
+    return narrowed(kerf_of(seen, half_kerf), 1.0 / share)
+
+
+#: Rotation of a T about X onto its side: Y is then what was Z, and Z what was -Y.
+_ON_ITS_SIDE: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0))
+
+
+def lying(part: Part) -> Part:
+    """A part as it lies under the torch; what a T has on the far sides of its plates on u and v."""
+    if part.profile.code != "T":
+        return part
+    turned = rotated(part, _ON_ITS_SIDE)
+    made = part.made
+    if made is not None:
+        made = tuple(map(_seen, rotated(replace(part, features=made), _ON_ITS_SIDE).features))
+    return replace(turned, features=tuple(map(_seen, turned.features)), made=made)
+
+
+def as_drawn(part: Part) -> Part:
+    """A part that lies under the torch in the axes of its section; of a T on faces h and u."""
+    if part.profile.code != "T":
+        return part
+    back: Rotation = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
+    return rotated(part, back)
+
+
+def _seen(feature: Feature) -> Feature:
+    """A feature of a T on its side, on the face of its plate that the torch looks at."""
+    match getattr(feature, "face", ""):
+        case "o":  # the inside of the flange
+            return replace(feature, face="u")
+        case "h":
+            return replace(feature, face="v")
+    return feature
+
+
+class Section:
+    """An I, a U or an L, or a T on its side."""
+
+    def __init__(self, profile: Profile) -> None:
+        self.code = profile.code
+        self.high, self.wide = profile.height, profile.width
+        self.flange, self.web = profile.flange_thickness, profile.web_thickness or 0.0
+        self.radius = profile.radius
+        self.is_central = self.code in ("I", "T")  #: whether the web stands in their middle
+        self.has_upper = self.code in ("I", "U")  #: whether there is a flange at o
+        self.back = (self.wide - self.web) / 2 if self.is_central else 0.0
+        self.front = self.back + self.web
+
+    @property
+    def faces(self) -> tuple[str, ...]:
+        """Those that a torch looks at."""
+        return ("v", "o", "u") if self.has_upper else ("v", "u")
+
+    @property
+    def web_ends(self) -> tuple[float, float]:
+        """Y at which the web ends: a flange's inner surface, of an L or T also a free edge."""
+        return self.flange, self.high - self.flange if self.has_upper else self.high
+
+    def extent(self, face: str) -> tuple[float, float]:
+        """The least and the greatest y of a wall by itself."""
+        return self.web_ends if face == "v" else (0.0, self.wide)
+
+    def thickness(self, face: str) -> float:
+        return self.web if face == "v" else self.flange
+
+    def over(self, face: str, y: float, z: float) -> float:
+        """How far a place lies outside of the plane of a face, in mm."""
+        return {"v": z - self.front, "o": y - self.high, "u": -y}[face]
+
+    def plates(self) -> list[Box]:
+        """The boxes of web and flanges."""
+        found = [
+            (0.0, self.back, self.high, self.front), (0.0, 0.0, self.flange, self.wide),
+        ]  # fmt: skip
+        if self.has_upper:
+            found.append((self.high - self.flange, 0.0, self.high, self.wide))
+        return found
+
+    @cached_property
+    def steel(self) -> Any:
+        """The section as a shape of shapely."""
+        from shapely import Polygon, box, union_all
+
+        shapes = [box(*plate) for plate in self.plates()]
+        corners: list[tuple[float, float, Literal[1, -1], Literal[1, -1]]] = [
+            (self.flange, self.front, 1, 1)
+        ]
+        if self.is_central:
+            corners.append((self.flange, self.back, 1, -1))
+        if self.has_upper:
+            inner = self.high - self.flange
+            corners += [(inner, y, -1, out) for _, y, _, out in corners]
+        r = self.radius
+        for y, z, up, out in corners if r > 0.0 else ():
+            turns = [pi / 2 * k / FILLET_STEPS for k in range(FILLET_STEPS + 1)]
+            arc = [(y + up * r * (1 - cos(t)), z + out * r * (1 - sin(t))) for t in turns]
+            shapes.append(Polygon([(y, z), *arc]))
+        return union_all(shapes)
+
+    def steel_through(self, face: str, y: float) -> float:
+        """How much steel a torch square to a face cuts at a place of it, up to the first gap.
+
+        Over the web of a flange it is endless, as the web stands below.
+        """
+        from shapely import LineString
+
+        far = 2 * (self.high + self.wide)
+        if face == "v":
+            line = LineString([(y, self.front + self.radius), (y, self.back - self.radius)])
+        elif face == "o":
+            line = LineString([(self.high, y), (-far, y)])
+        else:
+            line = LineString([(0.0, y), (far, y)])
+        cut = line.intersection(self.steel)
+        pieces = [one for one in pieces_of(cut) if one.length > 0.0]
+        if not pieces:
+            return 0.0
+        begin = line.interpolate(0.0)
+        return float(min(pieces, key=lambda one: one.distance(begin)).length)
+
+    def root_reach(self, face: str) -> tuple[float, float]:
+        """The y of a wall between those at which a torch over it meets a root fillet."""
+        if face != "v":
+            return -inf, inf
+        low, high = self.web_ends
+        return low + self.radius, high - self.radius if self.has_upper else inf
+
+    def root(self, face: str) -> tuple[float, float]:
+        """The y of a flange below which the web and its fillets stand."""
+        least = self.back - self.radius if self.is_central else 0.0
+        return max(0.0, least), self.front + self.radius
+
+
+class TubeSection:
+    """A round tube, or a rectangular one: a rectangle with a circle round each of its corners.
+
+    Y and Z count from its axis, s goes round its outside from the middle of the lowest line to v.
+    """
+
+    def __init__(self, profile: Profile, corner: float) -> None:
+        """`corner` is the outer radius of a rectangular tube's corners."""
+        self.half_y, self.half_z = profile.height / 2, profile.width / 2
+        self.wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
+        if profile.code == "RO":
+            self.radius = self.half_z = self.half_y
+        else:
+            self.radius = corner
+        self.flat_y, self.flat_z = self.half_y - self.radius, self.half_z - self.radius
+        self.turn = 2 * pi * self.radius + 4 * (self.flat_y + self.flat_z)
+        self.reach = hypot(self.flat_y, self.flat_z) + self.radius  #: of what turns
+
+    @cached_property
+    def steel(self) -> Any:
+        """The section as a shape of shapely, without its hollow."""
+        from shapely import Point, box
+
+        if not (self.flat_y or self.flat_z):
+            return Point(0.0, 0.0).buffer(self.radius, FILLET_STEPS)
+        inner = box(-self.flat_y, -self.flat_z, self.flat_y, self.flat_z)
+        return inner.buffer(self.radius, FILLET_STEPS)
+
+    def place(self, y: float, z: float, a_deg: float) -> tuple[float, float, float]:
+        """s below a tip, how high it is over the surface, how far beside the normal it stands.
+
+        The tip is at Y and Z of the machine while the tube has turned by A about its axis.
+        """
+        c, k = cos(radians(a_deg)), sin(radians(a_deg))
+        y, z = c * y - k * z, k * y + c * z
+        at_y = min(max(y, -self.flat_y), self.flat_y)
+        at_z = min(max(z, -self.flat_z), self.flat_z)
+        away = -k * (y - at_y) + c * (z - at_z)
+        beside = c * (y - at_y) + k * (z - at_z)
+        turned = 90.0 - a_deg
+        face = round(turned / 90.0)
+        s = self._begin(face) + (at_z, at_y, -at_z, -at_y)[face % 4]
+        return s + self.radius * radians(turned), away - self.radius, beside
+
+    def _begin(self, face: int) -> float:
+        """The way along the flats to the middle of a face; u is 0, v 1, o 2, h 3, and so on."""
+        return face * (self.flat_y + self.flat_z)
+
+    def around(self, face: str, y: float) -> float:
+        """s of a place on the flat of a face."""
+        k = "uvoh".index(face)
+        along = y - (self.half_y if face in "vh" else self.half_z)
+        return self._begin(k) + self.radius * k * pi / 2 + (along if k < 2 else -along)
+
+    def corner(self, k: int) -> float:
+        """s at which the corner behind a face begins."""
+        flat = self.flat_y if k % 2 else self.flat_z
+        return self._begin(k) + flat + self.radius * k * pi / 2
+
+    def face_at(self, s: float) -> str:
+        """The face that a place is on, or is nearest to."""
+        rest = (s + self.turn / 2) % self.turn - self.turn / 2
+        if self.radius == self.half_y == self.half_z:
+            return "v"
+        middles = {face: self.around(face, self.half_y if face in "vh" else self.half_z)
+                   for face in "uvoh"}  # fmt: skip
+        half = {"u": self.half_z, "v": self.half_y, "o": self.half_z, "h": self.half_y}
+
+        def off(face: str) -> float:
+            way = abs(rest - middles[face]) % self.turn
+            return min(way, self.turn - way) - half[face]
+
+        return min("uvoh", key=off)

@@ -1,0 +1,266 @@
+"""The skew ends of a bar, worked out from its header and outlines for the read-back alone.
+
+An end is the plane x = c - y tan(web) - z tan(flange) through the outermost corner of the section,
+which lies at x 0 or at the length. A torch that tilts makes it; else it is cut square to each wall
+where the wall reaches farthest, and at one x all through a root.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import atan, cos, degrees, radians, sin, tan
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.coping.section import Section, areas_of
+from beamcam.geometry.curves import Line
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Bevel, Contour, Feature, Part
+
+Shape = Any  #: of shapely
+
+SQUARE_DEG = 0.2  #: of an end; a smaller angle is none
+DRAWN = 1.0  #: mm that an outline may be off an end and mean it
+AT_EDGE = 1.0  #: mm from the edges of its face within which a side of an outline ends on them
+ON_PLANE = 0.05  #: mm between an edge and the end that it lies on
+BARELY = 1.0  #: mm of an edge that are nothing
+STEEP_DEG = 30.0  #: of an end, from which on a square step of its cut goes on until it meets it
+FAR = 1e5
+
+
+class SkewEnd(Struct, frozen=True):
+    """An end of a bar that is not square: x(y, z) = c - y by_y - z by_z."""
+
+    side: int  #: -1 at the start
+    c: float
+    by_y: float
+    by_z: float
+
+    def x(self, y: float, z: float) -> float:
+        return self.c - y * self.by_y - z * self.by_z
+
+    def on(self, face: str, section: Section, depth: float) -> tuple[float, float]:
+        """x on a surface of a wall, `depth` below the one that the torch looks at: at y 0, and how
+        much more at y 1."""
+        if face == "v":
+            return self.x(0.0, section.front - depth), -self.by_y
+        return self.x(section.high - depth if face == "o" else depth, 0.0), -self.by_z
+
+    def farthest(self, ys: Sequence[float], zs: Sequence[float]) -> float:
+        return self.side * max(self.side * self.x(y, z) for y in ys for z in zs)
+
+    def leans(self, face: str) -> float:
+        """By how many degrees it leans over a wall."""
+        return abs(degrees(atan(self.by_z if face == "v" else self.by_y)))
+
+
+def skew_ends(part: Part, section: Section) -> tuple[SkewEnd | None, SkewEnd | None]:
+    """The ends of a part as it lies that are not square."""
+    found: list[SkewEnd | None] = []
+    flanges = ("o", "u") if section.has_upper else ("u",)
+    for k, (web, flange) in enumerate((
+        (part.cuts.web_start, part.cuts.flange_start), (part.cuts.web_end, part.cuts.flange_end)
+    )):  # fmt: skip
+        if abs(web) <= SQUARE_DEG:
+            web = next((d for d in (_drawn(part, f, section.high, k) for f in "vh")
+                        if d is not None), 0.0)  # fmt: skip
+        if abs(flange) <= SQUARE_DEG:
+            seen = [_drawn(part, f, section.wide, k) for f in flanges]
+            known = [d for d in seen if d is not None]
+            same = len(known) == len(flanges) and max(known) - min(known) <= SQUARE_DEG
+            flange = known[0] if same else 0.0
+        by_y, by_z = (tan(radians(d)) if abs(d) > SQUARE_DEG else 0.0 for d in (web, flange))
+        corners = [
+            y * by_y + z * by_z for y0, z0, y1, z1 in section.plates()
+            for y in (y0, y1) for z in (z0, z1)
+        ]  # fmt: skip
+        c = part.length + min(corners) if k else max(corners)
+        found.append(SkewEnd(1 if k else -1, c, by_y, by_z) if by_y or by_z else None)
+    return found[0], found[1]
+
+
+def _drawn(part: Part, face: str, wide: float, k: int) -> float | None:
+    """The angle of the side of an outline that goes from edge to edge at an end."""
+    found = None
+    for contour in part.contours:
+        if contour.face != face or contour.kind != "outer" or contour.process != "cut":
+            continue
+        xs = [curve.start[0] for curve in contour.curves]
+        for curve in contour.curves:
+            if not isinstance(curve, Line):
+                continue
+            (x0, y0), (x1, y1) = curve.start, curve.end
+            if y0 > y1:
+                x0, y0, x1, y1 = x1, y1, x0, y0
+            is_end = (x0 + x1) / 2 > sum(xs) / len(xs)
+            if y0 <= AT_EDGE and y1 >= wide - AT_EDGE and is_end == bool(k):
+                found = degrees(atan((x0 - x1) / (y1 - y0)))
+    return found
+
+
+class EndOnWall(Struct, frozen=True):
+    """Where an end meets a surface of a wall: x = at + more y."""
+
+    side: int
+    at: float
+    more: float
+    apart: float  #: mm between where it meets the two surfaces of the wall
+
+    def moved(self, place: tuple[float, float]) -> tuple[float, float]:
+        """A place of an outline; one that is drawn at the end lies on it."""
+        x, y = place
+        there = self.at + self.more * y
+        return (there, y) if abs(x - there) <= DRAWN + self.apart else place
+
+    @property
+    def beyond(self) -> Shape:
+        """What lies beyond it."""
+        from shapely import Polygon
+
+        low, high = -FAR / 100, FAR / 100
+        return Polygon([
+            (self.at + self.more * low, low), (self.at + self.more * high, high),
+            (self.side * FAR, high), (self.side * FAR, low),
+        ])  # fmt: skip
+
+
+def ends_on(
+    ends: Sequence[SkewEnd | None],
+    tilted: Sequence[bool],
+    face: str,
+    section: Section,
+    depth: float,
+) -> list[EndOnWall]:
+    """Where the skew ends meet a surface of a wall, those that are cut square the uppermost one."""
+    found = []
+    for end, is_tilted_to in zip(ends, tilted, strict=True):
+        if end is not None:
+            at, more = end.on(face, section, depth if is_tilted_to else 0.0)
+            apart = section.thickness(face) * tan(radians(end.leans(face)))
+            found.append(EndOnWall(end.side, at, more, apart))
+    return found
+
+
+def _edge_on(
+    end: SkewEnd, face: str, drawn: Shape, section: Section, band: tuple[float, float]
+) -> tuple[float, float]:
+    """How much of a wall's edge lies on an end, within a band of it, and how much could; in mm."""
+    from shapely import LineString, box
+
+    at, more = end.on(face, section, 0.0)
+    line = LineString([(at + more * y, y) for y in band])
+    edge = drawn.boundary.intersection(box(-FAR, band[0], FAR, band[1]))
+    return edge.intersection(line.buffer(ON_PLANE)).length, line.length
+
+
+def is_tilted(
+    end: SkewEnd, drawn: Mapping[str, Shape], section: Section, coper: Coper, near: float
+) -> bool:
+    """Whether a machine has to tilt its torch to an end: each wall that it leans over ends in it
+    alone, within the torch's reach. `near` is how near it comes to a flange over the web."""
+    for face, shape in drawn.items():
+        lean, band = end.leans(face), (ON_PLANE, section.wide - ON_PLANE)
+        if face == "v":
+            low, high = section.web_ends
+            band = low + near, high - (near if section.has_upper else ON_PLANE)
+        there, all_of_it = _edge_on(end, face, shape, section, band)
+        if there < BARELY or lean == 0.0:
+            continue
+        if lean > coper.tilt or there < all_of_it - BARELY:
+            return False
+        b = radians(lean)
+        room = coper.torch_length * cos(b) - coper.head_width / 2 * sin(b) - coper.clearance
+        if face == "v" and section.wide - section.front > room:
+            return False
+    return coper.tilt > 0.0
+
+
+def as_square(
+    end: SkewEnd, drawn: Mapping[str, Shape], section: Section, depths: Mapping[str, float]
+) -> tuple[dict[str, Shape], dict[str, float], dict[str, list[Point]]]:
+    """What stays of each wall whose end is cut square to it, how many mm that is too much, and the
+    corners of its steps.
+
+    `depths` are those to which the passes through the roots cut.
+    """
+    found, off = dict(drawn), dict[str, float]()
+    steps: dict[str, list[Point]] = {face: [] for face in drawn}
+    for face, shape in drawn.items():
+        band = section.extent(face)
+        if _edge_on(end, face, shape, section, (band[0] + 2.0, band[1] - 2.0))[0] >= BARELY:
+            thick = section.thickness(face)
+            off[face] = thick * tan(radians(end.leans(face)))
+            found[face] = areas_of(shape.union(_up_to(end, face, shape, section)))
+    for face in drawn:
+        deep = depths.get(face, 0.0)
+        if face == "v" or not deep or face not in off or "v" not in off:
+            continue
+        back, front = section.root(face)
+        zs = back - ON_PLANE, front + ON_PLANE
+        ys = (section.high - deep - ON_PLANE, section.high) if face == "o" else (
+            0.0, deep + ON_PLANE)  # fmt: skip
+        x = end.farthest(ys, (max(zs[0], 0.0), min(zs[1], section.wide)))
+        for one, band, wide in ((face, zs, section.wide), ("v", ys, section.high)):
+            at, more = outermost(end, one, section)
+            low, high = max(band[0], 0.0), min(band[1], wide)
+            if end.side * more < 0.0 and abs(more) > tan(radians(STEEP_DEG)) and low > ON_PLANE:
+                low = max(0.0, min(low, (x - at) / more))
+            if end.side * more > 0.0 and abs(more) > tan(radians(STEEP_DEG)) and (
+                high < wide - ON_PLANE):  # fmt: skip
+                high = min(wide, max(high, (x - at) / more))
+            steps[one] += [(at + more * y, y) for y in (low, high)]
+            found[one] = areas_of(found[one].union(_band(end, at, more, low, high, x)))
+            reach = [abs(x - at - more * y) for y in (max(band[0], 0.0), min(band[1], wide))]
+            off[one] = max(off[one], *reach)
+    return found, off, steps
+
+
+def outermost(end: SkewEnd, face: str, section: Section) -> tuple[float, float]:
+    """Where an end lies on a wall at its outermost, at y 0, and how much more at y 1."""
+    surfaces = [end.on(face, section, depth) for depth in (0.0, section.thickness(face))]
+    return max(surfaces, key=lambda one: end.side * one[0])
+
+
+def _up_to(end: SkewEnd, face: str, shape: Shape, section: Section) -> Shape:
+    """What a wall has more of where it is cut square at the outermost of its end."""
+    from shapely import LineString, Polygon, union_all
+
+    at, more = outermost(end, face, section)
+    own, _ = end.on(face, section, 0.0)
+    ys = -1.0, (section.high if face == "v" else section.wide) + 1.0
+    line = LineString([(own + more * y, y) for y in ys])
+    edge = shape.boundary.intersection(line.buffer(ON_PLANE))
+    found = []
+    for one in getattr(edge, "geoms", (edge,)):
+        _, y0, _, y1 = one.bounds if not one.is_empty else (0.0, 0.0, 0.0, 0.0)
+        if y1 - y0 > 2 * ON_PLANE:
+            inside = end.side * -ON_PLANE
+            found.append(Polygon([
+                (own + more * y0 + inside, y0), (at + more * y0, y0), (at + more * y1, y1),
+                (own + more * y1 + inside, y1),
+            ]))  # fmt: skip
+    return union_all(found)
+
+
+def _band(end: SkewEnd, at: float, more: float, low: float, high: float, x: float) -> Shape:
+    from shapely import Polygon
+
+    def out(y: float) -> float:
+        line = at + more * y
+        return max(line, x) if end.side > 0 else min(line, x)
+
+    def inside(y: float) -> float:
+        return at + more * y - end.side * AT_EDGE
+
+    return Polygon([(inside(low), low), (out(low), low), (out(high), high), (inside(high), high)])
+
+
+def own_bevels(feature: Feature, ends: Sequence[SkewEnd | None], least: float) -> Iterator[Bevel]:
+    """The bevels of a contour that no tilted end makes by itself."""
+    for bevel in feature.bevels if isinstance(feature, Contour) else ():
+        face = "v" if getattr(feature, "face", "") in "vh" else "u"
+        leans = [end.leans(face) for end in ends if end is not None]
+        if abs(bevel.angle) >= least and all(
+            abs(abs(bevel.angle) - lean) > SQUARE_DEG for lean in leans
+        ):
+            yield bevel

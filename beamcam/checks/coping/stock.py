@@ -1,0 +1,178 @@
+"""The steel that a program begins with: a bar with its trims, or a piece whose ends are there.
+
+Of a piece the header says the ends, as DSTV has them: x(y, z) = c - y tan(web) - z tan(flange),
+through the outermost corner of the section. A wall ends where either of its surfaces does, at the
+farthest; a drawing may have the other one.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from math import ceil, cos, inf, pi, radians, sin, tan
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.coping.section import Section
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Contour, Hole, Part, Slot
+
+FINE = 0.02  #: mm between a curve and its chords, at most
+STEPS = 256  #: of a curve that is no arc
+EDGE_NOISE = 1.0  #: mm that a side of an outline may lie off the edge of its wall and mean it
+SEAM_NOISE = 2.5  #: likewise of a tube's seam, which is a long side
+EDGE_SLOPE = 0.02  #: of such a side, at most
+
+
+def ring_of(curves: tuple[Curve, ...]) -> list[Point]:
+    """Points along a closed chain of curves."""
+    return [point for curve in curves for point in _places(curve)]
+
+
+def outline_ring(
+    curves: tuple[Curve, ...], edges: Sequence[float], at_end: Callable[[Point], Point],
+    seam_from: float = inf,
+) -> list[Point]:  # fmt: skip
+    """Points along an outline, its sides near one of some edges on that edge.
+
+    A side of a tube that is as long as `seam_from` may be its seam.
+
+    Only ends of straight sides are moved, to an edge and then by `at_end`; those of an arc that
+    runs into an edge are steel that is asked for.
+    """
+    found: list[Point] = []
+    for k, curve in enumerate(curves):
+        first, *rest = _places(curve)
+        sides = [one for one in (curves[k - 1], curve) if isinstance(one, Line)]
+        x, y = first
+        on = [edge for edge in edges if any(_is_edge(side, edge, seam_from) for side in sides)]
+        first = (x, on[0] if on else y)
+        found += [at_end(first) if sides else first, *rest]
+    return found
+
+
+def _is_edge(side: Line, edge: float, seam_from: float) -> bool:
+    """Whether a side of an outline means an edge of its wall."""
+    off, run = abs(side.start[1] - edge), side.end[0] - side.start[0]
+    rise = side.end[1] - side.start[1]
+    most = SEAM_NOISE if abs(run) >= seam_from else EDGE_NOISE
+    return max(off, abs(side.end[1] - edge)) <= most and abs(rise) <= EDGE_SLOPE * abs(run)
+
+
+def _places(curve: Curve) -> list[Point]:
+    """Points along a curve, without its end."""
+    if isinstance(curve, Line):
+        return [curve.start]
+    if isinstance(curve, Arc):
+        more = round_ring(*curve.centre, curve.radius, curve.start_deg, curve.sweep_deg)
+        return list(more)[:-1]
+    return [curve.point(k / STEPS) for k in range(STEPS)]
+
+
+def round_ring(
+    x: float, y: float, radius: float, first: float = 0.0, sweep: float = 360.0
+) -> Iterator[Point]:
+    """Points of an arc; a chord of a step t lies r t^2 / 8 off it at most."""
+    step = min(pi / 8, (8 * FINE / 2 / radius) ** 0.5) if radius else pi / 8
+    count = max(2, ceil(abs(radians(sweep)) / step))
+    for k in range(count + 1):
+        turn = radians(first + sweep * k / count)
+        yield x + radius * cos(turn), y + radius * sin(turn)
+
+
+def slot_ring(slot: Slot) -> Iterator[Point]:
+    """Points of the circles at the corners of a slot, whose hull it is."""
+    c, s = cos(radians(slot.angle)), sin(radians(slot.angle))
+    for a, b in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+        x = slot.x + a * slot.length * c - b * slot.height * s
+        y = slot.y + a * slot.length * s + b * slot.height * c
+        yield from round_ring(x, y, slot.diameter / 2)
+
+
+Shape = Any  #: of shapely
+DRAWN = 1.0  #: mm that a drawing may be off an end and mean it
+
+
+class Stock(Struct, frozen=True):
+    """The ends of each wall: x at y 0 and at y 1, and how far apart its two surfaces end."""
+
+    is_piece: bool
+    ends: dict[str, tuple[tuple[float, float, float], ...]]
+    widths: dict[str, float]
+    open: dict[str, Shape] = {}  #: by wall, the holes of a piece that are there
+
+    def wall(self, face: str) -> Shape:
+        """All steel of a wall, (x, y) of its face, with that where its holes are."""
+        from shapely import Polygon
+
+        (a0, a1, _), (b0, b1, _) = self.ends[face]
+        wide = self.widths[face]
+        return Polygon(
+            [(a0, 0.0), (b0, 0.0), (b0 + (b1 - b0) * wide, wide), (a0 + (a1 - a0) * wide, wide)]
+        )
+
+    def at_end(self, face: str, place: tuple[float, float]) -> tuple[float, float]:
+        """A place of a drawing; at the end of a piece, on that end."""
+        x, y = place
+        for at_0, at_1, apart in self.ends[face] if self.is_piece else ():
+            there = at_0 + (at_1 - at_0) * y
+            if abs(x - there) <= DRAWN + apart:
+                return there, y
+        return place
+
+
+def stock_of(part: Part, section: Section, coper: Coper) -> Stock:
+    """The bar that a part is cut from, or the piece that comes cut."""
+    widths = {face: section.high if face == "v" else section.wide for face in section.faces}
+    if part.made is None:
+        low, high = -coper.trim, part.length + coper.trim
+        square = ((low, low, 0.0), (high, high, 0.0))
+        return Stock(False, dict.fromkeys(section.faces, square), widths)
+    cuts = part.cuts
+    starts = _plane(section, cuts.web_start, cuts.flange_start, 0.0, max)
+    ends = _plane(section, cuts.web_end, cuts.flange_end, part.length, min)
+    faces = section.faces
+    return Stock(
+        True, {face: (starts[face], ends[face]) for face in faces}, widths,
+        {face: _open(part, face) for face in faces},
+    )  # fmt: skip
+
+
+def _open(part: Part, face: str) -> Shape:
+    """The holes, slots and cut-outs of a wall that are there."""
+    from shapely import MultiPoint, Polygon, make_valid, union_all
+
+    found: list[Shape] = []
+    for feature in part.made or ():
+        if getattr(feature, "face", "") not in {"v": "vh"}.get(face, face):
+            continue
+        if isinstance(feature, Hole) and feature.kind != "mark" and feature.depth is None:
+            found.append(Polygon(round_ring(feature.x, feature.y, feature.diameter / 2)))
+        elif isinstance(feature, Slot) and feature.depth is None:
+            found.append(MultiPoint([*slot_ring(feature)]).convex_hull)
+        elif isinstance(feature, Contour) and feature.kind == "inner" and feature.process == "cut":
+            found.append(make_valid(Polygon(ring_of(feature.curves))))
+    return union_all(found)
+
+
+def _plane(
+    section: Section, web_deg: float, flange_deg: float, outermost: float, pick: Any
+) -> dict[str, tuple[float, float, float]]:
+    """Where a plane ends each wall; `pick` takes of leaning corners the one at `outermost`."""
+    by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
+    c = outermost + pick(
+        y * by_y + z * by_z
+        for low_y, low_z, high_y, high_z in section.plates()
+        for y in (low_y, high_y) for z in (low_z, high_z)
+    )  # fmt: skip
+    outer = min if pick is max else max
+    found = {}
+    for face in section.faces:
+        if face == "v":
+            xs = [[c - y * by_y - z * by_z for z in (section.back, section.front)] for y in (0, 1)]
+        else:
+            inside = section.high - section.flange if face == "o" else 0.0
+            ys = (inside, inside + section.flange)
+            xs = [[c - y * by_y - z * by_z for y in ys] for z in (0, 1)]
+        found[face] = (outer(xs[0]), outer(xs[1]), abs(xs[0][0] - xs[0][1]))
+    return found

@@ -1,0 +1,323 @@
+"""What the torch of a coper does: each stroke from pierce to end, and what is wrong on its way."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from math import cos, dist, isfinite, radians, sin, tan
+
+from msgspec import Struct
+
+from beamcam.checks.coping import rules
+from beamcam.checks.coping.section import Section
+from beamcam.controllers import cell_events
+from beamcam.controllers.events import (
+    BarEvent,
+    Blending,
+    Compensation,
+    Move,
+    Pause,
+    Place,
+    Said,
+    Switch,
+)
+from beamcam.errors import Diagnostic, Source, add_few
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import TorchRow
+
+ANGLES = {-90.0: "o", 0.0: "v", 90.0: "u"}  #: what the torch looks at, by A
+ANGLE_SLACK_DEG = 0.01
+HEIGHT_SLACK = 0.02  #: mm
+TIME_SLACK_S = 0.0006
+LONGEST_PAUSE_S = 60.0  #: with the torch off
+ENDS = (2, 30)
+#: What words of a torch are filled with to see which M words they are.
+_FIGURES = {
+    "feed": "1000", "power": "0", "pierce": "1", "pierce_height": "1", "cut_height": "1",
+}  # fmt: skip
+
+
+class Stroke(Struct, frozen=True):
+    """What is cut between torch on and torch off, square to one wall or tilted along the bar."""
+
+    line: int
+    face: str
+    #: x of the part and y of the face, where the torch points at
+    points: tuple[tuple[float, float], ...]
+    places: tuple[tuple[float, float], ...]  #: Y and Z of the tip
+    row: TorchRow
+    b_deg: float = 0.0  #: tilt of the torch towards X
+
+    def at(self, depth: float) -> tuple[tuple[float, float], ...]:
+        """Where it goes through a plane so far below the face."""
+        back = depth * tan(radians(self.b_deg))
+        return tuple((x - back, y) for x, y in self.points)
+
+    @property
+    def share(self) -> float:
+        """cos(B): how much narrower the wall is along the bar as the torch sees it."""
+        return cos(radians(self.b_deg))
+
+
+class Way(Struct, frozen=True):
+    """A move of the tip, in machine coordinates, with A at both ends."""
+
+    line: int
+    start: Place
+    end: Place
+    a_deg: tuple[float, float]
+    b_deg: tuple[float, float] = (0.0, 0.0)
+
+
+class Torch(ABC):
+    """Follows the events of a program."""
+
+    turning = False  #: whether A may turn with the torch on, which is upright then
+
+    def __init__(self, machine: Machine, coper: Coper, rows: Sequence[TorchRow], name: str) -> None:
+        self.said: list[Diagnostic] = []
+        self.strokes: list[Stroke] = []
+        self.ways: list[Way] = []
+        self._machine, self._coper = machine, coper
+        self._rows, self._name = rows, name
+        self._on_words, self._off_words = (
+            _switches(machine, "cut_on"),
+            _switches(machine, "cut_off"),
+        )
+        self._on_at: int | None = None  #: line of the word that started it
+        self._waited = 0.0
+        self._moves: list[Move[Place]] = []  #: since it was started
+        self._tip: Place | None = None
+        self._a_deg: float | None = None
+        self._tilts = coper.tilt > 0.0
+
+    def follow(self, events: Sequence[BarEvent]) -> None:
+        """All events of a program, in order."""
+        for event in events:
+            match event:
+                case Move():
+                    self._move(event)
+                case Switch():
+                    self._switch(event)
+                case Pause():
+                    self._pause(event)
+                case Blending():
+                    if not event.distance <= self._coper.tolerance / 2:
+                        self._wrong(
+                            event.line, f"corners passed {event.distance:g} mm off the path",
+                            f"at most {self._coper.tolerance / 2:g} mm",
+                        )  # fmt: skip
+                case Compensation():
+                    if event.side != "on":
+                        self._wrong(event.line, "kerf compensation", "none, paths keep it off")
+                case _:
+                    self._wrong(event.line, type(event).__name__, "no such word of a coper")
+        if self._on_at is not None:
+            self._wrong(self._on_at, "the torch left on", "it off at the end")
+
+    def _wrong(self, line: int, found: str, expected: str) -> None:
+        self._say(rules.TORCH.at(Source(self._name, line), found=found, expected=expected))
+
+    def _say(self, said: Diagnostic) -> None:
+        add_few(self.said, said)
+
+    def _switch(self, event: Switch) -> None:
+        if event.said in self._on_words:
+            if self._on_at is not None:
+                self._wrong(event.line, "the torch started twice", "it off before")
+            if self._tip is None or self._a_deg is None:
+                self._wrong(event.line, "the torch started nowhere", "a place and A before")
+            self._on_at, self._waited, self._moves = event.line, 0.0, []
+        elif event.said in self._off_words:
+            if self._on_at is not None:
+                self._end(self._on_at)
+            self._on_at = None
+        elif event.number not in ENDS:
+            self._wrong(event.line, str(event), "the words of cut_on and cut_off, and no others")
+
+    def _pause(self, event: Pause) -> None:
+        if self._on_at is None:
+            if event.seconds > LONGEST_PAUSE_S:
+                self._wrong(event.line, f"a wait of {event.seconds:g} s", "a minute at most")
+        elif self._moves:
+            self._wrong(event.line, "a wait on the way of a cut", "none, the torch burns on")
+        else:
+            self._waited += event.seconds
+
+    def _move(self, move: Move[Place]) -> None:
+        is_on = self._on_at is not None
+        if move.curve is not None:
+            self._wrong(move.line, "a curve", "straight moves")
+        if is_on and move.rapid:
+            self._wrong(move.line, "a rapid move with the torch on", "one at the feed")
+        if not is_on and not move.rapid:
+            self._wrong(move.line, "a move at the feed with the torch off", "a rapid one")
+        self._limits(move)
+        a_deg = move.a_deg[1]
+        tilts = move.b_deg if self._tilts else (0.0, 0.0)
+        if not all(map(isfinite, (*move.end, a_deg, tilts[1]))):
+            if is_on:
+                self._wrong(move.line, "a cut from or to nowhere", "X, Y, Z, A and B before")
+            elif self._tip is not None or all(map(isfinite, (*move.end, a_deg))):
+                self._wrong(move.line, "a move of a torch that may be tilted", "B before")
+            self._a_deg = a_deg if isfinite(a_deg) else None
+            return
+        if is_on and not self.turning and move.a_deg[0] != a_deg:
+            self._say(rules.ANGLE.at(Source(self._name, move.line), found=f"{a_deg:g}, turning"))
+        if is_on and tilts[0] != tilts[1]:
+            found = f"{tilts[1]:g}, turning"
+            self._say(rules.TILT.at(
+                Source(self._name, move.line), found=found, expected=f"{self._coper.tilt:g}"
+            ))  # fmt: skip
+        end = self._tip_of(move.end, a_deg, tilts[1])
+        if self._tip is not None and all(map(isfinite, (*move.start, move.a_deg[0], tilts[0]))):
+            self.ways.append(Way(move.line, move.start, move.end, move.a_deg, tilts))
+        if is_on:
+            self._moves.append(move)
+        self._tip, self._a_deg = end, a_deg
+
+    def _tip_of(self, place: Place, a_deg: float, b_deg: float = 0.0) -> Place:
+        """Where the tip is: what the program says, or a pivot's length below the axes."""
+        return below(place, self._coper.pivot, a_deg, b_deg)
+
+    def _as_written(self, a_deg: float) -> float:
+        """A in the unit of the program and of its axis."""
+        return a_deg
+
+    def _limits(self, move: Move[Place]) -> None:
+        turns = (self._as_written(move.a_deg[1]), move.b_deg[1])
+        values = dict(zip("XYZAB", (*move.end, *turns), strict=True))
+        for axis in self._machine.axes:
+            least, most = axis.limits
+            found = values.get(axis.moves, least)
+            if isfinite(found) and not least <= found <= most:
+                self._say(
+                    rules.LIMIT.at(
+                        Source(self._name, move.line), axis=axis.name, found=f"{found:g}",
+                        least=f"{least:g}", most=f"{most:g}",
+                    )
+                )  # fmt: skip
+
+    def _end(self, line: int) -> None:
+        """A stroke that is whole."""
+        moves = [m for m in self._moves if isfinite(sum((*m.start, *m.end, *m.a_deg)))]
+        if moves:
+            self._take(line, moves)
+        else:
+            self._wrong(line, "the torch started and stopped in one place", "a cut between")
+
+    @abstractmethod
+    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
+        """Adds the stroke of some moves, and says what is wrong with it."""
+
+    def _pierce_time(self, source: Source, row: TorchRow) -> None:
+        if abs(self._waited - row.pierce_s) > TIME_SLACK_S:
+            found = f"{self._waited:g}"
+            self._say(rules.PIERCE.at(source, found=found, expected=f"{row.pierce_s:g}"))
+
+    def _height(
+        self, source: Source, face: str, over: Iterable[float], wanted: float, does: str
+    ) -> None:
+        """Says where the tip is not as high over the steel as wanted."""
+        for found in over:
+            if abs(found - wanted) > HEIGHT_SLACK:
+                self._say(
+                    rules.HEIGHT.at(
+                        source, found=f"{found:.3f}", face=face, does=does, expected=f"{wanted:g}"
+                    )
+                )
+                return
+
+
+class ProfileTorch(Torch):
+    """A torch that goes round an I, a U or an L."""
+
+    def __init__(
+        self, machine: Machine, coper: Coper, section: Section, rows: Sequence[TorchRow], name: str
+    ) -> None:
+        super().__init__(machine, coper, rows, name)
+        self._section = section
+
+    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
+        """A stroke: its wall, its heights, its row."""
+        source = Source(self._name, line)
+        a_deg = moves[0].a_deg[1]
+        b_deg = moves[0].b_deg[1] if self._tilts else 0.0
+        face = next((f for a, f in ANGLES.items() if abs(a - a_deg) <= ANGLE_SLACK_DEG), None)
+        if face is None or face not in self._section.faces:
+            self._say(rules.ANGLE.at(source, found=f"{a_deg:g}"))
+            return
+        if abs(b_deg) > self._coper.tilt + ANGLE_SLACK_DEG:
+            expected = f"{self._coper.tilt:g}"
+            self._say(rules.TILT.at(source, found=f"{b_deg:g}", expected=expected))
+            return
+        feeds = {m.feed_mm_min for m in moves}
+        rows = [row for row in self._rows if abs(row.feed_mm_min - min(feeds)) < 0.01]
+        if len(feeds) > 1 or not rows:
+            shown = ", ".join(f"{feed:g}" for feed in sorted(feeds))
+            of_chart = ", ".join(f"{row.feed_mm_min:g}" for row in self._rows)
+            self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
+            return
+        row = rows[0]
+        self._pierce_time(source, row)
+        places = (moves[0].start, *(m.end for m in moves))
+        tips = [self._tip_of(place, a_deg, b_deg) for place in places]
+        over = [self._section.over(face, y, z) for _, y, z in tips]
+        # The tip is wide; its lower edge keeps the height of the row.
+        lower = self._coper.torch_width / 2 * sin(radians(abs(b_deg)))
+        lowest = [height - lower for height in over]
+        self._height(source, face, lowest[:1], row.pierce_height, "pierces")
+        self._height(source, face, lowest[1:], row.cut_height, "cuts")
+        far = 1.0 / cos(radians(b_deg))
+        feet = [below(tip, far * height, a_deg, b_deg)
+                for tip, height in zip(tips, over, strict=True)]  # fmt: skip
+        if dist(_across(feet[0], face), _across(feet[1], face)) > HEIGHT_SLACK:
+            self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
+        start = self._coper.trim
+        points = tuple((x - start, y if face == "v" else z) for x, y, z in feet[1:])
+        across = tuple((y, z) for _, y, z in tips)
+        self.strokes.append(Stroke(line, face, points, across, row, b_deg))
+
+
+def below(place: Place, far: float, a_deg: float, b_deg: float) -> Place:
+    """A place so far from another along the torch, away from its head.
+
+    The head is at X sin B, Y -sin A cos B, Z cos A cos B of its tip.
+    """
+    (x, y, z), a, b = place, radians(a_deg), radians(b_deg)
+    return x - far * sin(b), y + far * sin(a) * cos(b), z - far * cos(a) * cos(b)
+
+
+def _across(tip: Place, face: str) -> tuple[float, float]:
+    return tip[0], tip[1] if face == "v" else tip[2]
+
+
+def _switches(machine: Machine, word: str) -> frozenset[Said]:
+    """The M words that a template of the machine file is made of."""
+    text = "\n".join(line.format_map(_Filled(_FIGURES)) for line in getattr(machine.words, word))
+    events, _ = cell_events(text + "\n", machine, "")
+    return frozenset(event.said for event in events if isinstance(event, Switch))
+
+
+class _Filled(dict[str, str]):
+    """Figures of a template; what is known of a part stands in comments, and is left empty."""
+
+    def __missing__(self, _: str) -> str:
+        return ""
+
+
+def poses(way: Way, coper: Coper, step_deg: float) -> Iterator[tuple[float, float, float, float]]:
+    """Y, Z, A and B of the tip along a move, so often that the torch turns little between.
+
+    Over a bar that turns they are those that the torch has seen from the bar.
+    """
+    turn = max(abs(way.a_deg[1] - way.a_deg[0]), abs(way.b_deg[1] - way.b_deg[0]))
+    count = max(1, int(turn / step_deg) + 1) if turn else 1
+    for k in range(count + 1):
+        share = k / count
+        _, y, z = (a + share * (b - a) for a, b in zip(way.start, way.end, strict=True))
+        a_deg, b_deg = (a + share * (b - a) for a, b in (way.a_deg, way.b_deg))
+        a = radians(a_deg)
+        if coper.turns == "bar":
+            y, z = y * cos(a) - z * sin(a), y * sin(a) + z * cos(a)
+        _, y, z = below((0.0, y, z), coper.pivot, a_deg, b_deg)
+        yield y, z, a_deg, b_deg

@@ -1,0 +1,360 @@
+"""Programs of tubes that turn under a torch, read back on the unrolled surface.
+
+The torch stands upright over the tube, whose axis is Y 0, Z 0, and square to the place below it. A
+block of inverse time turns the tube and moves along it and across evenly, so that its way on the
+surface is straight; of a round tube a place on top at A lies at u = R (90 - A) of arc.
+"""
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from itertools import pairwise
+from math import asin, cos, dist, hypot, pi, radians, sin, tan
+from typing import Any
+
+from msgspec.structs import replace
+
+from beamcam.checks.asked import by_hand
+from beamcam.checks.coping import rules
+from beamcam.checks.coping.box_tube import LEAST_OFF, box_wanted
+from beamcam.checks.coping.collisions import strike_faults
+from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
+from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
+from beamcam.checks.coping.wanted import corners_of, with_round_corners
+from beamcam.controllers.events import BarEvent, Move, Place
+from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import TorchRow
+from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+
+Shape = Any  #: of shapely
+
+SHARES = (0.25, 0.5, 0.75)  #: of a block, where the torch is looked at besides its ends
+MIDDLE_SLACK = 0.05  #: mm there, as on a corner the tip goes straight between two places
+SPECK = 0.05  #: mm2 that is nothing
+SPEED_SHARE = 0.01  #: of a block's way that its time may be off by, besides how it is written
+HOLE_STEPS = 120
+END_STEPS = 1440  #: of a skew end
+SQUARE_DEG = 0.2  #: of an end; less is noise
+_CALLED_PIPE = re.compile(r"\s*(PIPE|CHS|TUBE)", re.IGNORECASE)
+TWICE = 0.1  #: share of a stroke that is new at least, or it is cut twice
+
+
+class TubeTorch(Torch):
+    """An upright torch over a tube."""
+
+    turning = True
+
+    def __init__(
+        self, machine: Machine, coper: Coper, section: TubeSection, rows: Sequence[TorchRow],
+        name: str,
+    ) -> None:  # fmt: skip
+        super().__init__(machine, coper, rows, name)
+        self._section = section
+        #: mm that a way may be off as its ends are written
+        self._written = 2 * written_step(machine, section)
+
+    def _as_written(self, a_deg: float) -> float:
+        """A in the unit of the program: mm of the surface are those of a round tube."""
+        if self._coper.a_unit == "mm":
+            return self._section.radius * radians(90.0 - a_deg)
+        return a_deg
+
+    def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
+        source, place = Source(self._name, line), self._section.place
+        x, y, z = moves[0].start
+        x0 = self._coper.trim
+        seen = [(x - x0, *place(y, z, moves[0].a_deg[0]))]
+        seen += [(m.end[0] - x0, *place(m.end[1], m.end[2], m.a_deg[1])) for m in moves]
+        between = [place(*_on_way(m, share)) for m in moves for share in SHARES]
+        beside = max(
+            *(abs(off) - HEIGHT_SLACK for _, _, _, off in seen),
+            *(abs(off) - MIDDLE_SLACK for _, _, off in between),
+        )
+        if beside > 0.0:
+            worst = max(abs(off) for *_, off in (*seen, *between))
+            self._say(rules.SQUARE.at(source, found=f"{worst:.2f}", expected=f"{HEIGHT_SLACK:g}"))
+            return
+        points = [(x, s) for x, s, _, _ in seen]
+        ways = [dist(a[:3], b[:3]) for a, b in pairwise(seen)]
+        row = self._row(ways, moves)
+        if row is None:
+            shown = min((w / m.minutes if m.minutes else m.feed_mm_min)
+                        for w, m in zip(ways, moves, strict=True))  # fmt: skip
+            of_chart = ", ".join(f"{one.feed_mm_min:g}" for one in self._rows)
+            self._say(
+                rules.FEED.at(source, found=f"{shown:.0f}", thickness="steel", expected=of_chart)
+            )
+            return
+        self._pierce_time(source, row)
+        face, over = self._section.face_at(points[1][1]), [high for _, _, high, _ in seen]
+        self._height(source, face, over[:1], row.pierce_height, "pierces")
+        self._height(source, face, over[1:], row.cut_height, "cuts")
+        cutting = [high for _, high, _ in between[len(SHARES) :]]
+        if any(abs(high - row.cut_height) > MIDDLE_SLACK for high in cutting):
+            worst = max(cutting, key=lambda high: abs(high - row.cut_height))
+            self._height(source, face, (worst,), row.cut_height, "cuts on its way")
+        if dist(points[0], points[1]) > HEIGHT_SLACK:
+            self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
+        places = tuple((m.end[1], m.end[2]) for m in moves)
+        self.strokes.append(Stroke(line, face, tuple(points[1:]), places, row))
+
+    def _row(self, ways: Sequence[float], moves: Sequence[Move[Place]]) -> TorchRow | None:
+        """The row at whose feed every block goes along the surface."""
+        for row in self._rows:
+            wanted = [row.feed_mm_min * m.minutes for m in moves]
+            if all(
+                abs(way - want) <= SPEED_SHARE * way + self._written
+                for way, want in zip(ways, wanted, strict=True)
+            ):
+                return row
+        return None
+
+
+def _on_way(move: Move[Place], share: float) -> tuple[float, float, float]:
+    """Y, Z and A on the way of a move, all of which go evenly."""
+    ends = ((*move.start[1:], move.a_deg[0]), (*move.end[1:], move.a_deg[1]))
+    y, z, a_deg = (a + share * (b - a) for a, b in zip(*ends, strict=True))
+    return y, z, a_deg
+
+
+def written_step(machine: Machine, section: TubeSection) -> float:
+    """mm on the surface that figures are rounded to."""
+    form, coper = machine.format, machine.coper
+    step = 10.0**-form.angle_decimals
+    if coper is not None and coper.a_unit == "mm":
+        return form.resolution + step
+    return form.resolution + section.reach * radians(step)
+
+
+def tube_section(part: Part, coper: Coper) -> TubeSection:
+    """The section of a tube; corners whose radius a part does not say are those of the machine."""
+    profile = part.profile
+    wall = max(profile.flange_thickness, profile.web_thickness or 0.0)
+    return TubeSection(profile, coper.outer_radius(profile.radius, wall))
+
+
+def unrolled_pipe(part: Part) -> Part:
+    """A plate that is called a pipe as a tube whose circumference is its width; else the part."""
+    plate = part.profile
+    if plate.code != "B" or not _CALLED_PIPE.match(plate.name):
+        return part
+    across, wall = plate.height / pi, plate.web_thickness or 0.0
+    return replace(part, profile=replace(
+        plate, code="RO", height=across, width=across, flange_thickness=wall,
+    ))  # fmt: skip
+
+
+def cut_square(feature: Feature, coper: Coper) -> bool:
+    """Whether a contour has bevels, which an upright torch cuts square."""
+    bevels = feature.bevels if isinstance(feature, Contour) else ()
+    return any(abs(bevel.angle) >= coper.min_bevel for bevel in bevels)
+
+
+def tube_faults(
+    events: Sequence[BarEvent],
+    part: Part,
+    machine: Machine,
+    coper: Coper,
+    rows: Sequence[TorchRow],
+    left: set[int],
+    name: str,
+) -> list[Diagnostic]:
+    """All that a program makes otherwise than a tube, and what is wrong on its way.
+
+    Outlines that a square cut leaves skew are on the list of manual work.
+    """
+    section = tube_section(part, coper)
+    torch = TubeTorch(machine, coper, section, rows, name)
+    torch.follow(events)
+    ways: Sequence[Way] = torch.ways
+    if part.profile.code == "RO":  # which looks alike from everywhere round it
+        ways = [replace(way, a_deg=(0.0, 0.0)) for way in ways]
+    said = [*torch.said, *strike_faults(ways, section, coper, name)]
+    if errors_in(said):
+        return said
+    slack = coper.tolerance + 2 * written_step(machine, section) + FINE
+    off: dict[str, float] = {}
+    if part.profile.code == "M":
+        box = box_wanted(part, coper, left, section)
+        if box.lost:
+            return [*said, rules.LOST.at(part.source, found=box.lost)]
+        drawn, wanted, off = box.drawn, box.cut, box.off
+    else:
+        drawn, wanted = _wanted(part, coper, left, section.turn)
+        cuts = part.cuts
+        leans = [
+            hypot(*(tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in pair))
+            for pair in ((cuts.web_start, cuts.flange_start), (cuts.web_end, cuts.flange_end))
+        ]
+        off = {"v": deep} if (deep := section.wall * max(leans)) >= LEAST_OFF else {}
+    found = [
+        *said,
+        *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
+    ]
+    for k, feature in enumerate(part.features):
+        outline = isinstance(feature, Contour) and feature.kind == "outer" and k not in left
+        if cut_square(feature, coper) or (outline and getattr(feature, "face", "") in off):
+            found.append(by_hand(feature, part, machine))
+    return found
+
+
+def _compared(
+    strokes: Sequence[Stroke],
+    drawn: Shape,
+    wanted: Shape,
+    part: Part,
+    section: TubeSection,
+    coper: Coper,
+    rows: Sequence[TorchRow],
+    slack: float,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """What is left of the unrolled surface, on three turns one above the other."""
+    from shapely import MultiPolygon, Point, box, union_all
+    from shapely.affinity import translate
+
+    turn, wall = section.turn, section.wall
+    fits = next((r for r in sorted(rows, key=lambda r: r.up_to) if r.up_to >= wall - 1e-6), None)
+    kept = wanted.buffer(-slack, join_style="mitre")
+    near = wanted.boundary
+    gone: list[Shape] = []
+    bar = box(-coper.trim, -turn / 2, part.length + coper.trim, 1.5 * turn)
+    parting = False
+    for stroke in strokes:
+        source, half = Source(name, stroke.line), stroke.row.kerf / 2
+        us = [u for _, u in stroke.points]
+        back = -turn * ((min(us) + slack) // turn)  # of its start into the first turn
+        points = [(x, u + back) for x, u in stroke.points]
+        run = line_of(points)
+        burnt = union_all(
+            [kerf_of(points, half), Point(points[0]).buffer(stroke.row.pierce_radius)]
+        )
+        hurt = burnt.intersection(kept)
+        if hurt.area > 0.0:
+            x, u = hurt.representative_point().coords[0]
+            deep = slack + max(kept.boundary.distance(Point(p)) for p in _places(hurt))
+            yield rules.HURT.at(
+                source, found=f"{deep:.2f}", face=section.face_at(u), x=f"{x:.1f}", y=f"{u:.1f}",
+                expected=f"{slack:.2f}",
+            )  # fmt: skip
+            return
+        off = line_of(points[1:]).difference(near.buffer(half + slack))
+        if off.length > slack:
+            x, u = off.representative_point().coords[0]
+            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
+            return
+        if gone and run.difference(union_all(gone)).length < TWICE * run.length:
+            x, u = points[0]
+            yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
+        if not -coper.trim - slack <= points[0][0] <= part.length + coper.trim + slack:
+            yield rules.AIR.at(source, x=f"{points[0][0]:.1f}", y=f"{us[0]:.1f}", face=stroke.face)
+        if fits is None or stroke.row.feed_mm_min != fits.feed_mm_min:
+            yield rules.FEED.at(
+                source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{wall:g}",
+                expected=f"{fits.feed_mm_min:g}" if fits else "none",
+            )  # fmt: skip
+        is_far = max(x for x, _ in points) > drawn.bounds[2]
+        if parting and not is_far:
+            yield rules.ORDER.at(source, face=stroke.face)
+        parting = parting or is_far
+        gone += [translate(kerf_of(points, half), 0.0, k * turn) for k in range(-3, 3)]
+    pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
+    core = drawn.buffer(-2 * slack, join_style="mitre")
+    mine = MultiPolygon([p for p in pieces if p.intersection(core).area > SPECK])
+    if mine.is_empty:
+        yield rules.GONE.at(Source(name), face="v")
+    for piece in pieces_of(mine.difference(wanted.buffer(slack, join_style="mitre"))):
+        if piece.area > SPECK:
+            far = max(wanted.distance(Point(p)) for p in _places(piece))
+            x, u = piece.representative_point().coords[0]
+            yield rules.LEFT.at(
+                Source(name),
+                found=f"{far:.2f}",
+                face=section.face_at(u),
+                x=f"{x:.1f}",
+                y=f"{u:.1f}",
+            )
+            return
+
+
+def _places(shape: Shape) -> list[Point]:
+    from shapely import get_coordinates
+
+    return [tuple(p) for p in get_coordinates(shape).tolist()]
+
+
+def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tuple[Shape, Shape]:
+    """What has to stay of the surface on three turns, without and with its corners rounded."""
+    from shapely import Polygon, box, make_valid, union_all
+    from shapely.affinity import translate
+
+    # An outline says more of an end than the header.
+    features = [f for k, f in enumerate(part.features) if k not in left]
+    outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
+    one: Shape = _between_planes(part)
+    if outlines:
+        rings = [
+            outline_ring(c.curves, (0.0, turn), lambda place: place, part.length / 2)
+            for c in outlines
+        ]
+        one = union_all([make_valid(Polygon(ring)) for ring in rings])
+        one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))
+    drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
+    corners = [p for c in outlines for p in corners_of(c.curves, drawn)]
+    radius = part.profile.height / 2
+    for feature in features:
+        if isinstance(feature, Hole):
+            ring = list(_drilled(feature, radius))
+        elif isinstance(feature, Slot):
+            ring = list(slot_ring(feature))
+        elif isinstance(feature, Contour) and feature.kind == "inner":
+            ring = ring_of(feature.curves)
+            corners += corners_of(feature.curves, drawn.difference(make_valid(Polygon(ring))))
+        else:
+            continue
+        gone = make_valid(Polygon(ring))
+        gone = gone.convex_hull if isinstance(feature, Slot) else gone
+        drawn = drawn.difference(
+            union_all([translate(gone, 0.0, k * turn) for k in (-2, -1, 0, 1, 2)])
+        )
+    drawn = areas_of(drawn)
+    everywhere = [(x, u + k * turn) for x, u in corners for k in (-1, 0, 1)]
+    return drawn, with_round_corners(drawn, everywhere, coper.corner_radius)
+
+
+def _between_planes(part: Part) -> Shape:
+    """A tube without an outline on one turn, its ends where their planes meet the wall farthest."""
+    from shapely import Polygon
+
+    radius = part.profile.height / 2
+    inner = radius - max(part.profile.flange_thickness, part.profile.web_thickness or 0.0)
+    steps = [2 * pi * k / END_STEPS for k in range(END_STEPS + 1)]
+    ends = []
+    for side, web, flange in (
+        (-1, part.cuts.web_start, part.cuts.flange_start),
+        (1, part.cuts.web_end, part.cuts.flange_end),
+    ):
+        rise, lean = (tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in (web, flange))
+        # The plane touches x 0 or the length at the outside; Y is -cos, Z sin of the way round.
+        if not (rise or lean):
+            x = part.length if side > 0 else 0.0
+            ends.append([(x, 0.0), (x, 2 * pi * radius)])
+            continue
+        middle = (part.length if side > 0 else 0.0) - side * radius * hypot(rise, lean)
+        xs = [[r * (rise * cos(t) - lean * sin(t)) for r in (radius, inner)] for t in steps]
+        ends.append([
+            (middle + (max(pair) if side > 0 else min(pair)), radius * t)
+            for pair, t in zip(xs, steps, strict=True)
+        ])  # fmt: skip
+    return Polygon([*ends[0], *reversed(ends[1])])
+
+
+def _drilled(hole: Hole, radius: float) -> Iterator[Point]:
+    """Where a drill through the axis meets the outside: r sin t across it, R asin of it along u."""
+    r = min(hole.diameter / 2, radius)
+    for k in range(HOLE_STEPS):
+        t = 2 * pi * k / HOLE_STEPS
+        yield hole.x + r * sin(t + pi / 2), hole.y + radius * asin(r * sin(t) / radius)

@@ -1,0 +1,184 @@
+"""What has to stay of each wall of a part, worked out for the read-back alone."""
+
+from collections.abc import Collection, Sequence
+from functools import partial
+from math import degrees, hypot
+from typing import Any
+
+from msgspec import Struct
+
+from beamcam.checks.asked import is_by_hand
+from beamcam.checks.coping.section import Section, areas_of, pieces_of
+from beamcam.checks.coping.skew import EndOnWall
+from beamcam.checks.coping.stock import (
+    DRAWN,
+    FINE,
+    Stock,
+    outline_ring,
+    ring_of,
+    round_ring,
+    slot_ring,
+)
+from beamcam.geometry.curves import Curve
+from beamcam.geometry.plane import Point
+from beamcam.machine.coper import Coper
+from beamcam.machine.machine import Machine
+from beamcam.model.part import Contour, Hole, Part, Slot
+
+Shape = Any  #: of shapely
+
+CORNER_DEG = 20.0  #: a contour that turns by more has a corner
+LOOK = 0.2  #: mm round a corner in which steel and air are weighed
+
+
+class Wanted(Struct, frozen=True):
+    """What has to stay of a wall, without and with its corners rounded."""
+
+    drawn: Shape
+    cut: Shape
+    short: float = 0.0  #: mm that a piece is too short for it
+    steps: Shape = (
+        None  #: what steps of an end that is cut square keep besides, as the jet is round
+    )
+
+    @property
+    def most(self) -> Shape:
+        """What may stay at most."""
+        return self.cut if self.steps is None else self.steps
+
+
+def wanted_on(
+    part: Part, face: str, section: Section, coper: Coper, left: Collection[int], stock: Stock,
+    ends: Sequence[EndOnWall] = (),
+) -> Wanted:  # fmt: skip
+    """What has to stay of a wall; `left` are features that are not made, `ends` skew ends."""
+    from shapely import Point as Place
+    from shapely import Polygon, box, get_coordinates, make_valid, union_all
+
+    wide = section.high if face == "v" else section.wide
+    features = [
+        f for k, f in enumerate(part.features)
+        if k not in left and (getattr(f, "face", "") == face or (face, getattr(f, "face", "")) ==
+                              ("v", "h"))
+    ]  # fmt: skip
+    outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
+    whole, short = stock.wall(face), 0.0
+    drawn: Shape = whole if stock.is_piece else box(0.0, 0.0, part.length, wide)
+    if outlines:
+        at_end = partial(_at_ends, ends) if ends else partial(stock.at_end, face)
+        rings = [outline_ring(one.curves, (0.0, wide), at_end) for one in outlines]
+        drawn = union_all([make_valid(Polygon(ring)) for ring in rings])
+        drawn = drawn.intersection(box(-1e6, 0.0, 1e6, wide))
+        if stock.is_piece:
+            over = drawn.difference(whole)
+            short = max((whole.distance(p) for p in map(Place, get_coordinates(over))), default=0.0)
+            drawn = drawn.intersection(whole)
+        drawn = areas_of(drawn)
+    for end in ends:
+        over = drawn.intersection(end.beyond) if outlines else Polygon()
+        inside = drawn.difference(end.beyond)
+        far = max((inside.distance(p) for p in map(Place, get_coordinates(over))), default=0.0)
+        short = max(short, far - end.apart)
+        drawn = areas_of(inside)
+    corners = [p for one in outlines for p in corners_of(one.curves, drawn)]
+    for feature in features:
+        if isinstance(feature, Hole):
+            ring = list(round_ring(feature.x, feature.y, feature.diameter / 2))
+        elif isinstance(feature, Slot):
+            ring = list(slot_ring(feature))
+        elif isinstance(feature, Contour) and feature.kind != "outer":
+            ring = ring_of(feature.curves)
+            without = drawn.difference(make_valid(Polygon(ring)))
+            corners += corners_of(feature.curves, without)
+        else:
+            continue
+        gone = make_valid(Polygon(ring))
+        drawn = drawn.difference(gone.convex_hull if isinstance(feature, Slot) else gone)
+    drawn = areas_of(drawn)
+    # What is at a root is cut with it, or stays there.
+    near = section.root_reach(face)
+    corners = [(x, y) for x, y in corners if near[0] <= y <= near[1]]
+    cut = with_round_corners(drawn, corners, coper.corner_radius)
+    return Wanted(drawn, cut, short if short > DRAWN else 0.0)
+
+
+def _at_ends(ends: Sequence[EndOnWall], place: Point) -> Point:
+    for end in ends:
+        place = end.moved(place)
+    return place
+
+
+def with_round_corners(drawn: Shape, corners: list[Point], radius: float) -> Shape:
+    """A region and the steel that a disc of a radius, rolled through the air, leaves at corners."""
+    from shapely import MultiPoint, union_all
+
+    if drawn.is_empty or not corners:
+        return drawn
+    air = drawn.envelope.buffer(4 * radius, join_style="mitre").difference(drawn)
+    rolled = air.buffer(-radius, 24).buffer(radius, 24)
+    places = MultiPoint(corners)
+    kept = [
+        piece
+        for piece in pieces_of(air.difference(rolled))
+        if piece.area > FINE * FINE and piece.distance(places) <= FINE
+    ]
+    return union_all([drawn, *kept])
+
+
+def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
+    """Where a closed chain turns by more than CORNER_DEG with more steel than air round it."""
+    from shapely import Point as Place
+
+    long = [curve for curve in curves if curve.length > FINE]
+    found: list[Point] = []
+    for k, after in enumerate(long):
+        (ax, ay), (bx, by) = _way(long[k - 1], 1.0), _way(after, 0.0)
+        cross, dot = ax * by - ay * bx, ax * bx + ay * by
+        if dot > 0.0 and degrees(abs(cross) / hypot(ax, ay) / hypot(bx, by)) <= CORNER_DEG:
+            continue
+        disc = Place(after.start).buffer(LOOK)
+        if disc.intersection(steel).area > disc.area / 2:
+            found.append(after.start)
+    return found
+
+
+def _way(curve: Curve, t: float) -> Point:
+    a, b = (curve.point(t), curve.point(t + 1e-4)) if t == 0.0 else (
+        curve.point(t - 1e-4), curve.point(t))  # fmt: skip
+    return b[0] - a[0], b[1] - a[1]
+
+
+def may_be_left(part: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> set[int]:
+    """Features that the torch cannot make and that are allowed to be missing."""
+    found: set[int] = set()
+    for index, feature in enumerate(part.features):
+        if is_by_hand(feature, machine):
+            continue
+        kind = _kind(feature, part, coper)
+        if kind and kind in skips:
+            found.add(index)
+    return found
+
+
+def _kind(feature: object, part: Part, coper: Coper) -> str:
+    """The kind of work by whose name a feature may be left out; "" if the torch makes it."""
+    if isinstance(feature, Hole) and feature.kind == "mark":
+        return "mark"
+    if isinstance(feature, Contour):
+        if feature.process != "cut":
+            return "mark"
+        if feature.face not in "vouh":
+            return "face"
+        return "other" if feature.kind == "open" or not feature.closed else ""
+    if not isinstance(feature, Hole | Slot):
+        return "other"
+    faces = {"L": "vhu", "T": "vu", "RO": "v"}.get(part.profile.code, "vhou")
+    if feature.face not in faces:
+        return "face"
+    wall = part.profile.web_thickness or part.profile.flange_thickness
+    if feature.face in "ou":
+        wall = part.profile.flange_thickness
+    least = max(coper.min_hole, coper.min_hole_share * wall)
+    if feature.kind == "through" and feature.depth is None and feature.diameter >= least:
+        return ""
+    return "slot" if isinstance(feature, Slot) else "tool"

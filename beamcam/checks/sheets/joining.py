@@ -1,0 +1,321 @@
+"""Which curves of a sheet make closed contours together.
+
+Said once for planner and checker in docs/drawings.md, "What is joined", and written here apart from
+the planner:
+
+1. A feature whose curves follow one another and end where they begin is a contour as it is drawn.
+2. Of all other curves, two ends that lie within `WRITTEN_SAME` of one another and of no third one
+   meet. All ends that are left meet if they are within the gap, also by way of others; but such as
+   meet one another over more than twice the gap only within `WRITTEN_SAME`.
+3. Where two ends meet, one curve goes on into the other. Where more meet, what leads back to that
+   place is a contour of its own, and what leads to nowhere is a branch. Without these, two that are
+   left go on into one another; and so on, until nothing changes. What is left is open.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from msgspec import Struct
+from shapely import STRtree
+from shapely.ops import substring
+
+from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.geometry.array_types import Counts, Flags, Floats
+
+# --- overlaps -------------------------------------------------------------------------------------
+
+# Curves that lie on others in part: there they are drawn twice, and count once.
+
+
+class Stretches(Struct):
+    """What of each way counts: its ends, and points along it."""
+
+    starts: Floats  #: (n, 2)
+    ends: Floats
+    points: Floats  #: of all ways, chords between them
+    begins: Counts  #: where the points of each way begin, (n + 1,)
+
+    def rows(self, way: int) -> Counts:
+        """The numbers of a way's points."""
+        return np.arange(self.begins[way], self.begins[way + 1])
+
+
+def whole(toolpaths: Toolpaths, fine: float) -> Stretches:
+    """All ways from end to end; chords are at most `fine` off."""
+    points, begins = toolpaths.outlines(fine)
+    return Stretches(toolpaths.starts.copy(), toolpaths.ends.copy(), points, begins)
+
+
+def trim(
+    found: Stretches, toolpaths: Toolpaths, loose: Sequence[int], rank: Counts, same: float
+) -> None:
+    """Trim the ends of loose lines and arcs where they lie on a way of lower rank.
+
+    W overlaps V where both are of one line or circle, an end of W lies on V and an end of V on W.
+    Neither is cut where a third loose way ends at one of these two: there it may go on along W.
+    """
+    if not loose:
+        return
+    numbers = np.array(loose, dtype=np.int64)
+    places = np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers]))
+    pairs = toolpaths.by_way(toolpaths.near(places, same))
+    own = np.tile(numbers, 2)[pairs.point]
+    other = toolpaths.owner[pairs.element]
+    at_end = np.minimum(
+        np.hypot(*(toolpaths.starts[other] - places[pairs.point]).T),
+        np.hypot(*(toolpaths.ends[other] - places[pairs.point]).T),
+    )
+    asked = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
+    if not len(asked):
+        return
+    asked = asked[_of_one_course(toolpaths, own[asked], other[asked], same)]
+    ends = STRtree(shapely.points(places))
+
+    def is_lost(place: Floats, w: int, v: int) -> bool:
+        """Whether a third way, of another line or circle, ends at a place."""
+        near = numbers[ends.query(shapely.Point(place), "dwithin", distance=same) % len(numbers)]
+        third = near[(near != w) & (near != v)]
+        return not _of_one_course(toolpaths, third, np.full(len(third), w), same).all()
+
+    spans: dict[int, list[float]] = {}
+    for k in asked.tolist():
+        w, v, place = int(own[k]), int(other[k]), places[pairs.point[k]]
+        at_start = bool(pairs.point[k] < len(numbers))
+        for end in (toolpaths.starts[v], toolpaths.ends[v]):
+            at = _beginning_of_overlap(found, w, v, end, at_start, same)
+            if at is not None and not is_lost(end, w, v) and not is_lost(place, w, v):
+                whole = [0.0, _line(found, w).length]
+                spans.setdefault(w, whole)[0 if at_start else 1] = at
+    for w, (low, high) in spans.items():
+        if low < high:
+            _replace(found, w, np.array(substring(_line(found, w), low, high).coords))
+
+
+def _beginning_of_overlap(
+    found: Stretches, w: int, v: int, end: Floats, at_start: bool, same: float
+) -> float | None:
+    """How far along way `w` an end of `v` lies, if `w` lies on `v` from its own end up to there."""
+    line, point = _line(found, w), shapely.Point(end)
+    at: float = line.project(point)
+    if line.distance(point) > same or not same < at < line.length - same:
+        return None
+    middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
+    return None if _line(found, v).distance(middle) > same else at
+
+
+def _of_one_course(toolpaths: Toolpaths, some: Counts, others: Counts, same: float) -> Flags:
+    """Which of some ways lie on the line or the circle of another one each, but for `same`."""
+    kinds, elements = toolpaths.kinds, toolpaths.elements
+    alike = (kinds[some] == kinds[others]) & (kinds[some] < 2)
+    first, second = toolpaths.first(some), toolpaths.first(others)
+    arcs, on = elements.arcs[first], elements.arcs[second]
+    off = np.hypot(*(arcs[:, :2] - on[:, :2]).T) + np.abs(arcs[:, 2] - on[:, 2])
+    along = np.column_stack([column[second] for column in elements.along])
+    for ends in (toolpaths.starts, toolpaths.ends):
+        away = ends[some] - toolpaths.starts[others]
+        aside = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0])
+        off = np.where(kinds[some] == 0, np.maximum(off, aside), off)
+    found: Flags = alike & (off <= same)
+    return found
+
+
+def _line(found: Stretches, way: int) -> shapely.LineString:
+    return shapely.LineString(found.points[found.rows(way)])
+
+
+def _replace(found: Stretches, way: int, points: Floats) -> None:
+    """Puts other points in the place of a way's."""
+    low, high = found.begins[way], found.begins[way + 1]
+    found.points = np.concatenate((found.points[:low], points, found.points[high:]))
+    found.begins = found.begins.copy()
+    found.begins[way + 1 :] += len(points) - (high - low)
+    found.starts[way], found.ends[way] = points[0], points[-1]
+
+
+# --- rings ----------------------------------------------------------------------------------------
+
+Chain = list[tuple[int, bool]]  #: ways one after the other, and whether each is turned round
+
+SAME_POINT = 1e-9  #: ends of the curves of one feature that follow one another
+WRITTEN_SAME = 1e-3  #: ends that are written as one point: coordinates of three decimals
+PASSED_AGAIN = 1e-6  #: a place of a contour, to its last digits
+WIDEST_PLACE = 2.0  #: gaps that ends which meet may meet one another over
+SLACK = 1 + 1e-6  #: of the gap, for the last digits of ends that are as far apart
+
+
+def closed_features(toolpaths: Toolpaths, features: Counts, real: Counts) -> Flags:
+    """The ways of features whose curves follow one another and end where they begin."""
+    found = np.zeros(toolpaths.count, dtype=bool)
+    if not len(real):
+        return found
+    own = features[real]
+    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+    after = np.arange(1, len(real) + 1)
+    after[np.append(begins[1:], len(real)) - 1] = begins
+    apart = np.abs(toolpaths.ends[real] - toolpaths.starts[real[after]]).max(axis=1)
+    closed = np.logical_and.reduceat(apart <= SAME_POINT, begins)
+    found[real] = np.repeat(closed, np.diff(begins, append=len(real)))
+    return found
+
+
+def closed_rings(toolpaths: Stretches, which: Sequence[int], features: Counts) -> list[Chain]:
+    """The contours of closed features, taken apart where one passes a place again."""
+    if not which:
+        return []
+    numbers = np.array(which, dtype=np.int64)
+    own = features[numbers]
+    begins = np.flatnonzero(np.append(True, own[1:] != own[:-1]))
+    keys = np.column_stack((own, np.rint(toolpaths.starts[numbers] / PASSED_AGAIN)))
+    _, place = np.unique(keys, axis=0, return_inverse=True)
+    again = np.bincount(place.ravel())[place.ravel()] > 1
+    twice = np.logical_or.reduceat(again, begins).tolist()
+    found: list[Chain] = []
+    for k, end in enumerate(np.append(begins[1:], len(which)).tolist()):
+        rows = range(int(begins[k]), end)
+        ring = [(which[row], False) for row in rows]
+        found += _apart(ring, place.ravel()[rows.start : end].tolist()) if twice[k] else [ring]
+    return found
+
+
+def _apart(ring: Chain, places: Sequence[int]) -> list[Chain]:
+    """The rings that one is made of which passes some of its places again."""
+    found: list[Chain] = []
+    chain: Chain = []
+    passed: list[int] = []
+    for way, place in zip(ring, places, strict=True):
+        if place in passed:
+            at = passed.index(place)
+            found.append(chain[at:])
+            del chain[at:], passed[at:]
+        passed.append(place)
+        chain.append(way)
+    return [*found, chain]
+
+
+def rings_of(toolpaths: Stretches, which: Sequence[int], gap: float) -> list[Chain]:
+    """The closed contours that some loose ways make together."""
+    numbers = np.array(which, dtype=np.int64)
+    if len(numbers):
+        low, high = (
+            f.reduceat(toolpaths.points, toolpaths.begins[:-1]) for f in (np.minimum, np.maximum)
+        )
+        numbers = numbers[np.hypot(*(high - low)[numbers].T) > min(gap, WRITTEN_SAME)]
+    if not len(numbers):
+        return []
+    places = _places(np.concatenate((toolpaths.starts[numbers], toolpaths.ends[numbers])), gap)
+    net = _Net(places.reshape(2, -1).T.tolist())
+    return [[(int(numbers[k]), turned) for k, turned in ring] for ring in net.rings()]
+
+
+def _places(ends: Floats, gap: float) -> Counts:
+    """A number for the place of each end (n, 2)."""
+    written = _hanging(ends, min(gap, WRITTEN_SAME))
+    left = np.flatnonzero(np.bincount(written)[written] != 2)
+    found = written + len(ends)
+    near = left[_hanging(ends[left], gap * SLACK)]
+    low, high = np.full((len(ends), 2), np.inf), np.full((len(ends), 2), -np.inf)
+    np.minimum.at(low, near, ends[left])
+    np.maximum.at(high, near, ends[left])
+    is_place = np.hypot(*(high - low)[near].T) <= WIDEST_PLACE * gap * SLACK
+    found[left[is_place]] = near[is_place]
+    return found
+
+
+def _hanging(points: Floats, reach: float) -> Counts:
+    """For each point the number of the first that it hangs together with.
+
+    Those are no farther apart than `reach`, or have others between them that are not.
+    """
+    same = np.ascontiguousarray(points + 0.0).view(np.complex128).ravel()
+    _, first, which = np.unique(same, return_index=True, return_inverse=True)
+    places = shapely.points(points[first])
+    a, b = shapely.STRtree(places).query(places, "dwithin", distance=reach)
+    near = a < b
+    root = list(range(len(first)))
+
+    def find(k: int) -> int:
+        while root[k] != k:
+            root[k] = root[root[k]]
+            k = root[k]
+        return k
+
+    for x, y in zip(a[near].tolist(), b[near].tolist(), strict=True):
+        root[find(x)] = find(y)
+    whole = np.array([find(k) for k in range(len(root))], dtype=np.int64)
+    lowest = np.full(len(root), len(points), dtype=np.int64)
+    np.minimum.at(lowest, whole, first)
+    return lowest[whole][which.ravel()]
+
+
+#: A run of ways: one of them, or two runs and whether each is turned round.
+_Run = int | tuple["_Run", bool, "_Run", bool]
+
+
+class _Net:
+    """Runs of ways between places, drawn together until only places where many meet are left."""
+
+    def __init__(self, ends: Sequence[Sequence[int]]) -> None:
+        self._ends = [tuple(pair) for pair in ends]
+        self._runs: list[_Run] = list(range(len(ends)))
+        self._at: dict[int, set[int]] = {}
+        for k, pair in enumerate(ends):
+            for place in pair:
+                self._at.setdefault(place, set()).add(k)
+
+    def rings(self) -> list[Chain]:
+        """What leads back to where it began, each as its ways one after the other."""
+        found: list[Chain] = []
+        asked = list(self._at)
+        while asked:
+            place = asked.pop()
+            own = self._at[place]
+            for k in sorted(own):
+                if self._ends[k] == (place, place):
+                    own.discard(k)
+                    found.append(_ways_of(self._runs[k]))
+            if len(own) == 1:
+                asked.append(self._take(own.pop(), place))
+            elif len(own) == 2:
+                asked += self._draw_together(place, *sorted(own))
+        return found
+
+    def _other(self, k: int, place: int) -> int:
+        a, b = self._ends[k]
+        return b if a == place else a
+
+    def _take(self, k: int, place: int) -> int:
+        """Takes away a run with a free end; the place of its other end."""
+        other = self._other(k, place)
+        self._at[other].discard(k)
+        return other
+
+    def _draw_together(self, place: int, a: int, b: int) -> tuple[int, ...]:
+        """One run for the two that meet at a place; the places of its ends."""
+        before, after = self._other(a, place), self._other(b, place)
+        k = len(self._runs)
+        self._runs.append(
+            (self._runs[a], self._ends[a][1] != place, self._runs[b], self._ends[b][0] != place)
+        )
+        self._ends.append((before, after))
+        self._at[place].clear()
+        self._at[before].discard(a)
+        self._at[after].discard(b)
+        self._at[before].add(k)
+        self._at[after].add(k)
+        return before, after
+
+
+def _ways_of(run: _Run) -> Chain:
+    """The ways of a run, one after the other."""
+    found: Chain = []
+    waiting: list[tuple[_Run, bool]] = [(run, False)]
+    while waiting:
+        part, turned = waiting.pop()
+        if isinstance(part, int):
+            found.append((part, turned))
+            continue
+        first, first_turned, second, second_turned = part
+        two = [(first, first_turned != turned), (second, second_turned != turned)]
+        waiting += two if turned else two[::-1]
+    return found

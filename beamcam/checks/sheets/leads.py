@@ -1,0 +1,353 @@
+"""Lead-ins, lead-outs and overcuts of strokes."""
+
+from collections.abc import Sequence
+from math import dist, pi
+
+import numpy as np
+import shapely
+
+from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.overcut import asked_overcut
+from beamcam.checks.sheets.tabs import ring_depths
+from beamcam.checks.sheets.work import SHOWN, Traced, Work
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Flags, Floats
+from beamcam.geometry.curves import Arc
+
+Bounds = Sequence[tuple[int, int]]
+
+SHORTEST = 4.0  #: by how near ends have to be that meet, of a ring of stairs
+LEAST = 16.0  #: squares of two steps that a ring of one curve is longer than
+
+
+def rings(work: Work, bounds: Bounds, bad: Flags) -> list[tuple[int, int]]:
+    """The ways of each stroke along its contour; `bad` are those that follow none."""
+    if work.process != "cut" or (work.torch.lead == "none" and not work.most_over):
+        return list(bounds)
+    shape = _Shape(work)
+    wrong = bad.tolist()
+    return [shape.ring(first, last, wrong) for first, last in bounds]
+
+
+class _Shape:
+    """The ways of a path as plain numbers, which are quicker to look at one by one."""
+
+    def __init__(self, work: Work) -> None:
+        self._starts = work.path.starts.tolist()
+        self._ends = work.path.ends.tolist()
+        self._lengths = work.path.lengths.tolist()
+        self._begins = work.path.begins.tolist()
+        #: Places of stairs are nearer to each other than their ends have to be.
+        self._shortest = SHORTEST * work.meeting if work.stepped else 0.0
+        self._most_in, self._most_out = work.most_in, work.most_out
+        self._most_lead, self._from_middle = work.most_lead, work.most_from_middle
+        self._near = work.meeting**2
+
+    def _meets(self, low: int, high: int) -> bool:
+        """Whether the way before `high` ends where way `low` starts, and went round something."""
+        (x0, y0), (x1, y1) = self._starts[low], self._ends[high - 1]
+        dx, dy = x1 - x0, y1 - y0
+        if (
+            dx * dx + dy * dy > self._near
+            or self._begins[high - 1] + self._lengths[high - 1] - self._begins[low] < self._shortest
+        ):
+            return False
+        return high - low > 1 or self._lengths[low] ** 2 > LEAST * self._near
+
+    def _before(self, first: int, last: int, most: float) -> int:
+        """The way behind which no more than `most` is left."""
+        end, size = last, self._lengths[last - 1]
+        while end > first + 1 and size <= most:
+            end -= 1
+            size += self._lengths[end - 1]
+        return end
+
+    def ring(self, first: int, last: int, bad: Sequence[bool]) -> tuple[int, int]:
+        """The ways that are not leads: those that close, with the longest leads that may be.
+
+        Where nothing closes, what lies off the contours is taken for the leads.
+        """
+        begin = first
+        size = self._lengths[first]
+        while begin < last - 1 and size <= self._most_in:
+            begin += 1
+            size += self._lengths[begin]
+        if begin == first < last - 1 and self._lengths[first] <= self._from_middle:
+            begin += 1
+        end = self._before(first, last, self._most_out)
+        for low in range(begin, first - 1, -1):
+            for high in range(end, last + 1):
+                if low < high and self._meets(low, high):
+                    return low, high
+        end = self._before(first, last, self._most_lead)
+        while begin > first and not bad[begin - 1]:
+            begin -= 1
+        while end < last and not bad[end]:
+            end += 1
+        return (begin, end) if begin < end else (first, last)
+
+
+# --- pierces --------------------------------------------------------------------------------------
+
+# Where the torch pierces: as far from the part as the hole that it burns is wide, if it can.
+#
+# Asked of programs that keep the kerf off and lead in by themselves: a controller's own
+# compensation has a rule of its own for its entry, and stairs of steps do not tell how a path
+# begins. There is room where the machine's lead, in all its length, would keep half a kerf off
+# every contour where the program joins this one, and its far end the radius of that hole.
+#
+#           S   line: square to the path          .-  arc: a quarter circle, tangent to it
+#           |                                    S
+#         --C--->  path                        --C--->
+
+
+ALONG = 33  #: corners of the line that stands for a lead
+
+
+def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Strokes round a contour that pierce too near to one although there is room for a lead."""
+    row = work.asked.rows.get(work.process)
+    rings = [
+        t
+        for t in traced
+        if t.half_kerf
+        and t.ring
+        and not t.joined
+        and t.bridge_to is None
+        and not t.stroke.is_linked
+    ]
+    if row is None or not rings or not row.pierce_radius:
+        return []
+    contours = shapely.STRtree(work.contours)
+    firsts = [int(np.searchsorted(work.of_way, work.of_way[t.first])) for t in rings]
+    pierced = work.path.starts[firsts]
+    away, nearest = _distances(contours, pierced)
+    said: list[Diagnostic] = []
+    near = row.pierce_radius - work.slack[nearest] - 2 * work.fine
+    for k in np.flatnonzero(away < near).tolist():
+        lead = _whole_lead(work, rings[k], contours)
+        # A planner keeps off by a hair less; where that decides, either may be right.
+        kept = work.half_kerf - work.fine
+        blocked = contours.query(shapely.LineString(lead), "dwithin", distance=kept)
+        far = row.pierce_radius + work.tolerance
+        if len(blocked) or _distances(contours, lead[-1:])[0][0] < far:
+            continue
+        x, y = pierced[k].tolist()
+        said.append(
+            rules.PIERCE.at(
+                Source(work.name, rings[k].stroke.line), x=f"{x:.3f}", y=f"{y:.3f}",
+                found=f"{away[k]:.3f}", contour=work.contour(int(nearest[k])),
+                expected=f"{row.pierce_radius:g}", lead=f"{work.torch.lead_in:g}",
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Open strokes beside a contour that begin on no path that was cut before.
+
+    They are what is left of contours whose other edges are cut with those of another part.
+    """
+    said: list[Diagnostic] = []
+    firsts = np.searchsorted(work.of_way, np.arange(len(work.strokes)))
+    for t in traced:
+        if not t.half_kerf or t.members or t.joined or t.closed:
+            continue
+        number = int(work.of_way[t.first])
+        begin = work.path.starts[firsts[number]].reshape(1, 2)
+        near = work.path.near(begin, 2 * work.tolerance)
+        if (work.of_way[work.path.owner[near.element]] < number).any():
+            continue
+        x, y = begin[0].tolist()
+        contour = work.contour_at(begin[0])
+        source = Source(work.name, t.stroke.line)
+        said.append(rules.EDGE.at(source, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
+    return said[:SHOWN]
+
+
+def _distances(contours: shapely.STRtree, points: Floats) -> tuple[Floats, Floats]:
+    """How far each point is from the nearest contour, and which one that is."""
+    places = shapely.points(points)
+    nearest = contours.nearest(places)
+    return shapely.distance(places, contours.geometries[nearest]), nearest
+
+
+def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
+    """Places of the machine's lead from where a stroke joins its contour to its far end, (n, 2)."""
+    at, (tx, ty) = work.path.starts[t.first], work.heading(t, at_end=False)
+    place = shapely.Point(at)
+    nearest = contours.geometries[contours.nearest(place)]
+    foot = shapely.get_coordinates(shapely.shortest_line(place, nearest))[1]
+    normal = np.array((-ty, tx))
+    if np.dot(normal, at - foot) < 0.0:  # the waste is where the path keeps off to
+        normal = -normal
+    share = np.linspace(0.0, 1.0, ALONG)[:, None]
+    length = work.torch.lead_in
+    if work.torch.lead == "line":
+        found: Floats = at + share * length * normal
+        return found
+    radius, turn = length / (pi / 2), share * pi / 2
+    back = np.array((-tx, -ty))
+    found = at + radius * ((1.0 - np.cos(turn)) * normal + np.sin(turn) * back)
+    return found
+
+
+# --- small holes ----------------------------------------------------------------------------------
+
+# Small holes: which strokes go round one, their feed, and how they are led into.
+#
+# A round one is entered from its middle where the machine says so:
+#
+#         .-----.         from the middle M half a circle, tangent to the path at C
+#        /   .-. \
+#       C   /   M |       asked where that keeps half a kerf off all contours; what lies in the hole
+#        \_/     /        may be in its way
+#         `-----'
+
+
+ROUND, ROUND_DEG = 1e-6, 1e-6  #: mm and degrees that the arcs of a round hole may be apart
+ROUND_DOUBT = 2e-3  #: of the way round a hole, by which it may be a small one or not
+
+
+def hole_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Strokes that run as in a small hole elsewhere, or in one as elsewhere."""
+    said: list[Diagnostic] = []
+    for t in traced:
+        expected, found = t.small, t.stroke.in_hole
+        if expected is None or found is None or expected == found or not t.stroke.row.slows_holes:
+            continue
+        share = f"{t.stroke.row.hole_feed_share * 100:g} %"
+        said.append(
+            rules.HOLE_FEED.at(
+                Source(work.name, t.stroke.line), found=share if found else "all",
+                expected=share if expected else "all",
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def find_small(work: Work, traced: Sequence[Traced]) -> None:
+    """Tell each stroke whether it goes round a small hole; None where it is as good as either."""
+    if not any(s.row.hole_diameter for s in work.strokes):
+        return
+    rings = [t for t in traced if t.members or (t.contour is not None and not t.joined)]
+    polygons = [t.inside() for t in rings]
+    small: dict[int, bool | None] = {}  #: by stroke; None: as good as either
+    for t, polygon, depth in zip(rings, polygons, ring_depths(polygons), strict=True):
+        row = t.stroke.row
+        around = polygon.length if polygon is not None else 0.0
+        limit, doubt = pi * row.hole_diameter, ROUND_DOUBT * around + 8 * work.tolerance
+        is_small: bool | None = around < limit and depth is not None and depth % 2 == 1
+        if depth is None or (depth % 2 == 1 and abs(around - limit) <= doubt):
+            is_small = None
+        small |= {id(one.stroke): is_small for one in t.members or [t]}
+    for t in traced:
+        t.small = small.get(id(t.stroke), False)
+
+
+def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Small round holes that are not entered from their middle, by half a circle."""
+    if work.torch.hole_lead != "middle" or not any(t.small for t in traced):
+        return []
+    contours = shapely.STRtree(work.contours)
+    said: list[Diagnostic] = []
+    for t in traced:
+        if not t.small or t.joined:
+            continue
+        at = work.path.starts[t.first]
+        circle = _circle(work, work.need.nearest_to(at)[1])
+        if circle is None:
+            continue
+        middle = np.array(circle.centre) + np.array(work.shift)
+        first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
+        away = float(np.hypot(*(work.path.starts[first] - middle)))
+        # What of a short ring comes before its end again may have been traced as a lead.
+        joins = work.path.ends[first]
+        on_ring = abs(float(np.hypot(*(joins - middle)) - np.hypot(*(at - middle))))
+        smooth = on_ring <= 2 * work.tolerance and _is_half_circle(work, first, middle, joins)
+        if away <= 2 * work.tolerance and smooth:
+            continue
+        half = np.linspace(0.0, np.pi, 65)[:, None]
+        across = (at - middle) / 2
+        ways = [
+            middle + across + np.cos(half) * -across + side * np.sin(half) * across[::-1] * (-1, 1)
+            for side in (-1.0, 1.0)
+        ]
+        kept = work.half_kerf - work.fine
+        if all(len(contours.query(shapely.LineString(w), "dwithin", distance=kept)) for w in ways):
+            continue
+        found = f"{away:.3f} mm off its middle"
+        if away <= 2 * work.tolerance:
+            found = "another way from its middle"
+        contour = work.contour_at(at)
+        said.append(
+            rules.HOLE_LEAD.at(Source(work.name, t.stroke.line), contour=contour, found=found)
+        )
+    return said[:SHOWN]
+
+
+def _circle(work: Work, way: int) -> Arc | None:
+    """The first arc of a needed contour that is round all about; None of another."""
+    need, process = work.asked, work.process
+    feature = need.features[process][way]
+    own = [
+        curve for curve, other in zip(need.curves[process], need.features[process], strict=True)
+        if other == feature
+    ]  # fmt: skip
+    arcs = [curve for curve in own if isinstance(curve, Arc)]
+    if len(arcs) < len(own) or abs(abs(sum(arc.sweep_deg for arc in arcs)) - 360.0) > ROUND_DEG:
+        return None
+    apart = max(dist(arc.centre, arcs[0].centre) + abs(arc.radius - arcs[0].radius) for arc in arcs)
+    return arcs[0] if apart <= ROUND else None
+
+
+def _is_half_circle(work: Work, way: int, middle: Floats, at: Floats) -> bool:
+    """Whether a way goes by half a circle from the middle of a hole to a place of its path."""
+    half = work.path.point(np.array([way]), np.array([work.path.lengths[way] / 2]))[0]
+    radius = float(np.hypot(*(at - middle))) / 2
+    return bool(
+        abs(float(np.hypot(*(half - (at + middle) / 2))) - radius) <= 2 * work.tolerance
+        and abs(float(work.path.lengths[way]) - pi * radius) <= 4 * work.tolerance
+    )
+
+
+# --- dark -----------------------------------------------------------------------------------------
+
+# What of a cut is run with the arc out: what follows where its contour is closed, and no more.
+
+
+def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagnostic]:
+    """Cuts that are left dark before they are closed, or burn on behind that where they must not.
+
+    `asked` says that the arc goes out where a cut with an overcut is closed.
+    """
+    by_machine = work.torch.kerf_by == "machine"
+    said: list[Diagnostic] = []
+    for t in traced:
+        last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
+        closed = t.closed and len(t.members) == 1
+        closed = closed and bool((by_machine and t.half_kerf) or asked_overcut(work, t, t.over))
+        due = closed and asked and work.process == "cut"
+        dark, beyond = t.stroke.dark, last - t.last if due else 0
+        if dark == beyond and bool(dark) == due:
+            continue
+        # The path may come back to where it joins its contour: what comes along that for no longer
+        # than a lead may be one, or the contour's beginning.
+        first, way = int(np.searchsorted(work.of_way, work.of_way[t.first])), last - dark
+        if due and dark and t.first < way < t.last:
+            away = work.path.starts[first : t.first] - work.path.starts[way]
+            if (np.hypot(*away.T) <= work.meeting).any():
+                continue
+        expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
+        said.append(
+            rules.DARK.at(
+                Source(work.name, t.stroke.line), found=_shown(dark), expected=expected,
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _shown(moves: int) -> str:
+    return f"the arc out on the last {moves} moves" if moves else "the arc on to the end"

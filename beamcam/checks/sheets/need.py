@@ -1,0 +1,413 @@
+"""Curves that a sheet requires to be cut and marked, from part and machine table alone."""
+
+from collections.abc import Collection, Sequence
+from itertools import compress
+from math import dist
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
+
+from beamcam.checks.asked import by_hand, is_by_hand, left_out
+from beamcam.checks.sheets import rules
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Arc, Curve, Line, signed_area, unit_vector
+from beamcam.geometry.plane import Point
+from beamcam.machine.machine import Machine
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow, is_row_for, material_said
+from beamcam.model.colour import key_of, process_of
+from beamcam.model.description import policy_on
+from beamcam.model.part import (
+    PLATE_FACES,
+    Contour,
+    Feature,
+    Hole,
+    Part,
+    Process,
+    Slot,
+    TextMark,
+    extent,
+)
+
+if TYPE_CHECKING:
+    from beamcam.checks.sheets.region import Region
+    from beamcam.checks.sheets.toolpaths import Toolpaths
+
+Needs = dict[TorchProcess, list[Curve]]
+SAME_PLACE = 1e-5  #: mm between the centres of two features that are spotted once
+OUTLINE = -1  #: in place of a feature, for the rectangle of a plate without a contour of its own
+
+
+class Need(Struct):
+    """Curves by process, as the part has them."""
+
+    curves: Needs = field(default_factory=dict)
+    features: dict[TorchProcess, list[int]] = field(default_factory=dict)  #: of each curve
+    looks: dict[TorchProcess, list[str]] = field(default_factory=dict)  #: keys of their settings
+    rows: dict[TorchProcess, TorchRow] = field(default_factory=dict)  #: of processes on the sheet
+    sources: dict[int, Source] = field(default_factory=dict)  #: of the features
+    #: contours that are filled and not followed, by the key of their settings
+    filled: dict[str, list[Contour]] = field(default_factory=dict)
+    #: places that the torch spots, and a feature whose centre each is
+    spots: dict[Point, int] = field(default_factory=dict)
+    said: list[Diagnostic] = field(default_factory=list)
+    drawn: "dict[tuple[TorchProcess, float], Toolpaths]" = field(default_factory=dict)
+    regions: "dict[float, Region]" = field(default_factory=dict)
+
+    def add(
+        self, process: TorchProcess, curves: Sequence[Curve], feature: int, source: Source,
+        look: str = "",
+    ) -> None:  # fmt: skip
+        self.sources[feature] = source
+        self._forget(process)
+        self.looks.setdefault(process, []).extend([look] * len(curves))
+        self.curves.setdefault(process, []).extend(curves)
+        self.features.setdefault(process, []).extend([feature] * len(curves))
+
+    def add_centre(self, place: Point, torch: Torch, feature: int, source: Source) -> None:
+        """A centre to mark: by a spot, once for all features there, or by a cross."""
+        if torch.drilled != "spot":
+            self.add("mark", _cross(*place, torch.cross), feature, source)
+            return
+        self.sources[feature] = source
+        if all(dist(place, other) > SAME_PLACE for other in self.spots):
+            self.spots[place] = feature
+
+    def source(self, process: TorchProcess, curve: int) -> Source:
+        """Where the input has a curve of a process, which is known by its number."""
+        return self.sources[self.features[process][curve]]
+
+    def _forget(self, process: TorchProcess) -> None:
+        """Curves of a process are others now."""
+        self.drawn = {key: drawn for key, drawn in self.drawn.items() if key[0] != process}
+        if process == "cut":
+            self.regions = {}
+
+    def toolpaths(self, process: TorchProcess, tolerance: float) -> "Toolpaths":
+        """The curves of a process as elements, where the part has them; made once."""
+        from beamcam.checks.sheets.toolpaths import Toolpaths
+
+        key = process, tolerance
+        if key not in self.drawn:
+            self.drawn[key] = Toolpaths(self.curves.get(process, []), tolerance)
+        return self.drawn[key]
+
+    def region(self, torch: Torch) -> "Region":
+        """What the cuts enclose, where the part has them; made once."""
+        from beamcam.checks.sheets.region import region_of
+
+        fine = torch.tolerance / 8
+        if fine not in self.regions:
+            features = np.array(self.features.get("cut", []), dtype=np.int64)
+            self.regions[fine] = region_of(self.toolpaths("cut", fine), features, torch.gap, fine)
+        return self.regions[fine]
+
+
+def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) -> Need:
+    """The curves of a part; features that nothing is known to make are reported.
+
+    A feature may be missing if its colour or layer is mapped to "ignore", or if the machine cannot
+    make it and its kind is one of `skips`, as `--allow-skips` names them. A feature that the
+    machine can make is needed whatever is named; marks that the machine file leaves for manual work
+    are told.
+    """
+    rows = {row.process: row for row in reversed(rows_on(part, torch))}
+    hand = [is_by_hand(feature, machine) for feature in part.features]
+    need = Need(said=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows)
+    table = cast("dict[str, Process]", torch.colours)
+    known: dict[tuple[str | None, str | None], str | None] = {}
+    thickness = thickness_of(part, torch)
+    outlined = False
+    for index, feature in enumerate(part.features):
+        if isinstance(feature, Contour):
+            outlined = outlined or (
+                feature.kind == "outer" and feature.process == "cut" and feature.face in PLATE_FACES
+            )
+        if hand[index]:
+            continue
+        policy = policy_on(feature, machine.marks)
+        if isinstance(feature, TextMark) and policy == "make":
+            continue  # its position is taken from the program: see texts.py
+        refused = policy == "refuse"
+        lack = "mark" if refused else lack_of(feature, torch, thickness)
+        if _is_begun(feature, lack, torch):
+            # A hole is marked for the drill; a contour is cut as it stands, square.
+            need.said.append(by_hand(feature, part, machine))
+            if isinstance(feature, Hole | Slot):
+                for place in _drill_places(feature):
+                    need.add_centre(place, torch, index, feature.source)
+                continue
+            lack = None
+        if lack is not None and lack not in skips:
+            _not_made(need, part, feature, lack)
+            continue
+        # A bevel that may be missing leaves a contour that is cut square.
+        if lack is not None and lack != "bevel":
+            need.said += left_out(part, (index,))
+            continue
+        if isinstance(feature, Contour):
+            look = feature.layer, feature.colour
+            if look == (None, None):
+                said = feature.process
+                process: str | None = "mark" if said in ("punch", "powder") else said
+            else:
+                if look not in known:
+                    known[look] = process_of(feature, table)
+                process = known[look]
+            if process is None:
+                _not_made(need, part, feature, "map")
+            elif process != "ignore":
+                key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
+                own = torch.settings.get(key or "")
+                closes = feature.closed or feature.curves[0].start == feature.curves[-1].end
+                if own is not None and own.hatch is not None and not own.hatch_outline and closes:
+                    need.filled.setdefault(key or "", []).append(feature)
+                    continue
+                kind = cast("TorchProcess", process)
+                need.add(kind, feature.curves, index, feature.source, key or "")
+        elif isinstance(feature, Hole) and feature.kind == "mark":
+            need.add_centre((feature.x, feature.y), torch, index, feature.source)
+        else:
+            hole = cast("Hole | Slot", feature)
+            need.add("cut", _ring(hole), index, hole.source)
+    if part.measures is None and not outlined:
+        width = part.profile.height
+        corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
+        ends = zip(corners, [*corners[1:], corners[0]], strict=True)
+        need.add("cut", [Line(a, b) for a, b in ends], OUTLINE, part.source)
+    _leave_small_openings(need, part, machine, torch, skips)
+    return need
+
+
+def _leave_small_openings(
+    need: Need, part: Part, machine: Machine, torch: Torch, skips: Collection[str]
+) -> None:
+    """Have openings of drawings that the torch cannot cut marked for the drill, or left out."""
+    least = max(torch.min_hole, torch.min_hole_share * thickness_of(part, torch))
+    ways, owners = need.curves.get("cut", []), need.features.get("cut", [])
+    drawn = [
+        k for k, feature in enumerate(owners)
+        if feature != OUTLINE and isinstance(part.features[feature], Contour)
+    ]  # fmt: skip
+    features: dict[int, list[Curve]] = {}
+    for k in drawn:
+        features.setdefault(owners[k], []).append(ways[k])
+    if not any(_may_be_narrower(curves, least) for curves in features.values()):
+        return
+    from beamcam.checks.sheets.region import small_openings
+
+    left: set[int] = set()
+    for opening in small_openings(need.region(torch), ways, owners, drawn, torch, least):
+        left.update(opening.features, opening.twins)
+        for index in opening.features:
+            feature = part.features[index]
+            if torch.drilled != "refuse":
+                need.said.append(by_hand(feature, part, machine))
+                for place in opening.centres:
+                    need.add_centre(place, torch, index, feature.source)
+            elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
+                need.said += left_out(part, (index,))
+            else:
+                _not_made(need, part, feature, lack)
+    if not left:
+        return
+    kept = [feature not in left for feature in owners]
+    need.curves["cut"] = list(compress(ways, kept))
+    need.looks["cut"] = list(compress(need.looks["cut"], kept))
+    need.features["cut"] = list(compress(owners, kept))
+    need._forget("cut")
+
+
+def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:
+    """Whether a contour, or one that a curve is part of, may be a slot narrower than `least`.
+
+    Twice the area by the length all round is less than the width.
+    """
+    if len(curves) > 1:
+        around = sum(curve.length for curve in curves)
+        return 2 * abs(signed_area(tuple(curves))) < least * around
+    x0, y0, x1, y1 = curves[0].bbox
+    return max(x1 - x0, y1 - y0) < least
+
+
+def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
+    """Whether the machine only begins a feature, and the rest is manual work."""
+    if isinstance(feature, Contour):
+        return lack == "bevel" and torch.bevel == "square"
+    if isinstance(feature, Hole | Slot) and feature.kind != "mark":
+        return lack in ("tool", "slot") and torch.drilled != "refuse"
+    return False
+
+
+def _drill_places(feature: Hole | Slot) -> set[Point]:
+    """Drill start points of a hole, or of the rounded corners of a slot."""
+    if isinstance(feature, Hole):
+        return {(feature.x, feature.y)}
+    c, s = unit_vector(feature.angle)
+    half_x, half_y = feature.length / 2, feature.height / 2
+    return {
+        (feature.x + c * u - s * v, feature.y + s * u + c * v)
+        for u in (-half_x, half_x) for v in (-half_y, half_y)
+    }  # fmt: skip
+
+
+def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
+    """Why a table cannot make a feature, by the name of `--allow-skips`; None if it can.
+
+    A contour with a bevel loses no steel by a square cut: a bevel only takes away from what the
+    contour holds, on the face that is looked at or on the far one.
+    """
+    least = max(torch.min_hole, torch.min_hole_share * thickness)
+    match feature:
+        case Contour() | Hole() | Slot() if feature.face not in PLATE_FACES:
+            return "face"
+        case Contour():
+            meant = any(abs(bevel.angle) >= torch.min_bevel for bevel in feature.bevels)
+            return "bevel" if meant else None
+        case Hole() if feature.kind == "mark":
+            marked = torch.cross or torch.drilled == "spot"
+            return None if marked and feature.depth is None else "tool"
+        case Hole():
+            through = feature.kind == "through" and feature.depth is None
+            return None if through and feature.diameter >= least else "tool"
+        case Slot():
+            through = feature.kind == "through" and feature.depth is None
+            width = min(feature.length, feature.height) + feature.diameter
+            return None if through and width >= least else "slot"
+        case TextMark():
+            return "mark"
+        case _:
+            return "other"
+
+
+def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
+    source = getattr(feature, "source", part.source)
+    found = type(feature).__name__.lower()
+    need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
+
+
+def _cross(x: float, y: float, size: float) -> list[Curve]:
+    """The two strokes that mark a centre, each as long as the cross is to be."""
+    return [
+        Line((x - ux * size / 2, y - uy * size / 2), (x + ux * size / 2, y + uy * size / 2))
+        for ux, uy in ((1.0, 0.0), (0.0, 1.0))
+    ]  # fmt: skip
+
+
+def _ring(feature: Hole | Slot) -> list[Curve]:
+    """The outline of a hole; that of a slot as its four sides and four corners."""
+    radius = feature.diameter / 2
+    if isinstance(feature, Hole):
+        return [Arc((feature.x, feature.y), radius, 0.0, 360.0)]
+    (c, s) = unit_vector(feature.angle)
+    along, across = feature.length / 2, feature.height / 2
+    sides: list[Curve] = []
+    for sign in (1.0, -1.0):
+        for u0, v0, u1, v1 in (
+            (-along, across + radius, along, across + radius),
+            (along + radius, -across, along + radius, across),
+        ):
+            a, b = (
+                (feature.x + sign * (c * u - s * v), feature.y + sign * (s * u + c * v))
+                for u, v in ((u0, v0), (u1, v1))
+            )
+            if a != b:
+                sides.append(Line(a, b))
+    if radius > 0.0:
+        for u, v, begin in (
+            (along, across, 0.0), (-along, across, 90.0),
+            (-along, -across, 180.0), (along, -across, 270.0),
+        ):  # fmt: skip
+            centre = (feature.x + c * u - s * v, feature.y + s * u + c * v)
+            sides.append(Arc(centre, radius, feature.angle + begin, 90.0))
+    return sides
+
+
+def shift_of(need: Need, torch: Torch) -> tuple[float, float]:
+    """Machine coordinates of the part's x 0, y 0, as the machine places a sheet."""
+    if torch.place == "drawn" and torch.origin == "table":
+        return 0.0, 0.0
+    fine = torch.tolerance / 8
+    if not need.curves:
+        return 0.0, 0.0
+    if torch.origin != "table":
+        box = extent(curve for curves in need.curves.values() for curve in curves)
+        x0, y0, x1, y1 = box or (0.0, 0.0, 0.0, 0.0)
+        xs = {"left": x0, "right": x1, "centre": (x0 + x1) / 2}
+        ys = {"lower": y0, "upper": y1, "centre": (y0 + y1) / 2}
+        across, _, along = torch.origin.partition("-")
+        return -xs[along or across], -ys[across]
+    corners = [_min_corner(need, process, fine) for process in need.curves]
+    return torch.margin - min(x for x, _ in corners), torch.margin - min(y for _, y in corners)
+
+
+def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
+    """The minimum x and y of the curves of a process.
+
+    Lines and arcs say it themselves. Of the others the chords are known, and those that come
+    within a chord's tolerance of the least are asked.
+    """
+    toolpaths = need.toolpaths(process, tolerance)
+    low, _ = toolpaths.boxes
+    exact = np.ones(len(low), dtype=bool)
+    exact[toolpaths.rest] = False
+    near = toolpaths.rest[np.any(low[toolpaths.rest] <= low.min(axis=0) + 2 * tolerance, axis=1)]
+    box = extent(need.curves[process][k] for k in near.tolist())
+    corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
+    x, y = corners.min(axis=0).tolist()
+    return x, y
+
+
+def thickness_of(part: Part, torch: Torch) -> float:
+    """Of the part's sheet in mm, what the machine's file takes where it does not say; 0 unknown."""
+    own = part.profile.web_thickness
+    return own if own is not None else torch.thickness or 0.0
+
+
+def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
+    """The rows that may run on the part's sheet: of each process, then of colours and layers."""
+    rows = rows_on(part, torch)
+    looked = [
+        replace(
+            row,
+            feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
+            power=row.power if own.power is None else own.power,
+            passes=row.passes if own.passes is None else own.passes,
+        )
+        for key, own in torch.settings.items()
+        for row in rows
+        if torch.colours.get(key) == row.process
+    ]
+    return [*rows, *looked]
+
+
+def _at_feed(row: TorchRow, torch: Torch, thickness: float) -> TorchRow:
+    """A row at the feed that the chart has for a thickness, where the file says it lies between."""
+    if torch.between_rows != "interpolate":
+        return row
+    alike = [
+        r for r in torch.rows
+        if (r.process, r.material, r.amps, r.nozzle)
+        == (row.process, row.material, row.amps, row.nozzle)
+    ]  # fmt: skip
+    thinner = [r for r in alike if r.up_to <= thickness]
+    if not thinner or row.up_to == thickness:
+        return row
+    below = max(thinner, key=lambda r: r.up_to)
+    share = (thickness - below.up_to) / (row.up_to - below.up_to)
+    feed = below.feed_mm_min + share * (row.feed_mm_min - below.feed_mm_min)
+    return replace(row, feed_mm_min=feed)
+
+
+def rows_on(part: Part, torch: Torch) -> list[TorchRow]:
+    """The row of each process on the part's sheet, as the machine's file has it."""
+    thickness = thickness_of(part, torch)
+    material = material_said(part.grade, torch.material)
+    found: dict[TorchProcess, TorchRow] = {}
+    for row in torch.rows:
+        if 0.0 < thickness <= row.up_to and is_row_for(row.material, material):
+            found.setdefault(row.process, _at_feed(row, torch, thickness))
+    if torch.drilled == "spot" and "cut" in found:
+        found.setdefault("spot", found["cut"].spotting())
+    return list(found.values())

@@ -1,0 +1,371 @@
+"""How far closed cuts go on beyond their start, compared with what is asked of their contour."""
+
+from collections.abc import Sequence
+from math import dist, hypot, inf, pi, sqrt
+
+import numpy as np
+import shapely
+
+from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.checks.sheets.work import SHOWN, Traced, Work
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Floats
+from beamcam.machine.torch import LayerSettings
+
+PLAIN = LayerSettings()
+#: An overcut that the controller leads stays on the first curve, by this share of it at least.
+STAYS = 0.4
+SHORTEST = 0.2  #: share of a line that leads out, by which it leaves its contour if not along it
+LED = 0.4  #: share of a lead that lies along the contour, if it is not only tangent to it
+CORNER_SPAN, CORNER_RAD = 0.2, 0.35  #: mm on both sides of a corner, and what it turns at least
+Limits = tuple[float, float, float]  #: mm beyond the start: found, least, most
+MIN_WIDTH = 1e-3  #: mm, half of it on an average, of what a ring goes round
+
+
+def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Closed cuts that run over their start by less or more than their overcut."""
+    if work.process != "cut":
+        return []
+    # Where stairs of steps come back to their start is known by the distance of ends that meet.
+    slack = (4 if work.stepped else 2) * work.tolerance
+    by_machine = work.torch.kerf_by == "machine"
+    said = []
+    for t in traced:
+        if by_machine and t.half_kerf:
+            limits = _beside(work, t)
+        elif t.members:
+            limits = _along(work, t)
+            said += _beyond(work, t.members[-1], slack)
+        elif t.joined or t.closed or not (over := _retraced(work, t)):
+            continue
+        else:
+            limits = over, asked_overcut(work, t, over), asked_overcut(work, t, over)
+        found, least, most = limits
+        if least - slack <= found <= most + slack:
+            continue
+        said.append(
+            rules.OVERCUT.at(
+                Source(work.name, t.stroke.line), found=f"{found:.3f}", expected=f"{least:.3f}",
+                contour=work.contour_at(work.path.starts[t.first]),
+            )
+        )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _beyond(work: Work, t: Traced, slack: float) -> list[Diagnostic]:
+    """That a stroke runs on from its contour for longer than a lead-out."""
+    if t.beyond <= work.most_lead + slack:
+        return []
+    last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right")) - 1
+    place, line = work.path.ends[last], int(work.moves.line[last])
+    away = f"{t.beyond:.3f} mm beyond its contour"
+    return [work.extra(line, place, away, f"at most {work.most_lead:.3f} mm to lead out")]
+
+
+def _along(work: Work, t: Traced) -> Limits:
+    """How far a ring runs over its start, and what is asked: at most half of the way to a bridge.
+
+    A line there and back again is not a ring.
+    """
+    led = _led_along(work, t)
+    over = sum(other.over for other in t.members) - led
+    first = float(work.path.lengths[t.first : t.last].sum())
+    if len(t.members) > 1:
+        first += t.over - led
+    asked = asked_overcut(work, t, over, first / 2)
+    if not over and not asked:
+        return 0.0, 0.0, 0.0
+    if len(t.members) == 1:
+        inside = t.inside()
+        if inside is None or inside.area <= MIN_WIDTH * inside.length:
+            return over, 0.0, 0.0
+    return over, asked, asked + _along_leads(work, t.members[-1])
+
+
+def _along_leads(work: Work, t: Traced) -> float:
+    """How far the leads of a stroke that ends a ring may lie along its contour."""
+    torch = work.torch
+    if torch.lead == "none":
+        return 0.0
+    if torch.lead == "line":
+        # From an inner corner a line leads out along the contour.
+        beside = 2 * work.tolerance if work.stepped else 0.0
+        return beside if t.beyond > SHORTEST * torch.lead_out else torch.lead_out
+    if not work.stepped:
+        return _tangent(work, t)
+    # A quarter of a circle is off its tangent by the tolerance after sqrt(2 radius tolerance).
+    radii = torch.lead_in / (pi / 2), torch.lead_out / (pi / 2)
+    return sum(sqrt(2 * radius * work.tolerance) + 3 * work.tolerance for radius in radii)
+
+
+def _led_along(work: Work, t: Traced) -> float:
+    """How far a stroke of steps comes along its contour: not an overcut, up to its first corner.
+
+    From an inner corner a line leads in along the contour. Of paths with known corners that is no
+    part of what runs along the ring; see `paths._overs`.
+    """
+    if not work.stepped or t.before <= LED * work.most_in:
+        return 0.0
+    path = work.path
+    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
+    begin = float(path.begins[first])
+    led = float(path.begins[t.first]) - begin
+    along = np.arange(CORNER_SPAN, led + CORNER_SPAN, CORNER_SPAN / 8)
+    places = _places(work, begin + along)
+    back = places - _places(work, begin + along - CORNER_SPAN)
+    forth = _places(work, begin + along + CORNER_SPAN) - places
+    turn = np.abs(np.arctan2(
+        back[:, 0] * forth[:, 1] - back[:, 1] * forth[:, 0], (back * forth).sum(axis=1)
+    ))  # fmt: skip
+    if not len(turn) or turn.max() < CORNER_RAD:
+        return 0.0
+    return t.before - max(0.0, led - float(along[int(np.argmax(turn))]))
+
+
+def _places(work: Work, at: Floats) -> Floats:
+    """Places so far along all ways of the path."""
+    way = np.searchsorted(work.path.begins, at, "right") - 1
+    return work.path.point(way, at - work.path.begins[way])
+
+
+def _tangent(work: Work, t: Traced) -> float:
+    """How far an arc that leads out in chords stays on the contour that it leaves by its tangent.
+
+    It is off by the tolerance after sqrt(2 radius tolerance); the chord there may go on as far.
+    """
+    path = work.path
+    if t.last >= path.count or work.of_way[t.last] != work.of_way[t.first]:
+        return 0.0
+    chord = hypot(*(path.ends[t.last] - path.starts[t.last]))
+    if chord < (1.0 - 1e-9) * float(path.lengths[t.last]):
+        return 0.0  # an arc, of which no place is on the contour
+    return 2 * sqrt(2 * work.torch.lead_out * work.tolerance)
+
+
+def _retraced(work: Work, t: Traced) -> float:
+    """How far a stroke that does not end where it began has gone on along its own first curves."""
+    path = work.path
+    if path.first(np.array(t.first)) == path.last(np.array(t.last - 1)):
+        return 0.0  # one line or arc
+    begin = path.begins[t.first]
+    length = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - begin)
+    places = np.array([path.starts[t.first], path.ends[t.last - 1]])
+    pairs = path.near(places, work.tolerance)
+    at = path.at(pairs.element, pairs.along) - begin
+    mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
+    again, ends = at[mine & (pairs.point == 0)], at[mine & (pairs.point == 1)]
+    found = [
+        float(ends[k])
+        for place in again
+        for k in np.flatnonzero(np.abs(length - place - ends) <= 2 * work.tolerance)
+        if place > 4 * work.tolerance and ends[k] > 2 * work.tolerance
+        and _runs_again(work, t, float(place), float(ends[k]))
+    ]  # fmt: skip
+    over = min(found, default=0.0)
+    # The part itself may have more than one curve a little behind the start.
+    beside = work.need.near(_places(work, np.array([begin + over / 2])), work.tolerance)
+    drawn = np.sort(work.need.at(beside.element, beside.along))
+    return 0.0 if (np.diff(drawn) > 8 * work.tolerance).any() else over
+
+
+def _runs_again(work: Work, t: Traced, place: float, over: float) -> bool:
+    """Whether a stroke follows its first curves again from a place on, not only their ends."""
+    steps = over * np.linspace(0.125, 0.875, 7)
+    way = np.full(len(steps), t.first)
+    first, again = work.path.point(way, steps), work.path.point(way, place + steps)
+    return bool((np.hypot(*(first - again).T) <= 2 * work.tolerance).all())
+
+
+def asked_overcut(work: Work, t: Traced, found: float, most: float = inf) -> float:
+    """The overcut of a contour: that of its colour or layer, of small holes, or the machine's.
+
+    It is no longer than `most`. Where a hole may be a small one or not, the one of both that is
+    nearer to what was found.
+    """
+    torch = work.torch
+    if t.stroke.goes_on:
+        return 0.0  # the torch goes on to the next part where the contour closes
+    if any(own.overcut is not None for own in torch.settings.values()):
+        _, way = work.need.nearest_to(work.path.starts[t.first])
+        own = torch.settings.get(work.asked.looks[work.process][way], PLAIN).overcut
+        if own is not None:
+            return min(own, most)
+    usual = min(torch.overcut, most)
+    small = usual if torch.hole_overcut is None else min(torch.hole_overcut, most)
+    if t.small is None:
+        return min((small, usual), key=lambda asked: abs(asked - found))
+    return small if t.small else usual
+
+
+def _beside(work: Work, t: Traced) -> Limits:
+    """How far a beam that the controller leads runs over its start, and within which limits.
+
+    It comes to the contour half a kerf behind the start, and runs at least up to there. The overcut
+    of a programmed arc is longer or shorter on the arc beside it.
+    """
+    path = work.path
+    end = path.ends[t.last - 1]
+    pairs = path.near(end.reshape(1, 2), work.tolerance)
+    first = int(np.searchsorted(work.of_way, work.of_way[t.first]))
+    # A lead that runs so close to the contour that it was traced as part of it is still a lead.
+    start = min(t.first + (t.first == first), t.last - 1)
+    at = path.at(pairs.element, pairs.along) - path.begins[start]
+    mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
+    found = float(np.min(at[mine], initial=np.inf))
+    length = float(path.lengths[start : t.last].sum())
+    found = 0.0 if found > length - 2 * work.tolerance else found
+    room = STAYS * float(path.lengths[start]) - 3 * t.half_kerf
+    asked = asked_overcut(work, t, found)
+    least = min(asked, max(0.0, room))
+    radius = float(path.elements.arcs[path.first(np.array([start]))[0], 2])
+    share = min(0.5, t.half_kerf / radius) if radius else 0.0
+    return found, least * (1 - share), asked * (1 + 2 * share) + 2 * t.half_kerf
+
+
+# --- ends -----------------------------------------------------------------------------------------
+
+# Strokes that begin or end in the middle of a contour.
+
+
+#: Contours that leave a place in directions as near as this lie on one another there.
+SAME_DIRECTION_DEG = 2.0
+ROUNDING = 1e-9
+End = tuple[Sequence[float], float]  #: where a contour ends, and in which direction it goes on
+
+#: Tolerances along a path behind which it is elsewhere.
+APART = 8.0
+
+
+def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Open ends of paths where no contour ends and no bridge begins.
+
+    Where the beam keeps off a contour, what is left of that says whether it closes.
+    """
+    opened = [t for t in traced if not t.closed and not t.half_kerf]
+    if not opened:
+        return []
+    path = work.path
+    ends = [(t, end) for t in opened for end in (("begins", t.first), ("ends", t.last - 1))]
+    toolpaths = np.array([way for _, (_, way) in ends])
+    stops = np.tile([False, True], len(opened))
+    places = np.where(stops[:, None], path.ends[toolpaths], path.starts[toolpaths])
+    reached = path.begins[toolpaths] + np.where(stops, path.lengths[toolpaths], 0.0)
+    counts = _directions(work.need, places, work.tolerance, work.torch.gap)
+    said: list[Diagnostic] = []
+    for (t, (what, way)), place, at, count in zip(ends, places, reached, counts, strict=True):
+        if (
+            count != 2
+            or t.joined
+            or _on_another(work, place, way, at)
+            or work.on_kept_off(place.reshape(1, 2))[0]
+        ):
+            continue
+        x, y = place.tolist()
+        source = Source(work.name, int(work.moves.line[way]))
+        contour = work.contour_at(place)
+        said.append(rules.OPEN.at(source, what=what, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
+    return said[:SHOWN]
+
+
+def restart_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
+    """Cuts that end where another goes on along the same contour, the tool off and on between.
+
+    Where contours meet, or what lies on another is cut with it, a cut may end on a third one. With
+    bridges the last of several cuts ends where the first began; see `tab_faults`.
+    """
+    opened = [t for t in traced if not t.closed and not t.joined]
+    if work.process != "cut" or work.bridged or len(opened) < 2:
+        return []
+    path, count = work.path, len(opened)
+    reach = 2 * work.tolerance
+    ways = np.array([way for t in opened for way in (t.first, t.last - 1)])
+    places = np.where((np.arange(2 * count) % 2)[:, None], path.ends[ways], path.starts[ways])
+    low, high = (path.begins[[t.first for t in opened]], path.begins[[t.last - 1 for t in opened]])
+    high = high + path.lengths[[t.last - 1 for t in opened]]
+    number = {int(work.of_way[t.first]): k for k, t in enumerate(opened)}
+    pairs = path.near(places, reach)
+    at, stroke = path.at(pairs.element, pairs.along), work.of_way[path.owner[pairs.element]]
+    touching: list[set[tuple[int, int]]] = [set() for _ in places]
+    for place, other, along in zip(pairs.point.tolist(), stroke.tolist(), at.tolist(), strict=True):
+        k = number.get(other, -1)
+        side = -1
+        if k >= 0 and min(along - low[k], high[k] - along) <= 2 * reach:
+            side = int(along - low[k] > high[k] - along)
+        touching[place].add((other, side))
+    asked = [
+        k
+        for k, found in enumerate(touching)
+        if len(found) == len(dict(found)) == 2 and all(side >= 0 for _, side in found)
+    ]
+    said = []
+    for k in asked:
+        t = opened[k // 2]
+        other = max(s for s, _ in touching[k])
+        if other == work.of_way[t.first] and _goes_on(work, places[k], t.half_kerf):
+            x, y = places[k].tolist()
+            said.append(
+                rules.RESTART.at(
+                    Source(work.name, t.stroke.line), contour=work.contour_at(places[k]),
+                    x=f"{x:.3f}", y=f"{y:.3f}",
+                )
+            )  # fmt: skip
+    return said[:SHOWN]
+
+
+def _goes_on(work: Work, place: Floats, half_kerf: float) -> bool:
+    """Whether one contour goes on at a place of the path, with the same settings."""
+    reach = half_kerf + work.tolerance
+    pairs = work.need.near(place.reshape(1, 2), reach if half_kerf else work.tolerance)
+    looks = work.asked.looks[work.process]
+    if len({looks[way] for way in work.need.owner[pairs.element].tolist()}) > 1:
+        return False
+    if half_kerf:
+        return True
+    return _directions(work.need, place.reshape(1, 2), work.tolerance, work.torch.gap) == [2]
+
+
+def _on_another(work: Work, place: Floats, way: int, at: float) -> bool:
+    """Whether an end `at` so far along the path lies on another stroke, or elsewhere on its own.
+
+    An edge that two contours share, or one has twice, is cut once: what is left ends on it.
+    """
+    path = work.path
+    pairs = path.near(place.reshape(1, 2), work.tolerance)
+    is_other = work.of_way[path.owner[pairs.element]] != work.of_way[way]
+    is_apart = np.abs(path.at(pairs.element, pairs.along) - at) > APART * work.tolerance
+    return bool((is_other | is_apart).any())
+
+
+def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> list[int]:
+    """In how many directions contours go on from where they end at each place; 2 amid one.
+
+    A path may miss its end by `reach`. Ends farther apart than `gap` do not belong together,
+    though both are within reach of the path's.
+    """
+    apart = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
+    lengths = need.lengths[apart]
+    near = np.minimum(lengths / 2, 20 * reach)
+    corners = np.concatenate((need.starts[apart], need.ends[apart]))
+    inner = np.concatenate((need.point(apart, near), need.point(apart, lengths - near)))
+    x, y = (inner - corners).T
+    ends = list(zip(corners.tolist(), np.degrees(np.arctan2(y, x)).tolist(), strict=True))
+    beside: list[list[End]] = [[] for _ in places]
+    tree = shapely.STRtree(shapely.points(corners))
+    pairs = tree.query(shapely.points(places), "dwithin", distance=reach)
+    for place, end in pairs.T.tolist():
+        beside[place].append(ends[end])
+    own = zip(places.tolist(), beside, strict=True)
+    return [_branches(place, some, gap) if some else 2 for place, some in own]
+
+
+def _branches(place: Sequence[float], ends: Sequence[End], gap: float) -> int:
+    """How many directions there are of the nearest end and those that belong to it."""
+    nearest = min((end for end, _ in ends), key=lambda end: dist(end, place))
+    apart: list[float] = []
+    for end, angle in ends:
+        if dist(end, nearest) <= gap + ROUNDING and all(
+            abs((angle - a + 180.0) % 360.0 - 180.0) > SAME_DIRECTION_DEG for a in apart
+        ):
+            apart.append(angle)
+    return len(apart)

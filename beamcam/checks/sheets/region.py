@@ -1,0 +1,362 @@
+"""Part and waste regions of a sheet.
+
+The part is the set of points that an odd number of closed cut contours enclose, curves that are
+drawn twice counted once. A contour that an even number of others enclose is an outline, its waste
+outside; one that an odd number enclose is a hole, its waste inside.
+
+Which contours are closed says `joining`. All other curves are open and have no inside: no side and
+no order is asked of them, they bound no part, and the beam stays centred on them.
+"""
+
+from collections.abc import Iterable, Sequence
+from math import pi
+
+import numpy as np
+import shapely
+from msgspec import Struct
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from beamcam.checks.sheets.joining import (
+    SLACK,
+    WRITTEN_SAME,
+    Chain,
+    Stretches,
+    closed_features,
+    closed_rings,
+    rings_of,
+    trim,
+    whole,
+)
+from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.curves import Curve, Line
+from beamcam.geometry.near import first_equal
+from beamcam.geometry.plane import Point
+from beamcam.machine.torch import Torch
+from beamcam.model.part import extent
+
+SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
+SAME_POINT = 1e-6  #: of a gap, what its last digits may be
+WIDEST_LOOP = 4.0  #: gaps, corner to corner, of a ring that crosses itself by a hair
+MIN_WIDTH = 1e-3  #: half the width, on an average, of what has an inside
+#: Of a curve, where it is asked whether it lies on another; most are out after the first.
+SHARES = (0.5, 0.29, 0.71, 0.13, 0.87)
+
+
+class Region(Struct, frozen=True):
+    """The closed contours of a sheet; ways are numbered as those that it was made of."""
+
+    polygons: NDArray[np.object_]  #: of each ring
+    rings: list[Chain]
+    closed: Flags  #: ways of a ring, and those that lie on one
+    twins: Flags  #: ways that lie on others
+    apart: Floats  #: how far a way may be from where it is cut: from its twin, from its neighbours
+    anticlockwise: Flags  #: rings that run so
+    ring_of: Counts  #: that each way is of; -1 of none
+
+    def moved(self, shift: Point) -> "Region":
+        """The same elsewhere."""
+        return replace(self, polygons=shapely.transform(self.polygons, lambda at: at + shift))
+
+    def depth(self, points: Floats) -> Counts:
+        """Number of contours that enclose each point (n, 2)."""
+        asked, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
+        return np.bincount(asked, minlength=len(points))
+
+    def in_part(self, points: Floats) -> Flags:
+        """Which points (n, 2) lie in the part."""
+        found: Flags = self.depth(points) % 2 == 1
+        return found
+
+
+def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -> Region:
+    """The region of ways whose features are known by their numbers.
+
+    Ends at most `gap` apart meet, and rings no farther from one another are the same. Outlines are
+    chords at most `fine` off.
+    """
+    real = np.flatnonzero(toolpaths.lengths > 0.0)
+    own = closed_features(toolpaths, features, real)
+    # Where ways lie on one another, those of closed features count first, then the longer ones.
+    rank = np.empty(toolpaths.count, dtype=np.int64)
+    every = np.arange(toolpaths.count)
+    rank[np.lexsort((every, -toolpaths.lengths, ~own))] = every
+    twins = _lie_on(toolpaths, rank, SAME_PLACE)
+    drawn = whole(toolpaths, fine)
+    drawn_so = closed_rings(drawn, [k for k in real.tolist() if own[k]], features)
+    loose = [k for k in real.tolist() if not own[k] and not twins[k]]
+    once = [ring for ring in drawn_so if not all(twins[k] for k, _ in ring)]
+    trim(drawn, toolpaths, loose, np.where(twins, toolpaths.count, rank), WRITTEN_SAME)
+    once += rings_of(drawn, loose, gap)
+    sizes = np.diff(drawn.begins).tolist()
+    once = [ring for ring in once if sum(sizes[k] for k, _ in ring) > 3]
+    rings = _Rings.of(once)
+    polygons = rings.polygons(drawn) if once else np.zeros(0, dtype=object)
+    # A line there and back again has no inside.
+    wide = shapely.area(polygons) > MIN_WIDTH * shapely.length(polygons)
+    again, under = _same_rings(polygons, gap)
+    closed, apart = np.zeros(toolpaths.count, dtype=bool), rings.gaps(drawn) + SAME_PLACE * twins
+    closed[rings.ways[wide[rings.ring]]] = True
+    closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
+    twins[rings.ways_of(again)] = True
+    apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(toolpaths, gap)))
+    apart[rings.ways_of(again | under)] += gap
+    wide[list(again)] = False
+    apart[rings.ways_of(_looped(polygons, gap))] += gap
+    once = [ring for ring, is_kept in zip(once, wide.tolist(), strict=True) if is_kept]
+    polygons = polygons[wide]
+    points, ring = shapely.get_coordinates(polygons, return_index=True)
+    turned = signed_areas(points, np.searchsorted(ring, np.arange(len(once) + 1)))[0] > 0.0
+    ring_of, rings = np.full(toolpaths.count, -1), _Rings.of(once)
+    ring_of[rings.ways] = rings.ring
+    return Region(polygons, once, closed, twins, apart, turned, ring_of)
+
+
+def signed_areas(points: Floats, begins: Counts) -> tuple[Floats, Floats]:
+    """What rings of points (n, 2) enclose, above 0 counter-clockwise, and how long they are.
+
+    `begins` tells where the points of each begin, and where the last end.
+    """
+    if len(begins) < 2:
+        return np.zeros(0), np.zeros(0)
+    after = np.arange(1, len(points) + 1)
+    after[begins[1:] - 1] = begins[:-1]
+    x, y = (points - np.repeat(points[begins[:-1]], np.diff(begins), axis=0)).T
+    areas = np.add.reduceat(x * y[after] - x[after] * y, begins[:-1]) / 2
+    return areas, np.add.reduceat(np.hypot(x[after] - x, y[after] - y), begins[:-1])
+
+
+def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
+    """Toolpaths that are no larger than the gap, with all that they are joined to.
+
+    Between two ends as near as that the tool does not move, so nothing cuts them.
+    """
+    low, high = toolpaths.boxes
+    sizes: Floats = np.hypot(*(high - low).T)
+    most = gap + SAME_POINT
+    if not (sizes <= most).any():
+        return np.zeros(toolpaths.count, dtype=bool)
+    every = np.arange(toolpaths.count)
+    places = shapely.points(np.concatenate((toolpaths.starts, toolpaths.ends)))
+    a, b = shapely.STRtree(places).query(places, "dwithin", distance=gap + SAME_POINT)
+    group = every.copy()
+    while True:
+        least = group.copy()
+        np.minimum.at(least, a % toolpaths.count, group[b % toolpaths.count])
+        if np.array_equal(least, group):
+            break
+        group = least[least]  # a name of the group may have a lesser one by now
+    wide_low, wide_high = low.copy(), high.copy()
+    np.minimum.at(wide_low, group, low)
+    np.maximum.at(wide_high, group, high)
+    small: Flags = np.hypot(*(wide_high - wide_low)[group].T) <= most
+    return small
+
+
+def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
+    """Rings that cross themselves by a hair and so have a loop there, which nothing can follow."""
+    alike = shapely.set_precision(polygons, SAME_POINT, mode="pointwise")
+    found = []
+    for k in np.flatnonzero(~shapely.is_valid(alike)).tolist():
+        boxes = shapely.bounds(shapely.get_parts(shapely.make_valid(polygons[k])))
+        sizes = np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
+        if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
+            found.append(k)
+    return found
+
+
+def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:
+    """How far the ends of each way are from other ends that they may be joined to, at most."""
+    ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
+    places, which = np.unique(ends.view(np.complex128).ravel(), return_inverse=True)
+    points = shapely.points(places.real, places.imag)
+    a, b = shapely.STRtree(points).query(points, "dwithin", distance=gap + SAME_POINT)
+    apart = np.zeros(len(places))
+    np.maximum.at(apart, a, np.abs(places[a] - places[b]))
+    found: Floats = apart[which.ravel()].reshape(2, -1).max(axis=0)
+    return found
+
+
+def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:
+    """Rings that are nowhere farther than a gap from an earlier one, and those earlier ones."""
+    # Rings that are equal to the last digit are told apart from the others without measuring.
+    texts = shapely.to_wkb(shapely.normalize(polygons)).tolist()
+    first: dict[bytes, int] = {}
+    copy_of = [first.setdefault(text, k) for k, text in enumerate(texts)]
+    copies = {k for k, own in enumerate(copy_of) if own != k}
+    kept = np.array(sorted(first.values()), dtype=np.int64)
+    boxes = shapely.bounds(polygons[kept]).reshape(-1, 4)
+    corners = shapely.points(boxes[:, :2])
+    a, b = shapely.STRtree(corners).query(corners, "dwithin", distance=2 * gap)
+    near = (a < b) & (np.abs(boxes[a] - boxes[b]).max(axis=1) <= gap + SAME_POINT)
+    a, b = kept[a[near]], kept[b[near]]
+    rings = shapely.get_exterior_ring(polygons)
+    same = shapely.hausdorff_distance(rings[a], rings[b]) <= gap + SAME_POINT
+    again = set(b[same].tolist()) | copies
+    return again, (set(a[same].tolist()) | {copy_of[k] for k in copies}) - again
+
+
+def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
+    """Toolpaths of which each place lies no farther than `same` from a way of lower rank.
+
+    Lines and arcs are known exactly, and have to lie on one another as `WRITTEN_SAME` says. Of
+    ways that are equal in each of these places one is asked, which has the lowest rank.
+    """
+    order = np.argsort(rank, kind="stable")
+    exact = toolpaths.kinds < 2
+    # Its ends are known; along the way the last place of one is the first of the next.
+    ends = toolpaths.starts[order], toolpaths.ends[order]
+    places = [
+        *(toolpaths.point(order, share * toolpaths.lengths[order]) for share in SHARES),
+        *ends,
+    ]
+    first = first_equal(np.concatenate(places, axis=1))
+    left = np.flatnonzero(first == np.arange(len(first)))
+    on = np.zeros(len(first), dtype=bool)
+    for points in places:
+        hit = np.zeros(len(left), dtype=bool)
+        for pairs in toolpaths.batches(points[left], same):
+            own, other = order[left][pairs.point], toolpaths.owner[pairs.element]
+            near = np.where(exact[own] & exact[other], min(same, WRITTEN_SAME * SLACK), same)
+            hit[pairs.point[(rank[other] < rank[own]) & (pairs.away <= near)]] = True
+        left = left[hit]
+    on[left] = True
+    found = np.empty(len(first), dtype=bool)
+    found[order] = on[first] | (rank[order] > rank[order[first]])
+    return found
+
+
+class _Rings(Struct, frozen=True):
+    """Rings as arrays, one behind the other."""
+
+    ways: Counts
+    turned: Flags  #: of each way
+    ring: Counts  #: that each way is of
+    begins: Counts  #: of each ring, and where the last ends
+
+    @classmethod
+    def of(cls, rings: Sequence[Chain]) -> "_Rings":
+        begins = np.cumsum([0, *map(len, rings)])
+        columns = np.array([way for ring in rings for way in ring], dtype=np.int64).reshape(-1, 2)
+        ring = np.repeat(np.arange(len(rings)), np.diff(begins))
+        return cls(columns[:, 0], columns[:, 1] == 1, ring, begins)
+
+    def ways_of(self, rings: Iterable[int]) -> Counts:
+        """The ways of some rings."""
+        found: Counts = self.ways[np.isin(self.ring, list(rings))]
+        return found
+
+    def polygons(self, drawn: Stretches) -> NDArray[np.object_]:
+        """The inside of each ring."""
+        begins, sizes = drawn.begins[self.ways], np.diff(drawn.begins)[self.ways]
+        step = np.where(self.turned, -1, 1)
+        first = begins + np.where(self.turned, sizes - 1, 0)
+        number = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        rows = np.repeat(first, sizes) + np.repeat(step, sizes) * number
+        outlines = shapely.linearrings(drawn.points[rows], indices=np.repeat(self.ring, sizes))
+        found: NDArray[np.object_] = shapely.polygons(outlines)
+        return found
+
+    def gaps(self, drawn: Stretches) -> Floats:
+        """The greater of the gaps at both ends of each way, to its neighbours in the ring."""
+        after = np.arange(1, len(self.ways) + 1)
+        after[self.begins[1:] - 1] = self.begins[:-1]
+        back = self.turned[:, None]
+        starts, ends = drawn.starts[self.ways], drawn.ends[self.ways]
+        apart = np.hypot(*(np.where(back, ends, starts)[after] - np.where(back, starts, ends)).T)
+        found = np.zeros(len(drawn.starts))
+        found[self.ways] = apart
+        found[self.ways[after]] = np.maximum(apart, found[self.ways[after]])
+        return found
+
+
+# --- small openings -------------------------------------------------------------------------------
+
+# Round openings and slots of drawings that are smaller than a torch cuts.
+
+
+SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
+
+
+class SmallOpening(Struct, frozen=True):
+    """A round opening or a slot of a drawing."""
+
+    centres: tuple[Point, ...]  #: of a slot those of its ends
+    features: tuple[int, ...]  #: that draw it
+    twins: tuple[int, ...]  #: that draw it again
+
+
+def small_openings(
+    region: Region, ways: Sequence[Curve], owners: Sequence[int], drawn: Sequence[int],
+    torch: Torch, least: float,
+) -> list[SmallOpening]:  # fmt: skip
+    """The openings among the cuts that are circles or slots narrower than `least`, by their ways.
+
+    An opening is what an odd number of contours enclose, or what lies within one that is too small.
+    `owners` are the features of the `ways`, `drawn` those of contours.
+    """
+    found = []
+    for number, centres in _openings(region, ways, torch.tolerance, least).items():
+        mine = sorted({owners[way] for way, _ in region.rings[number]})
+        hole = shapely.box(*shapely.bounds(shapely.buffer(region.polygons[number], torch.gap)))
+        twins = (k for k in drawn if region.twins[k] and hole.contains(shapely.box(*ways[k].bbox)))
+        found.append(SmallOpening(centres, tuple(mine), tuple(owners[k] for k in twins)))
+    return found
+
+
+def _openings(
+    region: Region, ways: Sequence[Curve], tolerance: float, least: float
+) -> dict[int, tuple[Point, ...]]:
+    """The centres of the rings that are small openings, by the rings' numbers."""
+    found: dict[int, tuple[Point, ...]] = {}
+    areas = shapely.area(region.polygons)
+    around = shapely.length(region.polygons)
+    # A slot that has this area and this length all round is as wide as this; chords make it less.
+    widths = (around - np.sqrt(np.maximum(around**2 - 4 * pi * areas, 0.0))) / pi
+    for number in np.flatnonzero(widths < least + tolerance).tolist():
+        curves = [ways[k] for k, _ in region.rings[number]]
+        corners = np.asarray(region.polygons[number].exterior.coords)
+        if centres := _centres(corners, curves, tolerance, least):
+            found[number] = centres
+    if not found:
+        return {}
+    rings = np.array(list(found), dtype=np.int64)
+    middles = shapely.points([centres[0] for centres in found.values()])
+    own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
+    larger = areas[around_it] > areas[rings[own]]
+    openings = rings[np.bincount(own[larger], minlength=len(rings)) % 2 == 1]
+    wider = shapely.STRtree(shapely.buffer(region.polygons[openings], tolerance))
+    inside, _ = wider.query(region.polygons[rings], "covered_by")
+    return {k: found[k] for k in sorted({*openings.tolist(), *rings[inside].tolist()})}
+
+
+def _centres(
+    corners: Floats, curves: Sequence[Curve], tolerance: float, least: float
+) -> tuple[Point, ...]:
+    """The centres of an outline that is a circle or a slot below `least`; none if it is neither.
+
+    Its box is that of its curves, as chords of a circle are within it; of one with straight sides
+    that along the longest of them.
+    """
+    sides = [curve for curve in curves if isinstance(curve, Line)]
+    ux, uy = max(sides, key=lambda side: side.length).tangent(0.0) if sides else (1.0, 0.0)
+    axes = np.array([[ux, uy], [-uy, ux]])
+    if float(np.ptp(corners @ axes[1])) >= least:
+        return ()
+    turned = [curve.transformed(((ux, uy, 0.0), (-uy, ux, 0.0))) for curve in curves]
+    low, high = np.array(extent(turned) or (0.0, 0.0, 0.0, 0.0)).reshape(2, 2)
+    long, wide = (high - low).tolist()
+    if abs(long - wide) <= 2 * tolerance:
+        long = wide = (long + wide) / 2
+    if wide > long or wide >= least - SAME_SIZE:
+        return ()
+    middle = (low + high) / 2
+    far = middle + np.array([[-1.0, 0.0], [1.0, 0.0]]) * (long - wide) / 2
+    line = shapely.LineString(far @ axes)
+    places = np.concatenate((corners, (corners[1:] + corners[:-1]) / 2))
+    off = np.abs(shapely.distance(shapely.points(places), line) - wide / 2)
+    if off.max() > tolerance:
+        return ()
+    ends: list[list[float]] = np.unique(far @ axes, axis=0).tolist()
+    return tuple((x, y) for x, y in ends)

@@ -1,0 +1,307 @@
+"""Toolpaths, made or required, as elements, and questions about many points at once.
+
+A way is one of the curves that they were given as.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+import shapely
+from msgspec.structs import replace
+from numpy.typing import NDArray
+
+from beamcam.checks.sheets.grid import Elements, Grid, Pairs
+from beamcam.controllers.moves import Moves
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.geometry.arrays import CurveTable, arc_ends
+from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.polylines import polylines
+
+#: Element, share of it and way of each of some places.
+Samples = tuple[Counts, Floats, Counts]
+
+WIDER = 4.0  #: how much farther is looked where nothing was near
+MOST_TURN_RAD = 0.8  #: between points of an outline
+
+
+class Toolpaths:
+    """Curves one after the other; lines and arcs are exact, chords of others off by `tolerance`.
+
+    `shift` moves all of them.
+    """
+
+    def __init__(
+        self, curves: Sequence[Curve], tolerance: float, shift: tuple[float, float] = (0.0, 0.0)
+    ) -> None:
+        table = CurveTable(curves)
+        rest = {k: curves[k] for k in table.free()}
+        lines, arcs = table.where(Line), table.where(Arc)
+        self._build(len(curves), lines, table.lines, arcs, table.arcs, rest, tolerance)
+        if shift != (0.0, 0.0):
+            self._put(self.elements.moved(shift))
+
+    @classmethod
+    def of_moves(cls, moves: Moves, tolerance: float) -> "Toolpaths":
+        """The ways of moves."""
+        found = cls.__new__(cls)
+        rest = dict(sorted(moves.curves.items()))
+        is_line = ~moves.is_arc
+        is_line[list(rest)] = False
+        lines, arcs = np.flatnonzero(is_line), np.flatnonzero(moves.is_arc)
+        found._build(
+            len(moves), lines, np.column_stack((moves.start[lines], moves.end[lines])),
+            arcs, moves.arcs[arcs], rest, tolerance,
+        )  # fmt: skip
+        return found
+
+    def moved(self, shift: tuple[float, float]) -> "Toolpaths":
+        """The same elsewhere."""
+        found = Toolpaths.__new__(Toolpaths)
+        found.count, found._first, found._behind = self.count, self._first, self._behind
+        found.owner, found.rest = self.owner, self.rest
+        found._put(self.elements.moved(shift))
+        return found
+
+    def _build(
+        self, count: int, lines: Counts, line_rows: Floats, arcs: Counts, arc_rows: Floats,
+        rest: Mapping[int, Curve], tolerance: float,
+    ) -> None:  # fmt: skip
+        """From the numbers and rows of the lines and the arcs among `count`, and the other curves.
+
+        These by their numbers, ascending. Rows of lines are start and end, those of arcs centre,
+        radius, start and sweep in degrees.
+        """
+        self.count = count
+        self.rest: Counts = np.array(list(rest), dtype=np.int64)  #: neither lines nor arcs
+        drawn = polylines(list(rest.values()), tolerance)
+        counts = np.ones(count, dtype=np.int64)
+        counts[self.rest] = np.diff(drawn.begins) - 1
+        self._behind = np.cumsum(counts)  #: the element behind the last of each way
+        self._first = self._behind - counts
+        self.owner: Counts = np.repeat(np.arange(count), counts)
+        ends = np.empty((len(self.owner), 4))
+        is_arc, rows = np.zeros(len(ends), dtype=bool), np.zeros((len(ends), 5))
+        ends[self._first[lines]] = line_rows
+        at = self._first[arcs]
+        ends[at], is_arc[at] = arc_ends(arc_rows), True
+        rows[at] = np.column_stack((arc_rows[:, :3], np.radians(arc_rows[:, 3:])))
+        is_rest = np.zeros(count, dtype=bool)
+        is_rest[self.rest] = True
+        starts = np.delete(np.arange(len(drawn.points)), drawn.begins[1:] - 1)
+        chords = np.hstack((drawn.points[starts], drawn.points[starts + 1]))
+        ends[is_rest[self.owner]] = chords
+        self._put(Elements(ends[:, :2].copy(), ends[:, 2:].copy(), is_arc, rows))
+
+    def _put(self, elements: Elements) -> None:
+        self.elements = elements
+        #: How far along all ways, one after the other, each element begins.
+        self._reached: Floats = np.concatenate(([0.0], np.cumsum(elements.length)))
+        self.begins: Floats = self._reached[self._first]
+        self.lengths: Floats = self._reached[self._behind] - self.begins
+        self.starts: Floats = elements.start[self._first]
+        self.ends: Floats = elements.end[self._behind - 1]
+        self._grids: list[Grid] = []
+
+    @property
+    def kinds(self) -> Counts:
+        """0 for each way that is a line, 1 for an arc, 2 for any other."""
+        found: Counts = self.elements.is_arc[self._first].astype(np.int64)
+        found[self.rest] = 2
+        return found
+
+    def first(self, toolpaths: Counts) -> Counts:
+        """The first element of each of some ways."""
+        return self._first[toolpaths]
+
+    def last(self, toolpaths: Counts) -> Counts:
+        """The last element of each of some ways."""
+        return self._behind[toolpaths] - 1
+
+    def near(self, points: Floats, reach: float) -> Pairs:
+        """All pairs of a point (n, 2) and an element no farther than `reach` from it."""
+        return self._grid(reach).near(points, reach)
+
+    def batches(self, points: Floats, reach: float) -> Iterator[Pairs]:
+        """The same pairs, point by point in batches that fit into the memory."""
+        return self._grid(reach).batches(points, reach)
+
+    def _grid(self, reach: float) -> Grid:
+        for grid in self._grids:
+            if reach <= grid.reach <= WIDER * reach:
+                return grid
+        self._grids.append(Grid(self.elements, reach))
+        return self._grids[-1]
+
+    def nearest_within(
+        self, points: Floats, reaches: Sequence[float], which: Flags | None = None,
+        fits: Callable[[Pairs], Flags] | None = None,
+    ) -> tuple[Floats, Counts, Floats]:  # fmt: skip
+        """Of each point the nearest way, of some of them: how far it is, which, how far along it.
+
+        Of the ways `which`, and the pairs that `fits`. Infinitely far where there is none within
+        the greatest of the `reaches`, which ascend: what is nearer is not looked for farther out,
+        where curves may lie close together.
+        """
+        away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
+        along = np.zeros(len(points))
+        left = np.arange(len(points) if which is None or which.any() else 0)
+        for reach in reaches:
+            if not len(left):
+                break
+            for pairs in self._grid(reach).batches(points[left], reach):
+                best = pairs if which is None else pairs.kept(which[self.owner[pairs.element]])
+                best = replace(best, point=left[best.point])
+                if fits is not None:
+                    best = best.kept(fits(best))
+                best = _nearest(best, best.point)
+                at, owner = best.point, self.owner[best.element]
+                away[at], who[at] = best.away, owner
+                along[at] = self.at(best.element, best.along) - self.begins[owner]
+            left = left[np.isinf(away[left])]
+        return away, who, along
+
+    def by_way(self, pairs: Pairs) -> Pairs:
+        """Of the elements of one way near one point, the nearest; the first of several."""
+        return _nearest(pairs, pairs.point * self.count + self.owner[pairs.element])
+
+    def nearest_of(self, pairs: Pairs, count: int) -> tuple[Floats, Counts, Floats]:
+        """Of each of `count` points the nearest way: how far it is, which, how far along it.
+
+        Infinitely far where there is no pair; the first of several that are as near.
+        """
+        away, who, along = np.full(count, np.inf), np.zeros(count, dtype=np.int64), np.zeros(count)
+        best = _nearest(pairs, pairs.point)
+        owner = self.owner[best.element]
+        away[best.point], who[best.point] = best.away, owner
+        along[best.point] = self.at(best.element, best.along) - self.begins[owner]
+        return away, who, along
+
+    def feet(self, pairs: Pairs, count: int) -> tuple[Floats, Floats]:
+        """How far the nearest way is from each of `count` points, and its nearest place, (n, 2)."""
+        away, feet = np.full(count, np.inf), np.zeros((count, 2))
+        best = _nearest(pairs, pairs.point)
+        length = self.elements.length[best.element]
+        share = np.divide(best.along, length, out=np.zeros(len(length)), where=length > 0.0)
+        away[best.point] = best.away
+        feet[best.point] = self.elements.places(best.element, share)
+        return away, feet
+
+    def at(self, element: Counts, along: Floats) -> Floats:
+        """How far along all ways, one after the other, places on elements lie."""
+        return self._reached[element] + along
+
+    def nearest(self, points: Floats, likely: float = 0.0) -> tuple[Floats, Counts]:
+        """Distance to the nearest way, and which one that is, for points (n, 2).
+
+        `likely` is a distance that most have a way within, which is quicker to look for.
+        """
+        reach = likely or max(float(self._reached[-1]) / max(4 * len(self.elements), 1), 1e-3)
+        away, who = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
+        left = np.arange(len(points))
+        while len(left) and self.count:
+            away[left], who[left], _ = self.nearest_of(self.near(points[left], reach), len(left))
+            left = left[np.isinf(away[left])]
+            reach *= WIDER
+        return away, who
+
+    def nearest_to(self, point: Floats) -> tuple[float, int]:
+        """How far one point is from the nearest way, and which one that is."""
+        every = np.arange(len(self.elements))
+        x, y = np.full(len(every), point[0]), np.full(len(every), point[1])
+        away, _ = self.elements.distances(x, y, every)
+        best = int(np.argmin(away))
+        return float(away[best]), int(self.owner[best])
+
+    @cached_property
+    def boxes(self) -> tuple[Floats, Floats]:
+        """Minimum and maximum corner of the box around each way, (n, 2) each."""
+        low, high = self.elements.boxes()
+        if not self.count:
+            return low, high
+        return np.minimum.reduceat(low, self._first), np.maximum.reduceat(high, self._first)
+
+    def outline(self, first: int, last: int, tolerance: float) -> Floats:
+        """Points along the ways from `first` up to `last`, both ends of each among them, (n, 2).
+
+        No chord of an arc is farther from it than `tolerance`.
+        """
+        return self._points(int(self._first[first]), int(self._behind[last - 1]), tolerance)[0]
+
+    def outlines(self, tolerance: float) -> tuple[Floats, Counts]:
+        """The points of all ways as `outline` has them, and where each begins, (count + 1,)."""
+        points, counts = self._points(0, len(self.elements), tolerance)
+        behind = np.concatenate(([0], np.cumsum(counts)))
+        return points, behind[np.concatenate(([0], self._behind))]
+
+    def lines(self, tolerance: float, owner: Counts | None = None) -> NDArray[np.object_]:
+        """A line along each way, or along all ways of each owner, as `outline` has them."""
+        points, begins = self.outlines(tolerance)
+        own = np.arange(self.count) if owner is None else owner
+        found: NDArray[np.object_] = shapely.linestrings(
+            points, indices=np.repeat(own, np.diff(begins))
+        )
+        return found
+
+    def _points(self, low: int, high: int, tolerance: float) -> tuple[Floats, Counts]:
+        """Points along some elements, and how many of each."""
+        arcs = self.elements.arcs[low:high]
+        # The sagitta of a chord is r (1 - cos(turn / 2)), which is below r turn^2 / 8.
+        steps = np.abs(arcs[:, 4]) * np.sqrt(arcs[:, 2] / (8 * tolerance))
+        steps = np.maximum(steps, np.abs(arcs[:, 4]) / MOST_TURN_RAD)
+        count = np.maximum(1, np.ceil(steps)).astype(np.int64) + 1
+        owner = np.repeat(np.arange(low, high), count)
+        number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+        return self.elements.places(owner, number / np.repeat(count - 1, count)), count
+
+    def point(self, way: Counts, at: Floats) -> Floats:
+        """The places so far along ways, (n, 2)."""
+        return self.elements.places(*self._element(self.begins[way] + at))
+
+    def _element(self, place: Floats) -> tuple[Counts, Floats]:
+        """The element that a place along all ways lies on, and the share of it."""
+        length = self.elements.length
+        element = np.searchsorted(self._reached, place, "right") - 1
+        element = np.clip(element, 0, len(length) - 1)
+        safe = np.where(length[element] > 0.0, length[element], 1.0)
+        share: Floats = (place - self._reached[element]) / safe
+        return element, share
+
+    def samples_at(self, way: Counts, at: Floats) -> Samples:
+        """The places so far along ways."""
+        return (*self._element(self.begins[way] + at), way)
+
+    def samples(self, spacing: float | Floats) -> Samples:
+        """Places inside each way, three or more, at most `spacing` (or that of each) apart.
+
+        The element of each and the share of it, for `places` and `directions`; and the way of
+        each. Ends are left out, since ways meet there.
+        """
+        count = np.maximum(3, np.ceil(self.lengths / spacing)).astype(np.int64)
+        owner = np.repeat(np.arange(self.count), count)
+        number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
+        part = np.repeat(self.lengths / count, count)
+        element, share = self._element(np.repeat(self.begins, count) + (number + 0.5) * part)
+        return element, share, owner
+
+
+def joined_samples(*several: Samples) -> Samples:
+    """Samples one behind the other."""
+    element, share, way = (np.concatenate(column) for column in zip(*several, strict=True))
+    return element, share, way
+
+
+def kept_samples(samples: Samples, which: Flags | Counts) -> Samples:
+    """Some of the samples."""
+    element, share, way = samples
+    return element[which], share[which], way[which]
+
+
+def _nearest(pairs: Pairs, group: Counts) -> Pairs:
+    """The nearest pair of each group, whose pairs follow one another; the first of several."""
+    first = np.flatnonzero(np.diff(group, prepend=-1))
+    if len(first) == len(group):
+        return pairs
+    least = np.minimum.reduceat(pairs.away, first)
+    best = np.flatnonzero(pairs.away == np.repeat(least, np.diff(first, append=len(group))))
+    return pairs.kept(best[np.flatnonzero(np.diff(group[best], prepend=-1))])

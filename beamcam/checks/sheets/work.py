@@ -1,0 +1,353 @@
+"""The strokes of one process and the curves that they should follow."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
+from math import inf, pi
+
+import numpy as np
+import shapely
+from msgspec import Struct, field
+from msgspec.structs import replace
+from numpy.typing import NDArray
+from shapely import Polygon
+
+from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.grid import widest_gap
+from beamcam.checks.sheets.need import Need
+from beamcam.checks.sheets.region import Region, small_ways
+from beamcam.checks.sheets.strokes import HeadStroke, Strokes
+from beamcam.checks.sheets.toolpaths import Toolpaths
+from beamcam.controllers.moves import Moves
+from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.array_types import Counts, Flags, Floats
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
+
+SPACING = 4.0  #: mm between samples
+MITRE = 2.5  #: how far from a corner a path may pass it, by half the kerf
+SHOWN = 5  #: of one kind of fault
+WINDING = 0.02  #: share by which stairs of steps are longer than their path, at most
+STAIRS = 20.0  #: tolerances of which the direction of stairs is told
+MOST_ROUNDS = 20  #: of a path that goes round an inside, repetitions of it by passes included
+
+
+class Traced(Struct):
+    """A stroke whose leads are known, and what it goes round."""
+
+    stroke: HeadStroke
+    first: int  #: of its ways along the contour
+    last: int  #: behind the last of them
+    half_kerf: float  #: that the path keeps off the contour
+    closed: bool
+    path: Toolpaths
+    fine: float  #: what chords may be off
+    ring: list[tuple[int, int]]  #: ways that go round an inside together; none if it is open
+    middle: tuple[float, float]  #: a place on the contour
+    box: tuple[float, float, float, float]  #: around the ring
+    group: int  #: of strokes of one contour
+    goes_round: bool  #: by itself, or with others and the bridges between them
+    contour: Polygon | None = None  #: inside of the closed contour that it keeps off
+    over: float = 0.0  #: mm of its ways that are not part of the ring, and run along a contour
+    before: float = 0.0  #: of `over`, what lies before the ring
+    beyond: float = 0.0  #: mm behind the ring that do not run along it
+    bridge_to: tuple[float, float] | None = None  #: start of the stroke behind a bridge at its end
+    members: list["Traced"] = field(
+        default_factory=list
+    )  #: strokes that go round with it, it first
+    joined: bool = False  #: whether it goes round a contour together with others
+    small: bool | None = False  #: whether it goes round a small hole; None: as good as either
+
+    def inside(self) -> Polygon | None:
+        """The polygon that it goes round; None of less than a triangle, or if another has it.
+
+        And of a path that runs round many times, which no contour does: parting it into rings
+        that do not meet would take gigabytes.
+        """
+        if self.contour is not None or not self.ring:
+            return self.contour
+        points = np.concatenate([self.path.outline(a, b, self.fine) for a, b in self.ring])
+        if len(points) <= 3:
+            return None
+        steps = np.diff(points, axis=0)
+        ahead = np.unwrap(np.arctan2(*steps[np.any(steps != 0.0, axis=1)].T[::-1]))
+        if len(ahead) and abs(ahead[-1] - ahead[0]) > MOST_ROUNDS * 2 * np.pi:
+            return None
+        return shapely.make_valid(shapely.Polygon(points))
+
+    def corners(self) -> Floats:
+        """Places of the contour, (n, 2); chords between them are at most `fine` off."""
+        if self.contour is None:
+            return self.path.outline(self.first, self.last, self.fine)
+        found: Floats = shapely.get_coordinates(self.contour)
+        return found
+
+
+class Work(Struct, dict=True):
+    """One process: what is needed, what is followed, and how near that has to be."""
+
+    process: TorchProcess
+    strokes: Sequence[HeadStroke]
+    moves: Moves  #: those of the strokes, one after the other
+    need: Toolpaths
+    asked: Need  #: the curves that `need` is made of, and where the input has them
+    path: Toolpaths
+    of_way: Counts  #: the stroke of each way of the path
+    torch: Torch
+    step: float  #: of the program's numbers
+    fine: float  #: what chords may be off
+    tolerance: float
+    slack: Floats  #: what each needed curve may be off: the tolerance and what joining may move
+    half_kerf: float  #: of the beam, that keeps off closed contours; 0 stays on them
+    region: Region | None  #: of a beam that keeps off
+    small: Flags  #: needed curves that are too small to be cut
+    shift: tuple[float, float]
+    name: str
+    stepped: bool = False  #: whether paths are stairs of a table's steps
+
+    @property
+    def beside(self) -> Flags:
+        """The required curves with kerf compensation."""
+        return np.zeros(self.need.count, dtype=bool) if self.region is None else self.region.closed
+
+    @cached_property
+    def contours(self) -> NDArray[np.object_]:
+        """The required curves as lines; chords are at most `fine` off."""
+        return self.need.lines(self.fine)
+
+    def on_kept_off(self, points: Floats) -> Flags:
+        """Points that lie on a contour which the beam keeps off.
+
+        What is open there is drawn twice, or ends on the contour.
+        """
+        found = np.zeros(len(points), dtype=bool)
+        if self.half_kerf:
+            pairs = self.need.near(points, self.torch.gap)
+            found[pairs.point[self.beside[self.need.owner[pairs.element]]]] = True
+        return found
+
+    @property
+    def bridged(self) -> bool:
+        """Whether contours may have bridges."""
+        return bool(self.torch.tabs) and self.process == "cut"
+
+    @property
+    def meeting(self) -> float:
+        """How far apart two ends may be that meet."""
+        return 2 * (self.tolerance if self.stepped else self.step)
+
+    @property
+    def most_in(self) -> float:
+        """Maximum length of a lead-in; the controller takes up half a kerf along it."""
+        return self._most(self.torch.lead_in) if self.torch.lead != "none" else 0.0
+
+    @property
+    def most_from_middle(self) -> float:
+        """Maximum length of the half circle from the middle of a small hole, which is one move."""
+        if self.torch.lead == "none" or self.torch.hole_lead != "middle":
+            return 0.0
+        widest = max((s.row.hole_diameter for s in self.strokes), default=0.0)
+        return self._most(pi / 4 * widest)
+
+    @property
+    def most_out(self) -> float:
+        """Maximum length of what follows a contour: an overcut, and a lead-out."""
+        return self.most_lead + self.most_over
+
+    @property
+    def most_lead(self) -> float:
+        """Maximum length of a lead-out."""
+        return self._most(self.torch.lead_out) if self.torch.lead != "none" else 0.0
+
+    @property
+    def most_over(self) -> float:
+        """The longest overcut that may be asked of a contour; 0 of a process without one."""
+        if self.process != "cut":
+            return 0.0
+        asked = [own.overcut for own in self.torch.settings.values() if own.overcut is not None]
+        most = max([self.torch.overcut, self.torch.hole_overcut or 0.0, *asked])
+        return self._most(most) + 2 * self.tolerance if most else 0.0
+
+    def _most(self, length: float) -> float:
+        taken_up = 2 * self.half_kerf if self.torch.kerf_by == "machine" else 0.0
+        if self.stepped:
+            return length * (1.0 + WINDING) + 4 * self.tolerance
+        return length * 1.001 + 8 * self.step + taken_up
+
+    def tab_width(self, half_kerf: float) -> float:
+        """How far apart the strokes on both sides of a bridge may be."""
+        return self.torch.tab_width + 2 * half_kerf + 2 * self.tolerance
+
+    def heading(self, t: Traced, at_end: bool) -> Floats:
+        """The direction in which a stroke ends or begins; on stairs, that over a few of them."""
+        path = self.path
+        way = np.array([t.last - 1 if at_end else t.first])
+        if self.stepped:
+            size = float(path.begins[t.last - 1] + path.lengths[t.last - 1] - path.begins[t.first])
+            back = min(size, STAIRS * self.tolerance)
+            here = path.begins[t.first] + (size - back if at_end else back)
+            owner = np.searchsorted(path.begins, [here], "right") - 1
+            place = path.point(owner, here - path.begins[owner])[0]
+            found = path.ends[way[0]] - place if at_end else place - path.starts[way[0]]
+            size = float(np.hypot(*found))
+            if size > 0.0:
+                return np.array(found / size)
+        element = path.last(way) if at_end else path.first(way)
+        direction: Floats = path.elements.directions(element, np.full(1, float(at_end)))[0]
+        return direction
+
+    def contour(self, way: int) -> str:
+        """Source of a required curve."""
+        return str(self.asked.source(self.process, way))
+
+    def contour_at(self, place: Floats) -> str:
+        """Source of the required curve nearest to a place."""
+        return self.contour(self.need.nearest_to(place)[1])
+
+    def extra(self, line: int, place: Floats, away: str, expected: str) -> Diagnostic:
+        """That a path follows nothing."""
+        x, y = place.tolist()
+        source = Source(self.name, line)
+        return rules.EXTRA.at(source, x=f"{x:.3f}", y=f"{y:.3f}", away=away, expected=expected)
+
+    def missing(self, way: int, place: Floats) -> Diagnostic:
+        """That nothing follows a contour."""
+        x, y = (place - np.array(self.shift)).tolist()
+        return rules.MISSING.at(
+            Source(self.name), process=self.process, contour=self.contour(way),
+            x=f"{x:.3f}", y=f"{y:.3f}", machine_x=f"{place[0]:.3f}", machine_y=f"{place[1]:.3f}",
+        )  # fmt: skip
+
+
+def work_of(
+    process: TorchProcess, strokes: Strokes, need: Need, step: float, torch: Torch,
+    shift: tuple[float, float], name: str, stepped: bool = False,
+) -> Work:  # fmt: skip
+    """The strokes of a process among all, and the curves that it needs."""
+    mine = [s for s in strokes.each if s.process == process]
+    counts = np.array([s.last - s.first for s in mine], dtype=np.int64)
+    moves = strokes.moves
+    if len(mine) < len(strokes.each):
+        spans = [np.arange(s.first, s.last) for s in mine]
+        moves = moves.take(np.concatenate([np.zeros(0, dtype=np.int64), *spans]))
+    fine = torch.tolerance / 8
+    curves = need.curves.get(process, [])
+    toolpaths = need.toolpaths(process, fine).moved(shift)
+    half_kerf = 0.0
+    if process == "cut" and torch.kerf_by != "none":
+        half_kerf = max((s.row.kerf / 2 for s in mine), default=0.0)
+    region = None
+    tolerance = torch.tolerance + 2 * step + fine
+    # What joining ends may move is allowed where there is something to join.
+    if half_kerf and len(curves):
+        region = need.region(torch).moved(shift)
+        joined = region.apart
+    else:
+        tolerance += widest_joint(toolpaths, torch.gap)
+        joined = np.zeros(len(curves))
+    slack = tolerance + joined
+    return Work(
+        process, mine, moves, toolpaths, need, Toolpaths.of_moves(moves, fine),
+        np.repeat(np.arange(len(mine)), counts), torch, step, fine, tolerance,
+        slack, half_kerf, region, small_ways(toolpaths, torch.gap), shift, name, stepped,
+    )  # fmt: skip
+
+
+def widest_joint(need: Toolpaths, gap: float) -> float:
+    """The widest gap between two ends that had to be joined."""
+    opened = np.flatnonzero(np.hypot(*(need.ends - need.starts).T) > 1e-9)
+    starts, ends = need.starts[opened], need.ends[opened]
+    # Where one ends as the next begins, the place is known already.
+    apart = np.any(ends != np.roll(starts, -1, axis=0), axis=1)
+    return widest_gap(np.concatenate((starts, ends[apart])), gap)
+
+
+# --- alike ----------------------------------------------------------------------------------------
+
+# Strokes that two processes make by the same words, distinguished by the curves they follow.
+
+
+PLACES = 9  #: of a stroke that are looked at
+
+Away = Callable[[Floats], float]
+
+
+def told_apart(strokes: Strokes, need: Need, torch: Torch, shift: tuple[float, float]) -> Strokes:
+    """The strokes with the rows of what they follow, where word and feed leave several.
+
+    What follows no contour, as a text does, is taken for a mark: its place is not known yet.
+    """
+    if not any(stroke.alike for stroke in strokes.each):
+        return strokes
+    fine = torch.tolerance / 8
+    known: dict[TorchProcess, Away] = {
+        process: _away(need.toolpaths(process, fine).moved(shift)) for process in need.curves
+    }
+    each = [_settled(s, strokes, known, torch) if s.alike else s for s in strokes.each]
+    return Strokes(each, strokes.moves)
+
+
+def _away(toolpaths: Toolpaths) -> Away:
+    """Median distance of points from the nearest curve."""
+
+    def measured(places: Floats) -> float:
+        return float(np.median([toolpaths.nearest_to(place)[0] for place in places]))
+
+    return measured
+
+
+def _settled(
+    stroke: HeadStroke, strokes: Strokes, known: Mapping[TorchProcess, Away], torch: Torch
+) -> HeadStroke:
+    options: dict[TorchProcess, TorchRow] = {}
+    for row in (stroke.row, *stroke.alike):
+        options.setdefault(row.process, row)
+    if len(options) == 1:
+        return stroke
+    span = slice(stroke.first, stroke.last)
+    ends = strokes.moves.end[span]
+    places = ends[:: max(1, len(ends) // PLACES)]
+    away = {process: known[process](places) for process in options if process in known}
+    nearest = min(away, key=lambda process: away[process], default=stroke.process)
+    if away.get(nearest, inf) > stroke.row.kerf + 8 * torch.tolerance:
+        nearest = next((process for process in options if process != "cut"), stroke.process)
+    return replace(stroke, row=options[nearest])
+
+
+# --- contour names --------------------------------------------------------------------------------
+
+# Messages about a block of a program, with the contour of the input that the block is beside.
+
+
+#: Rules that know a line of the program only.
+NAMELESS = {
+    rule.code
+    for rule in (
+        rules.FEED, rules.RAMP, rules.TOOL, rules.RAPID, rules.IDLE, rules.AREA,
+        rules.COMPENSATION,
+    )
+}  # fmt: skip
+
+
+def with_contours(
+    said: Iterable[Diagnostic], moves: Moves, need: Need, shift: tuple[float, float], fine: float
+) -> list[Diagnostic]:
+    """The messages; to those of `NAMELESS` the nearest contour is added.
+
+    The place of a block that does not move is the end of the next move.
+    """
+    found = list(said)
+    asked = [
+        (k, one.source.line)
+        for k, one in enumerate(found)
+        if one.code in NAMELESS and one.source.line is not None
+    ]
+    if not asked or not need.curves or not len(moves):
+        return found
+    toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
+    lines = np.maximum.accumulate(moves.line)
+    for k, line in asked:
+        row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
+        place = moves.end[row] - np.array(shift)
+        _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
+        contour = f", beside the contour of {need.source(process, way)}"
+        found[k] = replace(found[k], message=found[k].message + contour)
+    return found

@@ -1,0 +1,209 @@
+"""Which of the texts that a part wants each text is that a program draws or tells.
+
+Texts that are alike may stand in for each other. Of all ways to share them out the one counts by
+which the fewest stand where they may not, and then by the least way from where the part has them.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from math import hypot
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.checks.drawn_texts import (
+    EXACT,
+    DrawnPieces,
+    DrawnText,
+    Segment,
+    Wanted,
+    covering,
+    is_where_wanted,
+)
+from beamcam.checks.lettering import SURE, Places, Steel, box_of, is_clear, judge
+from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Floats
+from beamcam.machine.stations import Marks
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+WRONG = 1e7  #: mm that a place which is not allowed counts as, beside the way to it
+LEFT = 1e10  #: mm that a text without a place counts as
+NEVER = 1e13  #: mm that what cannot be the text counts as
+
+#: For each text what it would be as each of the texts that were found; None where it cannot be.
+Options = Sequence[Sequence[DrawnText | None]]
+
+
+class Standing(Struct, frozen=True):
+    """Where a text stands, and what is wrong with that."""
+
+    x: float
+    y: float
+    height: float
+    said: tuple[Diagnostic, ...] = ()
+
+
+def _anything(text: Wanted, found: DrawnText) -> bool:
+    return True
+
+
+def standings(
+    texts: Sequence[Wanted], drawn: DrawnPieces, steel: Steel, sure: Steel | None, marks: Marks,
+    is_ours: Callable[[Wanted, DrawnText], bool] = _anything,
+) -> Iterator[Standing | None]:  # fmt: skip
+    """Of each text of a face where a program draws it, or where the part has it if it has to.
+
+    None where it is not drawn and can stand nowhere on the steel: it is left for manual work.
+    `sure` is the steel to which what letters comes for sure; see `found_texts` for `is_ours`.
+    """
+    found = found_texts(texts, drawn, sure or steel, marks, is_ours)
+    boxes = [
+        None if one is None else box_of(text, one.x, one.y, one.height)
+        for text, one in zip(texts, found, strict=True)
+    ]
+    places = Places(sure or steel, [box for box in boxes if box is not None], marks)
+    for k, (text, one) in enumerate(zip(texts, found, strict=True)):
+        others = [box for j, box in enumerate(boxes) if j != k and box is not None]
+        if one is not None:
+            said = tuple(judge(text, one, steel, others, marks, sure))
+            yield Standing(one.x, one.y, one.height, said)
+        elif sure is not None and places.has(text):
+            yield Standing(text.feature.x, text.feature.y, text.height)
+        else:
+            yield None
+
+
+def found_texts(
+    texts: Sequence[Wanted], drawn: DrawnPieces, steel: Steel, marks: Marks,
+    is_ours: Callable[[Wanted, DrawnText], bool] = _anything,
+) -> list[DrawnText | None]:  # fmt: skip
+    """Where a program draws each text of a face; None for those that it does not draw.
+
+    `steel` is that where texts stand for sure; `is_ours` tells texts of the part from those of
+    others on the same bar.
+    """
+    numbers: dict[tuple[Segment, ...], int] = {}
+    shapes = [numbers.setdefault(text.pieces, len(numbers)) for text in texts]
+    tallest: dict[int, Wanted] = {}
+    for shape, text in zip(shapes, texts, strict=True):
+        if shape not in tallest or text.height > tallest[shape].height:
+            tallest[shape] = text
+    readings: dict[frozenset[int], dict[int, DrawnText]] = {}
+    for shape, text in tallest.items():
+        for found in drawn.all_of(text, marks.min_height, text.height):
+            if is_ours(text, found):
+                readings.setdefault(frozenset(found.taken), {}).setdefault(shape, found)
+    chosen = [readings[place] for place in covering([*readings])]
+    options = [
+        [_as_text(text, reading.get(shape)) for reading in chosen]
+        for shape, text in zip(shapes, texts, strict=True)
+    ]
+    return assigned(texts, options, steel, marks)
+
+
+def _as_text(text: Wanted, found: DrawnText | None) -> DrawnText | None:
+    return found if found is not None and found.height <= text.height + EXACT else None
+
+
+def assigned(
+    texts: Sequence[Wanted], options: Options, steel: Steel, marks: Marks
+) -> list[DrawnText | None]:
+    """What each text is, no two the same; as many as can be have one."""
+    result: list[DrawnText | None] = [None] * len(texts)
+    left, taken = [], set()
+    for t, (text, row) in enumerate(zip(texts, options, strict=True)):
+        own = (k for k, one in enumerate(row) if one is not None and k not in taken)
+        exact = next((k for k in own if is_where_wanted(text, row[k])), None)  # type: ignore[arg-type]
+        if exact is None:
+            left.append(t)
+        else:
+            taken.add(exact)
+            result[t] = row[exact]
+    places = [k for k in range(len(options[0]) if options else 0) if k not in taken]
+    if not left or not places:
+        return result
+    boxes = _boxes(texts, options)
+    costs = np.full((len(left), len(places) + len(left)), LEFT)
+    for line, t in enumerate(left):
+        forbidden = _obstacle(texts[t], boxes, steel, marks)
+        for column, k in enumerate(places):
+            costs[line, column] = _cost(texts[t], options[t][k], forbidden in (None, k))
+        costs[line, len(places) :] += WRONG * (forbidden is None)
+    for t, column in zip(left, cheapest(costs), strict=True):
+        if column < len(places):
+            result[t] = options[t][places[column]]
+    return result
+
+
+def _cost(text: Wanted, found: DrawnText | None, may_not_move: bool) -> float:
+    """mm from a text to where the part has it, and more where it may not stand there."""
+    if found is None:
+        return NEVER
+    wrong = may_not_move or text.feature.option == "z" or found.height > text.height + EXACT
+    return hypot(found.x - text.feature.x, found.y - text.feature.y) + WRONG * wrong
+
+
+def _boxes(texts: Sequence[Wanted], options: Options) -> list["Polygon | None"]:
+    """The boxes of the texts that were found; None for one that can be no text."""
+    boxes: list[Polygon | None] = []
+    for k in range(len(options[0])):
+        each = zip(texts, (row[k] for row in options), strict=True)
+        one = next(((text, found) for text, found in each if found is not None), None)
+        boxes.append(None if one is None else box_of(one[0], one[1].x, one[1].y, one[1].height))
+    return boxes
+
+
+def _obstacle(
+    text: Wanted, boxes: Sequence["Polygon | None"], steel: Steel, marks: Marks
+) -> int | None:
+    """What keeps a text from standing where the part has it; None if nothing does.
+
+    The number of a text if that alone does: it would itself be free to stand there. Below 0 where
+    an edge or several texts are in its way.
+    """
+    import shapely
+
+    feature = text.feature
+    own = box_of(text, feature.x, feature.y, text.height)
+    if not is_clear(own, steel, (), marks.min_distance + SURE):
+        return -1
+    near = [
+        k for k, box in enumerate(boxes) if box is not None and shapely.distance(own, box) <= SURE
+    ]
+    return None if not near else near[0] if len(near) == 1 else -1
+
+
+def cheapest(costs: Floats) -> list[int]:
+    """A column for each row, no two the same, by which the sum of costs is least.
+
+    There are at least as many columns as rows (the Hungarian method, by shortest paths).
+    """
+    rows, columns = costs.shape
+    over, under = np.zeros(rows), np.zeros(columns)
+    row_of = np.full(columns, -1)
+    for begin in range(rows):
+        least, before = np.full(columns, np.inf), np.full(columns, -1)
+        done = np.zeros(columns, dtype=bool)
+        row, last, way = begin, -1, 0.0
+        while True:
+            to = way + costs[row] - over[row] - under
+            nearer = ~done & (to < least)
+            least[nearer], before[nearer] = to[nearer], last
+            column = int(np.where(done, np.inf, least).argmin())
+            way, done[column] = float(least[column]), True
+            last = column
+            if row_of[column] < 0:
+                break
+            row = int(row_of[column])
+        passed = np.flatnonzero(done & (np.arange(columns) != column))
+        over[begin] += way
+        over[row_of[passed]] += way - least[passed]
+        under[passed] -= way - least[passed]
+        while column >= 0:
+            previous = int(before[column])
+            row_of[column] = begin if previous < 0 else row_of[previous]
+            column = previous
+    found = {int(row): column for column, row in enumerate(row_of.tolist()) if row >= 0}
+    return [found[row] for row in range(rows)]

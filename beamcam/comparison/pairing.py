@@ -1,0 +1,201 @@
+"""Differences between things of one kind: paired by place, or said of all of them at once."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import hypot
+from typing import Generic, Literal, NamedTuple, TypeVar
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+NEAR = 60.0  #: mm; what lies nearer is taken to have moved, what lies further to be another thing
+
+T = TypeVar("T")
+
+
+class Difference(Struct, frozen=True):
+    """One difference between A and B."""
+
+    what: Literal["section", "cut", "hole", "order", "part", "feature"]
+    how: Literal["changed", "only in A", "only in B"]
+    text: str
+    of_all: str = ""  #: the same said of all things of its kind, where it is true of all
+
+    def as_data(self) -> dict[str, str]:
+        """The difference as `--json` prints it."""
+        return {"what": self.what, "how": self.how, "text": self.text}
+
+
+class Kind(NamedTuple, Generic[T]):
+    """What is known of the things of one kind that a program makes."""
+
+    what: Literal["cut", "hole", "feature"]
+    plural: str
+    place: Callable[[T], tuple[float, float]]
+    name: Callable[[T], str]
+    changes: Callable[[T, T], list[str]]
+    put: Callable[[T, T], T]  #: the first where the second is
+
+
+def differences_of_kind(
+    kind: Kind[T], a: Sequence[T], b: Sequence[T], step: float
+) -> Iterator[Difference]:
+    """The differences of one kind of things: of all at once, of those of a face, one by one."""
+    if common := _common(kind, a, b, step):
+        yield from _said_of_all(kind, a, b, f"all {kind.plural} {common}")
+        return
+    faces = sorted({_face_of(thing) for thing in (*a, *b)})
+    for face in faces:
+        first = [thing for thing in a if _face_of(thing) == face]
+        second = [thing for thing in b if _face_of(thing) == face]
+        common = _common(kind, first, second, step) if len(faces) > 1 else ""
+        of_all = f"all {kind.plural} {face} {common}" if common else ""
+        yield from _said_of_all(kind, first, second, of_all)
+
+
+def _said_of_all(
+    kind: Kind[T], a: Sequence[T], b: Sequence[T], of_all: str
+) -> Iterator[Difference]:
+    """One difference where it holds of several, else each by itself."""
+    if of_all and len(a) > 1:
+        yield Difference(kind.what, "changed", of_all, of_all)
+        return
+    for one in differences_one_by_one(kind.what, a, b, kind.place, kind.name, kind.changes):
+        yield replace(one, of_all=of_all)
+
+
+def _common(kind: Kind[T], a: Sequence[T], b: Sequence[T], step: float) -> str:
+    """What is true of each thing of A and its like in B: "X +1.440, feed 90 to 80 mm/min".
+
+    "" where there is nothing of the kind, or it is not the same of all.
+    """
+    if len(a) != len(b):
+        return ""
+    told: list[str] = []
+    shift: tuple[float, float] | None = None
+    by_place = [sorted(things, key=lambda t: (_face_of(t), *kind.place(t))) for things in (a, b)]
+    for x, y in zip(*by_place, strict=True):
+        (ax, ay), (bx, by) = kind.place(x), kind.place(kind.put(x, y))
+        if shift is None:
+            shift, told = (bx - ax, by - ay), kind.changes(x, kind.put(y, x))
+        elif (
+            abs(bx - ax - shift[0]) > step
+            or abs(by - ay - shift[1]) > step
+            or kind.changes(x, kind.put(y, x)) != told
+        ):
+            return ""
+    axes = zip("XY", shift or (), strict=False)
+    return ", ".join([*(f"{axis} {by:+.3f}" for axis, by in axes if abs(by) > step), *told])
+
+
+def _face_of(thing: object) -> str:
+    return getattr(thing, "face", "")
+
+
+def moved(dx: float, dy: float, step: float) -> list[str]:
+    far = hypot(dx, dy)
+    if abs(dx) <= step and abs(dy) <= step:
+        return []
+    way = "" if abs(dy) <= step else " across" if abs(dx) <= step else " in x and y"
+    return [f"moved by {_length(far)} mm{way}"]
+
+
+def _length(value: float) -> str:
+    return f"{value:.1f}" if abs(value * 10 - round(value * 10)) < 1e-6 else f"{value:.3f}"
+
+
+def shown(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    return "none" if value is None or value == "" else str(value)
+
+
+def differences_one_by_one(
+    what: Literal["cut", "hole", "feature"],
+    a: Iterable[T],
+    b: Iterable[T],
+    place: Callable[[T], tuple[float, float]],
+    name: Callable[[T], str],
+    changes: Callable[[T, T], list[str]],
+) -> Iterator[Difference]:
+    """Things of A and B paired: first those that are the same, then the nearest ones."""
+    left, right = list(a), list(b)
+    crowds = Counter(map(name, left)), Counter(map(name, right))
+
+    def called(thing: T, side: int) -> str:
+        """The thing's name, with its y where others on its side have the same name."""
+        own = name(thing)
+        return f"{own}, y {place(thing)[1]:.1f}" if crowds[side][own] > 1 else own
+
+    for x, y in pairs_of(left, right, place, changes):
+        if y is None and x is not None:
+            yield Difference(what, "only in A", f"{called(x, 0)} only in A")
+        elif x is None and y is not None:
+            yield Difference(what, "only in B", f"{called(y, 1)} only in B")
+        elif x is not None and y is not None and (said := changes(x, y)):
+            yield Difference(what, "changed", f"{called(x, 0)} {', '.join(said)}")
+
+
+def pairs_of(
+    left: Sequence[T],
+    right: Sequence[T],
+    place: Callable[[T], tuple[float, float]],
+    changes: Callable[[T, T], list[str]],
+) -> Iterator[tuple[T | None, T | None]]:
+    """Things of A and B paired: those that are the same, the nearest ones, and those left alone."""
+    index: dict[tuple[float, float], list[int]] = {}
+    for i, thing in enumerate(right):
+        index.setdefault(place(thing), []).append(i)
+    taken: set[int] = set()
+    rest: list[T] = []
+    for thing in left:
+        same = next(
+            (i for i in index.get(place(thing), ()) if i not in taken
+             and not changes(thing, right[i])), None,
+        )  # fmt: skip
+        if same is None:
+            rest.append(thing)
+        else:
+            taken.add(same)
+            yield thing, right[same]
+    free = [t for i, t in enumerate(right) if i not in taken]
+    near = sorted(
+        (hypot(place(x)[0] - place(y)[0], place(x)[1] - place(y)[1]), len(changes(x, y)), i, j)
+        for i, x in enumerate(rest)
+        for j, y in enumerate(free)
+        if abs(place(x)[0] - place(y)[0]) <= NEAR
+    )
+    mine: dict[int, int] = {}
+    theirs: set[int] = set()
+    for distance, _, i, j in near:
+        if distance <= NEAR and i not in mine and j not in theirs:
+            mine[i] = j
+            theirs.add(j)
+    for i, thing in enumerate(rest):
+        yield thing, free[mine[i]] if i in mine else None
+    for j, thing in enumerate(free):
+        if j not in theirs:
+            yield None, thing
+
+
+class Pair(Struct, frozen=True):
+    """A thing of A and what it is in B; None where it is not there."""
+
+    a: object | None
+    b: object | None
+    place_a: tuple[float, float] | None
+    place_b: tuple[float, float] | None
+    is_same: bool
+
+
+def paired(
+    a: Sequence[T],
+    b: Sequence[T],
+    place: Callable[[T], tuple[float, float]],
+    changes: Callable[[T, T], list[str]],
+) -> Iterator[Pair]:
+    """The things of A and B, each with its like in the other."""
+    for x, y in pairs_of(a, b, place, changes):
+        same = x is not None and y is not None and not changes(x, y)
+        at, to = (None if t is None else place(t) for t in (x, y))
+        yield Pair(x, y, at, to, same)

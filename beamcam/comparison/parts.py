@@ -1,0 +1,135 @@
+"""Two parts compared feature by feature, wherever those stand in their files."""
+
+from collections.abc import Iterator, Sequence
+
+from msgspec.structs import fields
+
+from beamcam.comparison.pairing import (
+    Difference,
+    Pair,
+    differences_one_by_one,
+    moved,
+    paired,
+    shown,
+)
+from beamcam.errors import Source
+from beamcam.geometry.curves import Curve
+from beamcam.model.part import Bend, Camber, Contour, EndPlane, Feature, Hole, Part, Slot, TextMark
+
+_HEADER = (
+    "mark", "length", "saw_length", "quantity", "order", "drawing", "phase", "grade",
+)  # fmt: skip
+_KINDS: tuple[type[Feature], ...] = (Hole, Slot, Contour, TextMark, Bend, EndPlane, Camber)
+_NAMES = {
+    Hole: "hole", Slot: "slot", Contour: "contour", TextMark: "text", Bend: "bend",
+    EndPlane: "end plane", Camber: "camber",
+}  # fmt: skip
+
+
+def diff_parts(a: Sequence[Part], b: Sequence[Part]) -> tuple[Difference, ...]:
+    """Differences of the parts of B from those of A, compared in order."""
+    found: list[Difference] = []
+    for first, second in zip(a, b, strict=False):
+        found += _part(first, second)
+    found += [Difference("part", "only in A", f"part {p.mark} only in A") for p in a[len(b) :]]
+    found += [Difference("part", "only in B", f"part {p.mark} only in B") for p in b[len(a) :]]
+    return tuple(found)
+
+
+def part_pairs(a: Part, b: Part) -> Iterator[Pair]:
+    """The features of two parts, each with its like in the other."""
+    for _, first, second in _by_face(a, b):
+        yield from paired(first, second, _place, _feature)
+
+
+def _part(a: Part, b: Part) -> Iterator[Difference]:
+    for first, second, names, form in (
+        (a, b, _HEADER, "{}"),
+        (a.profile, b.profile, a.profile.__struct_fields__, "{}"),
+        (a.cuts, b.cuts, a.cuts.__struct_fields__, "{} cut"),
+    ):
+        for name in names:
+            old, new = getattr(first, name), getattr(second, name)
+            if old != new:
+                what = form.format("profile" if name == "name" else name.replace("_", " "))
+                yield Difference("part", "changed", f"{what} {shown(old)} to {shown(new)}")
+    for kind, own, other in _by_face(a, b):
+        yield from differences_one_by_one(
+            "hole" if kind is Hole else "feature", own, other, _place, _name, _feature
+        )
+
+
+def _by_face(a: Part, b: Part) -> Iterator[tuple[type[Feature], list[Feature], list[Feature]]]:
+    """The features of two parts, kind by kind and face by face."""
+    for kind in _KINDS:
+        old, new = ([f for f in part.features if isinstance(f, kind)] for part in (a, b))
+        for face in sorted({_face(f) for f in (*old, *new)}):
+            own, other = ([f for f in some if _face(f) == face] for some in (old, new))
+            yield kind, own, other
+
+
+def _face(feature: Feature) -> str:
+    return getattr(feature, "face", "")
+
+
+def _place(feature: Feature) -> tuple[float, float]:
+    match feature:
+        case Hole() | Slot() | TextMark() | Camber():
+            return feature.x, feature.y
+        case Contour():
+            boxes = [curve.bbox for curve in feature.curves]
+            return (
+                (min(b[0] for b in boxes) + max(b[2] for b in boxes)) / 2,
+                (min(b[1] for b in boxes) + max(b[3] for b in boxes)) / 2,
+            )
+        case Bend():
+            return feature.start
+        case EndPlane():
+            return feature.point[0], feature.point[1]
+
+
+def _name(feature: Feature) -> str:
+    kind = _NAMES[type(feature)]
+    if isinstance(feature, Contour):
+        kind = {"outer": "outline", "inner": "cut-out", "open": "line"}[feature.kind]
+    if isinstance(feature, TextMark):
+        kind = f"text {feature.text!r}"
+    face = f" {_face(feature)}" if _face(feature) else ""
+    return f"{kind}{face} at x {_place(feature)[0]:.1f}"
+
+
+_PLACES = ("x", "y")
+
+
+def _feature(a: Feature, b: Feature) -> list[str]:
+    """Differences of two features of one kind, wherever they are in their files."""
+    (ax, ay), (bx, by) = _place(a), _place(b)
+    changes = moved(bx - ax, by - ay, 1e-9)
+    for field in fields(a):
+        old, new = getattr(a, field.name), getattr(b, field.name)
+        if isinstance(old, Source) or field.name in _PLACES:
+            continue
+        if field.name == "curves":
+            if _chain(a, b, bx - ax, by - ay):
+                changes.append("another course")
+        elif old != new:
+            changes.append(f"{field.name.replace('_', ' ')} {shown(old)} to {shown(new)}")
+    return changes
+
+
+def _chain(a: Feature, b: Feature, dx: float, dy: float) -> bool:
+    """Whether two contours have another course, moved onto each other and begun anywhere."""
+    if not isinstance(a, Contour) or not isinstance(b, Contour):
+        return False
+    first, second = [_key(c, dx, dy) for c in a.curves], [_key(c, 0.0, 0.0) for c in b.curves]
+    if not (a.closed and b.closed):
+        return first != second
+    return all(first[i:] + first[:i] != second for i in range(max(1, len(first))))
+
+
+def _key(curve: Curve, dx: float, dy: float) -> tuple[object, ...]:
+    """A curve's kind and five points of it, to a thousandth of a millimetre."""
+    points = [curve.point(t / 4) for t in range(5)]
+    return type(curve).__name__, *(
+        (round(x + dx, 3) + 0.0, round(y + dy, 3) + 0.0) for x, y in points
+    )

@@ -1,0 +1,185 @@
+"""The axes of a cell over time, from the program that was read back and the machine's speeds.
+
+How long each move takes stands in `model.cell_motion`. Lengths are mm, angles degrees.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import hypot, isnan
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from beamcam.controllers.dialect import Dialect
+from beamcam.controllers.events import BarEvent, Lettering, Move, Pause, Place, Switch
+from beamcam.errors import MachineError, Source
+from beamcam.geometry.curves import Arc, Bezier, EllipseArc
+from beamcam.geometry.ramps import Ramp
+from beamcam.machine import rules as machine_rules
+from beamcam.machine.machine import Machine
+from beamcam.model.cell_motion import CellMotion, Leg, Positions
+from beamcam.simulation.trace import UNIFORM, State, Trace, TraceAxis, TraceBuilder
+
+
+class MotionSegment(Struct, frozen=True):
+    """A stretch of time in which axes move or something is switched."""
+
+    line: int
+    begin_s: float
+    duration_s: float
+    start: Positions
+    end: Positions
+    ramp: Ramp  #: along the way from start to end
+    state: State
+
+    def at(self, time_s: float) -> Positions:
+        """Axis positions at a time within the stretch."""
+        share = self.ramp.share(max(time_s - self.begin_s, 0.0))
+        return tuple(a + share * (b - a) for a, b in zip(self.start, self.end, strict=True))
+
+
+def stretches(
+    events: Sequence[BarEvent], dialect: Dialect, section: Mapping[str, float], machine: Machine
+) -> tuple[MotionSegment, ...]:
+    """The stretches of a program, one after another.
+
+    `section` is what the program says about the bar, by field name. Raises MachineError without
+    `[[axes]]`.
+    """
+    if not machine.axes:
+        raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
+    return tuple(_Simulation(events, dialect, section, machine).run())
+
+
+class _Simulation:
+    """The clock and the switches while a program runs."""
+
+    def __init__(
+        self,
+        events: Sequence[BarEvent],
+        dialect: Dialect,
+        section: Mapping[str, float],
+        machine: Machine,
+    ) -> None:
+        self.events, self.dialect = events, dialect
+        self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
+        self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
+        self.reload_s, self.text_s = machine.times.reload_s, machine.times.text_s
+        self.clock_s = 0.0
+        self.state = State()
+
+    def run(self) -> Iterator[MotionSegment]:
+        for event in self.events:
+            match event:
+                case Move(curve=None):
+                    deltas = (b - a for a, b in zip(event.start, event.end, strict=True))
+                    yield self._move(event, hypot(*(d for d in deltas if not isnan(d))))
+                case Move(curve=Arc() | Bezier() | EllipseArc() as curve):
+                    yield self._move(event, curve.length)
+                case Pause():
+                    yield self._stand(event.line, event.seconds)
+                case Lettering():
+                    yield self._stand(event.line, self.text_s)
+                case Switch():
+                    yield from self._switch(event)
+
+    def _move(self, event: Move[Place], way: float) -> MotionSegment:
+        feed_mm_min = None if event.rapid else event.feed_mm_min
+        to = {k: v for k, v in zip("XYZ", event.end, strict=True) if not isnan(v)}
+        return self._stretch(event.line, self.cell.move(to, way, feed_mm_min))
+
+    def _stand(self, line: int, seconds: float) -> MotionSegment:
+        here = self.cell.positions
+        return self._stretch(line, Leg(seconds, here, here))
+
+    def _stretch(self, line: int, leg: Leg) -> MotionSegment:
+        done = MotionSegment(
+            line, self.clock_s, leg.duration_s, leg.start, leg.end, leg.along, self.state
+        )
+        self.clock_s += leg.duration_s
+        return done
+
+    def _switch(self, event: Switch) -> Iterator[MotionSegment]:
+        word = self.dialect.m_words.get(event.number)
+        role = word.role if word else "other"
+        takes_s = 0.0
+        said = {}
+        if word is not None:
+            said = {field: event.words[at] for at, field in word.fields if at in event.words}
+        if word is not None and role == "choose":
+            number = int(said.get("spindle", self.dialect.only_spindle or 0))
+            kind = word.cycle.kind if word.cycle else "drill"
+            diameter = said.get("diameter", 0.0)
+            if "tool" in said:
+                known = self.dialect.numbered.get(int(said["tool"]), (kind, diameter))
+                kind, diameter = known
+            takes_s = self.cell.choose(number, kind, diameter)
+            self.state = replace(self.state, spindle=number, diameter=diameter)
+        elif role == "on":
+            takes_s = self.cell.switch(True)
+            self.state = replace(self.state, turning=1 if event.number == 3 else -1)
+        elif role == "off":
+            takes_s = self.cell.switch(False)
+            self.state = replace(self.state, turning=0)
+        elif role == "change":
+            takes_s = self.reload_s
+        elif role in ("coolant-on", "coolant-off"):
+            self.state = replace(self.state, coolant=role == "coolant-on")
+        elif role == "saw":
+            # No blade goes down at 0 or below; the read-back refuses that, a trace takes its own.
+            feed = max(said.get("feed", 0.0), 0.0) * self.per_minute or None
+            legs = self.cell.cut(said.get("angle", 0.0), said.get("tilt", 0.0), feed)
+            for leg, sawing in legs:
+                self.state = replace(self.state, sawing=sawing)
+                yield self._stretch(event.line, leg)
+            return
+        yield self._stand(event.line, takes_s)
+
+
+def bar_trace(course: Sequence[MotionSegment], machine: Machine) -> Trace:
+    """The axes of a cell over time."""
+    builder = TraceBuilder(cell_axes(machine), [axis.park for axis in machine.axes])
+    for part in course:
+        if part.duration_s == 0.0 and part.start == part.end:
+            continue
+        if part.start == part.end or not part.ramp.duration_s:
+            builder.add([part.duration_s], [part.end], UNIFORM, part.line, part.state)
+            continue
+        rows = list(ramp_intervals(part.ramp))
+        ends = [part.at(part.begin_s + until_s) for _, until_s, _, _ in rows]
+        ends[-1] = part.end
+        builder.add(
+            [until_s - from_s for from_s, until_s, _, _ in rows],
+            ends,
+            [slopes for _, _, *slopes in rows],
+            part.line,
+            part.state,
+        )
+    return builder.trace()
+
+
+def cell_axes(machine: Machine) -> tuple[TraceAxis, ...]:
+    """The axes of a cell, in the order of the controller's registers."""
+    return tuple(
+        TraceAxis(a.name, "deg" if a.moves == "angle" else "mm", a.min, a.max) for a in machine.axes
+    )
+
+
+def ramp_intervals(ramp: Ramp) -> Iterator[tuple[float, float, float, float]]:
+    """Begin, end and slopes of each phase of constant jerk that takes time."""
+    jerk_s, steady_s = ramp.jerk_s, ramp.steady_s
+    gained = ramp.acceleration * jerk_s / 2
+    rise = [(jerk_s, gained), (steady_s, gained + ramp.acceleration * steady_s),
+            (jerk_s, ramp.speed)]  # fmt: skip
+    speeds = [0.0, *(speed for _, speed in rise)]
+    lasts = [seconds for seconds, _ in rise]
+    begin, before = 0.0, 0.0
+    for seconds, speed in zip(
+        (*lasts, ramp.cruise_s, *reversed(lasts)), (*speeds[1:], ramp.speed, *speeds[2::-1]),
+        strict=True,
+    ):  # fmt: skip
+        if seconds > 0.0:
+            way = ramp.share(begin + seconds) - ramp.share(begin)
+            scale = seconds / way if way > 0.0 else 0.0
+            yield begin, begin + seconds, before * scale, speed * scale
+            begin += seconds
+        before = speed
