@@ -61,11 +61,11 @@ def as_html(
     """
     totals, whole = _totals(read())
     found = extras or {}
-    pieces = template("report", "run").stream(
+    pieces = template("reports", "run").stream(
         counts={"": str(counts)} | {status: getattr(counts, status) for status in STATUSES},
         statuses=STATUSES, said=said, totals=totals, whole=whole, columns=COLUMNS,
         rows=_refused_first(read), style=as_it_stands(style),
-        static=lambda name: static_text("report", name), message=message_line, ledger=ledger_line,
+        static=lambda name: static_text("reports", name), message=message_line, ledger=ledger_line,
         file=_broken, machine_time_s=_machine_time_s, quote=quote,
         extras=lambda output: found.get(output, Extra()),
         picture=lambda extra: as_it_stands(extra.picture),

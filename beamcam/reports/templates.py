@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def template(room: str, name: str) -> "Template":
-    """A page of a room ("report", "setup_sheet") by its name."""
+    """A page of a room ("reports", "setup_sheet") by its name."""
     return _environment(room).get_template(f"{name}.html")
 
 

@@ -12,7 +12,7 @@ from beamcam.readers.drawing.newton import fit_newton
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.curves import scaled
 from beamcam.readers.dxf.layers import Layers, Look
-from beamcam.readers.dxf.load import contradictions, find_unit, load, looks_like
+from beamcam.readers.dxf.load import contradictions, find_unit, load_document, looks_like
 from beamcam.readers.dxf.walk import Collected, Walk
 
 __all__ = ["RULES", "looks_like", "read"]
@@ -44,7 +44,7 @@ def read(
     if unit is None:
         return Reading("dxf", (), said)
     try:
-        loaded = load(data, source)
+        loaded = load_document(data, source)
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
     chosen = Layers(loaded.document, _folded(layers) or None)

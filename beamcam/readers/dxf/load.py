@@ -119,7 +119,7 @@ def is_binary(data: bytes) -> bool:
     return data.startswith(BINARY_MARK)
 
 
-def load(data: bytes, source: Source) -> Loaded:
+def load_document(data: bytes, source: Source) -> Loaded:
     """The document in `data`. Raises ReadError where there is none, or only the start of one."""
     if _DWG.match(data):
         raise ReadError(rules.DWG.at(source, found=data[:6].decode("ascii")))
