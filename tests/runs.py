@@ -84,9 +84,13 @@ def processor_s(pid: int) -> float:
 
 
 def children(pid: int) -> list[int]:
-    """The processes that one has started."""
-    text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
-    return [int(word) for word in text.split()]
+    """The processes that one has started, and those that they have."""
+    try:
+        text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
+    except FileNotFoundError:  # it has ended
+        return []
+    own = [int(word) for word in text.split()]
+    return [*own, *(below for one in own for below in children(one))]
 
 
 def lives(pid: int) -> bool:

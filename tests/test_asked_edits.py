@@ -17,7 +17,7 @@ from tests.conftest import ROOT, sampled
 
 SAMPLES = ROOT / "samples"
 LAYOUT, JOBS = "planning/contours/layout.py", "planning/jobs.py"
-ROWS, HATCH = "planning/jobs.py", "model/hatch.py"
+ROWS, HATCH = "planning/sheet_rows.py", "model/hatch.py"
 ANGLE = """0
 SECTION
 2

@@ -70,7 +70,7 @@ def test_no_text_names_an_option_that_does_not_exist() -> None:
         for line, text in said_in(path)
         if (flags := unknown(text))
     }
-    assert len(paths) > 500
+    assert len(paths) > 400
     assert found == {}
 
 

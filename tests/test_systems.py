@@ -100,7 +100,7 @@ def test_each_output_reaches_the_disk_where_not_all_can_at_once(
     assert synced == []
     monkeypatch.delattr(os, "sync")
     monkeypatch.setattr(
-        sys.modules["beamcam.batch.names"], "write_new", lambda *_: False
+        sys.modules["beamcam.batch.outputs"], "write_new", lambda *_: False
     )  # no files without a name
     batch(tmp_path / "in", "-o", tmp_path / "b", "--jobs", 1)
     assert len(synced) == 3

@@ -209,7 +209,7 @@ def _legend(y: float) -> Iterator[Shape]:
 
 
 DRAWN_SAMPLES = 400  #: of a curve; the phases' ends come on top
-WIDTH, PANEL, GAP, LEFT, RIGHT, TOP = 900.0, 170.0, 34.0, 86.0, 24.0, 56.0
+ACROSS, PANEL, BETWEEN, LEFT, RIGHT, TOP = 900.0, 170.0, 34.0, 86.0, 24.0, 56.0
 BOTTOM = 52.0
 
 
@@ -222,12 +222,12 @@ def profile_scene(profile: VelocityProfile, unit: VelocityUnit) -> Scene:
         zip(("position", "velocity", "acceleration"), unit.labels(),
             (x / unit.seconds, v, a), strict=True)
     ):  # fmt: skip
-        shapes += _panel(style, label, t, values, TOP + k * (PANEL + GAP), k == 2)
-    height = TOP + 3 * PANEL + 2 * GAP + BOTTOM
-    at = ((LEFT + WIDTH - RIGHT) / 2, height - 12.0)
+        shapes += _panel(style, label, t, values, TOP + k * (PANEL + BETWEEN), k == 2)
+    height = TOP + 3 * PANEL + 2 * BETWEEN + BOTTOM
+    at = ((LEFT + ACROSS - RIGHT) / 2, height - 12.0)
     shapes.append(Text("label", at, "time, s", 11.0, "middle"))
     about = f"velocity profile of {profile.duration_s:g} s"
-    return Scene("velocity profile", about, WIDTH, height, tuple(shapes))
+    return Scene("velocity profile", about, ACROSS, height, tuple(shapes))
 
 
 def sample_times(profile: VelocityProfile) -> Floats:
@@ -254,7 +254,7 @@ def _panel(
     low, high = min(0.0, float(values.min())), max(0.0, float(values.max()))
     room = (high - low) or 1.0
     end = float(t[-1]) or 1.0
-    wide = WIDTH - LEFT - RIGHT
+    wide = ACROSS - LEFT - RIGHT
 
     def at(time: float, value: float) -> tuple[float, float]:
         return LEFT + time / end * wide, top + PANEL * (1.0 - (value - low) / room)
@@ -271,7 +271,7 @@ def _panel(
         if is_last:
             yield Text("figure tick-label", (x, top + PANEL + 16.0), number(time), 10.0, "middle")
     yield Polyline("axis", (at(0.0, 0.0), at(end, 0.0)))
-    box = ((LEFT, top), (WIDTH - RIGHT, top), (WIDTH - RIGHT, top + PANEL), (LEFT, top + PANEL))
+    box = ((LEFT, top), (ACROSS - RIGHT, top), (ACROSS - RIGHT, top + PANEL), (LEFT, top + PANEL))
     yield Polyline("axis frame", box, True)
     points = tuple([at(a, b) for a, b in zip(t.tolist(), values.tolist(), strict=True)])
     yield Polyline(f"{style} curve", points, tip=label)

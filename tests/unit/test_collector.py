@@ -27,7 +27,7 @@ def test_only_the_command_line_and_its_workers_tune_it() -> None:
         for path in sorted(PACKAGE.rglob("*.py"))
         if re.search(r"import gc\b|collector_seldom", path.read_text(encoding="utf-8"))
     ]
-    assert tuning == ["batch/pool.py", "cli.py", "processes.py"]
+    assert tuning == ["batch/pool.py", "cli.py", "system.py"]
 
 
 def test_a_command_looks_for_rings_seldom_and_not_at_its_end() -> None:

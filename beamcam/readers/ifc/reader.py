@@ -61,7 +61,7 @@ def shares(
     """
     size = 1 if each_by_itself or not workers else SHARE
     todo = deque(range(i, min(i + size, count)) for i in range(0, count, size))
-    most_s = (size + 1) * limits().member_s  # the kernel does not look at the clock
+    most_s = (size + 4) * limits().member_s  # the kernel does not look at the clock
     pool = Pool[range, T](share, max(min(workers, len(todo)), 1), begin, most_s)
     if not workers:
         yield from _here(share, died, todo, pool)
