@@ -83,8 +83,8 @@ KERNEL_LOG = error("ifc-kernel-log",
 KERNEL_DIED = error("ifc-kernel-died",
     "found a process dead that worked on this member alone; expected a solid by the geometry "
     "kernel, leave the member out by --mark or --guid of the others",
-    "The kernel has crashed, was at it for five times `limits.member_s` of the processor, or the system "
-    "ended it for want of memory.")
+    "The kernel has crashed, was at it for five times `limits.member_s` of the processor, or the "
+    "system ended it for want of memory.")
 KERNEL_DENIED = warning("ifc-kernel-denied",
     "found {found} by the geometry kernel; expected what was read, which {witness} confirms",
     "The kernel fails on some solids without saying so; the file's own data decides.")
