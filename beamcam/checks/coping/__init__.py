@@ -10,10 +10,12 @@ from collections.abc import Collection, Sequence
 
 from beamcam.checks.asked import by_hand, left_out, left_to_hand
 from beamcam.controllers import cell_events
+from beamcam.controllers.events import BarEvent
 from beamcam.controllers.rotary import in_degrees
 from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import is_row_for, material_said
+from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
 
 
@@ -30,12 +32,7 @@ def verify_coping(
     part only its blocks are read. Raises TypeError for a machine without a coper.
     """
     from beamcam.checks.coping import rules
-    from beamcam.checks.coping.asked import is_outline_of, walls_asked
-    from beamcam.checks.coping.collisions import strike_faults
-    from beamcam.checks.coping.compare import compare
-    from beamcam.checks.coping.section import Section, lying
-    from beamcam.checks.coping.stock import stock_of
-    from beamcam.checks.coping.strokes import ProfileTorch
+    from beamcam.checks.coping.section import lying
     from beamcam.checks.coping.tube import tube_faults, tube_section, unrolled_pipe
     from beamcam.checks.coping.wanted import may_be_left
 
@@ -67,32 +64,39 @@ def verify_coping(
     if coper.turns == "bar":
         events = in_degrees(events, coper, part.profile.height)
         said += tube_faults(events, part, machine, coper, rows, left, name)
-        if errors_in(said):
-            return tuple(said)
-        return (*said, *left_to_hand(part, machine), *left_out(part, left))
+    else:
+        said += _profile_faults(events, part, machine, coper, rows, left, name)
+    if errors_in(said):
+        return tuple(said)
+    return (*said, *left_to_hand(part, machine), *left_out(part, left))
+
+
+def _profile_faults(
+    events: Sequence[BarEvent], part: Part, machine: Machine, coper: Coper,
+    rows: Sequence[TorchRow], left: Collection[int], name: str,
+) -> list[Diagnostic]:  # fmt: skip
+    """What is wrong with a torch that goes round a profile, and what it leaves for manual work."""
+    from beamcam.checks.coping.asked import is_outline_of, walls_asked
+    from beamcam.checks.coping.collisions import strike_faults
+    from beamcam.checks.coping.compare import compare
+    from beamcam.checks.coping.section import Section
+    from beamcam.checks.coping.stock import stock_of
+    from beamcam.checks.coping.strokes import ProfileTorch
+
     section = Section(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)
-    said = [*said, *torch.said, *strike_faults(torch.ways, section, coper, name)]
+    said = [*torch.said, *strike_faults(torch.ways, section, coper, name)]
     if errors_in(said):
-        return tuple(said)
+        return said
     stock = stock_of(part, section, coper)
     asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
-    step = machine.format.resolution
     said += compare(
-        torch.strokes,
-        asked.wanted,
-        asked.ends,
-        asked.passes,
-        stock,
-        section,
-        coper,
-        rows,
-        step,
-        name,
-    )
+        torch.strokes, asked.wanted, asked.ends, asked.passes, stock, section, coper, rows,
+        machine.format.resolution, name,
+    )  # fmt: skip
     hand = (
         by_hand(f, part, machine) for k, f in enumerate(part.features)
         if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))
     )  # fmt: skip
-    return (*said, *left_to_hand(part, machine), *hand, *left_out(part, left))
+    return [*said, *hand]
