@@ -142,10 +142,11 @@ def on_other_face(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 
 def too_short(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A cut that ends too early."""
+    """A cut that ends too early; where a second pass goes along it, that may take what it left."""
+    again = {(cut.face, cut.kind) for cut in plan.operations if cut.b_deg}
     return _changed(
         plan, chance, lambda cut: replace(cut, path=_shortened(cut.path, 9.0)),
-        lambda cut: len(cut.path) > 2,
+        lambda cut: len(cut.path) > 2 and (bool(cut.b_deg) or (cut.face, cut.kind) not in again),
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
-from beamcam.solid.kernel import Frame, minus, outline, walls
+from beamcam.solid.kernel import Frame, kernel, minus, outline, walls
 from beamcam.solid.part_solid import part_solid, voids
 from beamcam.solid.rules import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
 from beamcam.solid.stock_solid import Margins, stock_solid
@@ -194,13 +194,16 @@ def without_left_out(
     narrow = _by_feature(bodies.part, bodies.narrow)
     told: list[Diagnostic] = []
     extra = fit.extra
+    x0, y0, z0, x1, y1, z1 = fit.laid.bounding_box()
+    within = kernel().Manifold.cube((x1 - x0, y1 - y0, z1 - z0)).translate((x0, y0, z0))
+    stock = stock_solid(bodies.part) ^ within  # a sound end may be off by the width of a hair
     for at, (feature, taken) in wide.items():
         if type(feature) not in allowed or not any(
             (one ^ taken).volume() >= NOISE for one in extra
         ):
             continue
         others = [body for other, (_, body) in wide.items() if other != at]
-        own = minus(narrow[at][1] ^ stock_solid(bodies.part), others)
+        own = minus(narrow[at][1] ^ stock, others)
         partly = (own - fit.laid).volume() > UNTOUCHED * own.volume() + NOISE
         if partly and not (_is_sink(feature) and "sink-depth" in skips):
             continue

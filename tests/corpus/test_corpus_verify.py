@@ -58,9 +58,7 @@ def test_solids_of_real_parts_agree_with_programs_of_copers() -> None:
             made.append(path.name)
             said = solid_faults(posted.text, Request((parts[0],), machine, SKIP_NAMES))
             codes = {one.code for one in errors_in(said)}
-            # A rectangular tube that turns has no solid, and is told so.
-            is_box = parts[0].profile.code == "M"
-            assert codes == ({"solid-none"} if is_box else set()), path.name
+            assert codes == set(), path.name
     assert "0008-SE0008.nc1" in made
 
 
