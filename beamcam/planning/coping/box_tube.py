@@ -74,6 +74,8 @@ class _Face(Struct, frozen=True):
         """x where lines of the face are, at a distance from one of its edges; along the part."""
         from shapely import LineString
 
+        if self.shape.is_empty:
+            return np.array([])
         off = min(max(off, EDGE), self.size - EDGE)
         y = self.size - off if from_high else off
         x0, _, x1, _ = self.shape.bounds
@@ -330,6 +332,8 @@ def _ending(one: _Face, high: bool, r: float) -> tuple[_Face, list[tuple[Shape, 
     """
     from shapely import box, union_all
 
+    if one.shape.is_empty:  # nothing of it stays
+        return one, []
     x0, _, x1, _ = one.shape.bounds
     low, top = (one.size - r, one.size) if high else (0.0, r)
     within = box(x0 - 1.0, low, x1 + 1.0, top).difference(one.shape)

@@ -472,3 +472,16 @@ def test_contours_of_the_sample_are_all_accounted_for() -> None:
     assert [o.how for o in plan.outcomes] == ["made"] * len(part.features)
     assert sum(isinstance(f, Contour) for f in part.features) == 7
     assert [cut.kind for cut in plan.operations] == ["inner"] * 5 + ["near", "far"]
+
+
+def test_a_face_of_which_nothing_stays_is_refused(tmp_path: Path) -> None:
+    """A contour whose row lacks its line is a line, with no area."""
+    text = (SAMPLES / "coping" / "leg.nc1").read_text()
+    rows = ("        600.00        0.00        0.00\n        600.00       80.00        0.00\n"
+            "          0.00       80.00        0.00\n")  # fmt: skip
+    assert text.count(rows) == 1
+    path = tmp_path / "leg.nc1"
+    path.write_text(text.replace(rows, "        600.00        0 0.00       80.00        0.00\n"))
+    with pytest.raises(PlanError) as caught:
+        planned(read_file(str(path)).parts[0])
+    assert "plan-coping-corner" in {one.code for one in caught.value.diagnostics}
