@@ -4,8 +4,10 @@ Told from part and machine alone: a feature may be missing from a program only i
 under a name that the user gave.
 """
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, radians, sin
+from operator import attrgetter
 
 from beamcam.checks.bars.cuts import ends_of
 from beamcam.checks.bars.holes import REACHES
@@ -83,15 +85,20 @@ def _stations(part: Part, machine: Machine) -> Mapping[str, Station]:
 
 def repeats(left: Collection[int], part: Part, shop: ToolCatalogue) -> Iterator[int]:
     """The holes that are the same as one that is left out, written again."""
-    for f in left:
-        first = part.features[f]
-        if isinstance(first, Hole):
-            made = from_behind(first, part, shop)
-            for g, other in enumerate(part.features):
-                if isinstance(other, Hole):
-                    again = from_behind(other, part, shop)
-                    if again.face == made.face and is_same(again, made, shop.twice):
-                        yield g
+    holes = [(f, hole) for f, hole in enumerate(part.features) if isinstance(hole, Hole)]
+    gone = [from_behind(hole, part, shop) for f, hole in holes if f in left]
+    gone.sort(key=attrgetter("x"))
+    along = [hole.x for hole in gone]
+    for f, hole in holes:
+        if f not in left:
+            again = from_behind(hole, part, shop)
+            first = bisect_left(along, again.x - shop.twice)
+            last = bisect_right(along, again.x + shop.twice)
+            if any(
+                again.face == one.face and is_same(again, one, shop.twice)
+                for one in gone[first:last]
+            ):
+                yield f
 
 
 def _sinks(left: Collection[int], part: Part, shop: ToolCatalogue) -> Iterator[int]:

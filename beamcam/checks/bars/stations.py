@@ -6,9 +6,9 @@ the stroke in the depth of the hole. Both are straight lines, so two values of e
     across = across_0 + across_per_y * y          y = (across - across_0) / across_per_y
     bottom = surface + way * (depth + tip)        the tip's depth = way * (stroke - surface)
 
-A face may lie askew to the stroke, such as the inside of a tapered flange: then its surface is a
-straight line in y as well. Where the stroke does not follow the depth the face lies `face_depth`
-behind 0, the outermost material on the spindle's side.
+A face may lie at an angle to the stroke, such as the inside of a tapered flange: then its surface
+is a straight line in y as well. Where the stroke does not follow the depth the face lies
+`face_depth` behind 0, the outermost material on the spindle's side.
 """
 
 from collections.abc import Sequence

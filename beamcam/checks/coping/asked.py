@@ -58,8 +58,8 @@ def ledges_of(
             x0, _, x1, _ = gap.bounds
             is_first, is_last = abs(x0 - first) < 0.1, abs(x1 - last) < 0.1
             at_end = (is_first and not skew[0]) != (is_last and not skew[1])
-            amid = section.high - section.flange / 2 if face == "o" else section.flange / 2
-            own = LineString([(x0, amid), (x1, amid)]).difference(web)
+            middle = section.high - section.flange / 2 if face == "o" else section.flange / 2
+            own = LineString([(x0, middle), (x1, middle)]).difference(web)
             # A web that is not drawn in the flange's own thickness has no flange there.
             if x1 - x0 <= SHORT or not at_end or own.length > SHORT:
                 continue
@@ -127,21 +127,8 @@ def walls_asked(
         off |= _with_ledges(wanted, section, rows, near, strokes, skew)
     widest = max((row.kerf for row in rows), default=0.0)
     for end, is_tilted_to in zip(ends, tilted, strict=True):
-        if end is None or is_tilted_to:
-            continue
-        depths = {face: _depth(face, end, section, strokes) for face in faces[1:]}
-        squares = {depth for _, depth in wanted}
-        for inner in (False, True):
-            some = {face: (face, section.thickness(face) if inner else 0.0) for face in faces}
-            if inner and len(squares) == 1:
-                continue
-            shapes = {face: wanted[key].drawn for face, key in some.items()}
-            more, by_face, steps = as_square(end, shapes, section, depths)
-            for face, key in some.items():
-                one = wanted[key]
-                cut = one.cut.union(more[face])
-                most = with_round_corners(one.most.union(cut), steps[face], widest / 2)
-                wanted[key] = Wanted(more[face], cut, one.short, most)
+        if end is not None and not is_tilted_to:
+            by_face = _with_square_end(wanted, end, section, strokes, widest)
             off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
     passes = [] if any(ends) else passes_of(part, section, coper, strokes)
     for face in {one.stroke.face for one in passes}:
@@ -159,6 +146,28 @@ def walls_asked(
         {face: mm for face, mm in off.items() if mm >= LEAST_OFF},
         passes,
     )  # fmt: skip
+
+
+def _with_square_end(
+    wanted: dict[tuple[str, float], Wanted], end: SkewEnd, section: Section,
+    strokes: Sequence[Stroke], widest: float,
+) -> dict[str, float]:  # fmt: skip
+    """Puts what stays at a skew end that is cut square into `wanted`, on all surfaces that it has;
+    gives the mm that are too much, by face. `widest` is the widest kerf."""
+    faces, off = section.faces, dict[str, float]()
+    depths = {face: _depth(face, end, section, strokes) for face in faces[1:]}
+    has_inner = any(depth for _, depth in wanted)
+    for inner in (False, True) if has_inner else (False,):
+        some = {face: (face, section.thickness(face) if inner else 0.0) for face in faces}
+        shapes = {face: wanted[key].drawn for face, key in some.items()}
+        more, by_face, steps = as_square(end, shapes, section, depths)
+        for face, key in some.items():
+            one = wanted[key]
+            cut = one.cut.union(more[face])
+            most = with_round_corners(one.most.union(cut), steps[face], widest / 2)
+            wanted[key] = Wanted(more[face], cut, one.short, most)
+        off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
+    return off
 
 
 def _with_ledges(

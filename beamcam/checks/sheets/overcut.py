@@ -338,7 +338,7 @@ def _on_another(work: Work, place: Floats, way: int, at: float) -> bool:
 
 
 def _directions(need: Toolpaths, places: Floats, reach: float, gap: float) -> list[int]:
-    """In how many directions contours go on from where they end at each place; 2 amid one.
+    """In how many directions contours go on from where they end at each place; 2 within one.
 
     A path may miss its end by `reach`. Ends farther apart than `gap` do not belong together,
     though both are within reach of the path's.

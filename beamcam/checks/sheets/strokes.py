@@ -333,9 +333,9 @@ class _Head:
         last = int(own[-1])
         before = sum(seconds for moved, seconds in one.pauses if moved <= row)
         behind = sum(seconds for moved, seconds in one.pauses if moved > last)
-        amid = sum(seconds for moved, seconds in one.pauses if row < moved <= last)
+        on_the_way = sum(seconds for moved, seconds in one.pauses if row < moved <= last)
         for k, pause, asked, what in (
-            (row, before, words.pierce_s, " to pierce"), (last, amid, 0.0, " in mid contour"),
+            (row, before, words.pierce_s, " to pierce"), (last, on_the_way, 0.0, " in mid contour"),
             (last, behind, words.stop_s, " before the tool is off"),
         ):  # fmt: skip
             if abs(pause - asked) > PAUSE_SLACK_S:

@@ -177,12 +177,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
     needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
-    rule = rules.BAR if part.made is None else rules.PIECE
-    said.append(rule.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
-    if part.quantity > 1:
-        said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
-    if given.profile.code == "T":
-        said.append(rules.TEE.at(part.source))
+    said += _told_of(part, given, needed, coper)
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
         if o.how == "made" else o
@@ -198,6 +193,16 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")
     return plan
+
+
+def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:
+    """What is to be known of the bar that a profile is cut from, `needed` mm long, or its piece."""
+    rule = rules.BAR if part.made is None else rules.PIECE
+    yield rule.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}")
+    if part.quantity > 1:
+        yield bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1)
+    if given.profile.code == "T":
+        yield rules.TEE.at(part.source)
 
 
 def _with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:

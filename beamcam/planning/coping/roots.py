@@ -188,8 +188,8 @@ def _ledge(
         return
     # An outline of the web without the flange's own thickness means that the flange goes too.
     least, _, most, _ = gap.bounds
-    amid = root.inner / 2 if low else (root.inner + wide) / 2
-    if LineString([(least, amid), (most, amid)]).difference(web.shape).length > OUTLINE_NOISE:
+    middle = root.inner / 2 if low else (root.inner + wide) / 2
+    if LineString([(least, middle), (most, middle)]).difference(web.shape).length > OUTLINE_NOISE:
         return
     edges = (0.0, top) if low else (top, wide)
     strip = box(inwards[0], edges[0], inwards[1], edges[1]).difference(web.shape)

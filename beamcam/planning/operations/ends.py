@@ -213,7 +213,7 @@ def web_borders(profile: Profile, face: str) -> tuple[float, float]:
 
 
 def _vertices(contour: Contour) -> Iterator[Point]:
-    """Starts of the curves, and a point amid every curve that is not straight."""
+    """Starts of the curves, and a point within every curve that is not straight."""
     for curve in contour.curves:
         yield curve.start
         if not isinstance(curve, Line):

@@ -209,7 +209,7 @@ _FACETED = frozenset((
 ))  # fmt: skip
 FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
 UPRIGHT = (0.0, 0.0, 1.0)
-ASKEW = 2e-3  #: tangent of the angle by which a hole may be pushed off square
+OFF_SQUARE = 2e-3  #: tangent of the angle by which a hole may be pushed off square
 
 
 def is_faceted(model: Model, item: Entity) -> bool:
@@ -275,9 +275,9 @@ def _extrusion(model: Model, item: Entity, frame: Frame, where: str | None) -> P
     hole = model.once("cut-out", definition(profile), hole_of, outline)
     o, axes, even = _standing(model, frame, place)
     along = pushed(model, axes, way, depth)
-    upright = way is None or hypot(way[0], way[1]) <= ASKEW * abs(way[2])
+    upright = way is None or hypot(way[0], way[1]) <= OFF_SQUARE * abs(way[2])
     if not (even and upright):
-        hole = None  # a circle that is pushed askew or stretched is not a circle across its length
+        hole = None  # pushed off square or stretched it is no circle across its length
     return Prism(Frame(o, axes.x, axes.y, along), outline, where, hole)
 
 

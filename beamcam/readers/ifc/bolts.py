@@ -120,7 +120,7 @@ def drill_bolt_holes(
 ) -> tuple[list[Part], list[Diagnostic]]:
     """The parts in order, those without holes drilled where bolts go through, and remarks.
 
-    A member with a bolt askew is not among them, unless it is forced.
+    A member with a bolt off square is not among them, unless it is forced.
     """
     bolts, without = bolts_of(model)
     parts: list[Part] = []

@@ -216,8 +216,8 @@ def _wall_features(
             joint = joint.union(between)
             skew, explained = True, False
     hollows = [_filled(s).difference(s) for s in (low, high)]
-    askew = float(hollows[0].symmetric_difference(hollows[1]).area)
-    if askew > UNEXPLAINED * max(1.0, float(hollows[0].length) / 2):
+    differ = float(hollows[0].symmetric_difference(hollows[1]).area)
+    if differ > UNEXPLAINED * max(1.0, float(hollows[0].length) / 2):
         raise Unreadable(f"an opening that is not square to face {wall.face}")
     pieces = pieces_of(cleaned(joint))
     if not pieces:

@@ -148,9 +148,9 @@ def _read(
         shapes = [(elements[place], part, shaped) for place, part, shaped in taken.members]
         parts, said = drill_bolt_holes(model, shapes, options, name)
         taken.said += said
-        askew = len(shapes) - len(parts)
-        taken.ledger.read -= askew
-        taken.ledger.refused += askew
+        skew = len(shapes) - len(parts)
+        taken.ledger.read -= skew
+        taken.ledger.refused += skew
     others = _others(model, {element.is_a() for element in elements})
     said = [*taken.said, *_account(taken, len(elements), selection, name, others)]
     if options.letter:

@@ -44,11 +44,15 @@ WHOLE = 0.05  #: mm that a section may be less than its shell
 SAME_AREA = 1.0005  #: times the area of a section that another has to have to be a fuller one
 SAME_SIZE = 3  #: decimals of mm2 in which sections are alike where facets run along the member
 WHOLE_END = 0.95  #: share of the largest section that an end shows, at least
-ASKEW = 1.5  #: times the angle of an end's chord that a facet may span which runs askew
+SLANTED = 1.5  #: times the angle of an end's chord that a facet may span which runs slantwise
 SKIN = 0.99  #: share of the greatest distance from an axis, from which on corners are outside
 ON_ARC = 0.01  #: mm between a rounding and the corners on it
 NEARLY_PLANE = 1 - 1e-8  #: cosine between the facets of one plane
 SAME = 1e-9  #: mm between the lines of one section at two stations, from rounding
+
+
+Rough = tuple[float, Any]  #: mm between arcs and facets, and the region in which facets lie
+Best = tuple[float, Section, Chain, Any, Any]
 
 
 class Rolled(Struct, frozen=True):
@@ -60,7 +64,7 @@ class Rolled(Struct, frozen=True):
     x1: float
     outline: tuple[Point, ...]  #: (Y, Z) of the section's border
     stock: BareStock
-    rise: float = 0.0  #: mm between its roundings and facets that run askew
+    rise: float = 0.0  #: mm between its roundings and facets that run slantwise
 
 
 def other_axes(shell: Shell, along: Vec) -> list[Vec]:
@@ -73,8 +77,6 @@ def other_axes(shell: Shell, along: Vec) -> list[Vec]:
 
 def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
     """The section of a shell along an axis; None if no station shows a rolled form."""
-    from shapely import transform
-
     u = reference(shell, axis)
     v = cross(axis, u)
     low, high = extent(shell, axis)
@@ -112,8 +114,8 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         if best is None or told.area > best[0] * SAME_AREA:
             exact = polygon_of(outer, inner, Circles()) if circles else pieces[0]
             best = (told.area, told, outer, exact, pieces[0])
-    askew = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
-    if askew and not shell.cylinders:
+    slanted = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
+    if slanted and not shell.cylinders:
         for side in (-1, 1):
             skinned = _end_section(shell, axis, side, u, v, max(sizes))
             if skinned is not None:
@@ -122,8 +124,13 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
     if best is None and special is not None:
         alike = sum(area * SAME_AREA >= special[0] for area in areas)
         best = special if alike > len(STATIONS) // 2 else None
-    if best is None:
-        return None
+    return None if best is None else _as_rolled(shell, best, rough, u, v)
+
+
+def _as_rolled(shell: Shell, best: Best, rough: Rough | None, u: Vec, v: Vec) -> Rolled:
+    """The stock of the best section that stations along a shell show, in axes u and v."""
+    from shapely import transform
+
     found = best[1]
     o = add(scale(u, found.origin[0]), scale(v, found.origin[1]))
     y = add(scale(u, found.y[0]), scale(v, found.y[1]))
@@ -171,14 +178,10 @@ def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
     return found if again is None else replace(again, area=float(piece.area))
 
 
-Rough = tuple[float, Any]  #: mm between arcs and facets, and the region in which facets lie
-Best = tuple[float, Section, Chain, Any, Any]
-
-
 def _end_section(
     shell: Shell, axis: Vec, side: int, u: Vec, v: Vec, widest: float
 ) -> tuple[Best, Rough] | None:
-    """The section of a mesh whose facets run askew from a mitred end to the other one.
+    """The section of a mesh whose facets run slantwise from a mitred end to the other one.
 
     No two of its stations are alike, and no corner of theirs lies on a rounding. Those of an end
     do, if it is one plane; along the axis the end is the section.
@@ -203,7 +206,7 @@ def _end_section(
     for arc in (c for chain in (outer, *inner) for c in chain if isinstance(c, Arc)):
         off = np.abs(np.hypot(*(chords - arc.centre).transpose(2, 0, 1)) - arc.radius).max(axis=1)
         longest = np.hypot(*(chords[:, 1] - chords[:, 0])[off < ON_ARC].T).max(initial=0.0)
-        half = ASKEW * asin(min(1.0, longest / (2 * arc.radius)))
+        half = SLANTED * asin(min(1.0, longest / (2 * arc.radius)))
         rise = min(arc.radius, arc.radius * (1.0 - cos(half)) + ON_ARC)
         most = max(most, rise)
         count = ceil(abs(arc.sweep_deg))
@@ -220,7 +223,7 @@ def _end_section(
 def round_axis(shell: Shell, along: Vec) -> Vec | None:
     """The axis of a round bar or tube near a direction, through the corners of its skin; or None.
 
-    Where facets run askew, as only triangles do, no edge shows it: by least squares (Gauss and
+    Where facets run slantwise, as only triangles do, no edge shows it: by least squares (Gauss and
     Newton), in six steps.
     """
     if len(shell.points) != 3 * shell.count:

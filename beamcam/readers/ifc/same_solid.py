@@ -156,7 +156,7 @@ def differences(
     )
     expected = float(drawn.volume()) * stock.area / float(stock.shape.area)
     if part.profile.code == "C" or stock.rough is not None:
-        expected = theirs  # cuts of lips are not known, nor what facets askew take
+        expected = theirs  # cuts of lips are not known, nor what slanted facets take
     return Differences(rest, fillets, leaning, theirs, expected)
 
 

@@ -117,7 +117,7 @@ class BareStock(Struct, frozen=True, eq=False):
 
     shape: Any  #: in (Y, Z), with the facets of the body
     area: float  #: mm2, of the section that its facets stand for
-    rough: Any = None  #: where facets that run askew lie somewhere between arcs and chords
+    rough: Any = None  #: where facets that run slantwise lie somewhere between arcs and chords
 
 
 def plain_stock(section: Section) -> BareStock:

@@ -5,10 +5,13 @@ from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 from beamcam.checks.bars import skippable
+from beamcam.checks.bars.ability import repeats
+from beamcam.checks.bars.targets import is_same
+from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import PlanError, Source
 from beamcam.geometry.curves import Line
 from beamcam.machine import load
-from beamcam.machine.machine import Machine
+from beamcam.machine.machine import Machine, drill_of
 from beamcam.model.part import Contour, EndCuts, Face, Hole, Part, Profile, Slot
 from beamcam.pipeline import post
 from beamcam.planning.beam import plan_bar
@@ -101,3 +104,19 @@ def test_the_outline_of_a_tube_lies_on_the_wall_of_its_face() -> None:
     part = Part("T", tube, 1000.0, SOURCE, features=(outline,), cuts=cuts)
     posted = post([part], load("beamline-pusher"), skips=("cope",))
     assert [o.by for o in posted.plan.outcomes] == ["plan-cope"]
+
+
+@given(st.data())
+def test_holes_written_again_are_left_out_with_the_first(data: st.DataObject) -> None:
+    """Each with each, which takes too long for thousands."""
+    place = st.sampled_from((100.0, 100.005, 100.02, 140.0))
+    one = st.builds(hole, place, place, st.sampled_from((18.0, 22.0)))
+    holes = data.draw(st.lists(one, min_size=1, max_size=8))
+    left = data.draw(st.sets(st.integers(0, len(holes) - 1)))
+    machine = MACHINES[0]
+    shop = ToolCatalogue(machine, drill_of(machine))
+    made = part(*holes)
+    again = {
+        g for g in range(len(holes)) for f in left if is_same(holes[g], holes[f], shop.twice)
+    }  # fmt: skip
+    assert {*repeats(left, made, shop)} | left == again | left
