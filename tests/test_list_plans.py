@@ -3,11 +3,14 @@
 import csv
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import openpyxl
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam import api
@@ -24,7 +27,8 @@ from beamcam.planning.jobs import numbered
 from beamcam.reports.part_list import Weights, weights_of
 from beamcam.solid.kernel import outline
 from beamcam.solid.part_solid import part_solid
-from tests.conftest import CORPUS
+from tests.conftest import CORPUS, examples
+from tests.random_copes import random_cope, random_mitre, random_tee
 from tests.runs import part as part_text
 from tests.test_lists import BEAM, SAMPLES, lists, run
 
@@ -119,6 +123,16 @@ def test_every_weight_is_the_solids(folder: Path) -> None:
             assert finished == pytest.approx(volume * 7850e-9, rel=0.01), path
             seen += 1
     assert seen >= 10
+
+
+@given(st.integers(0, 3000), st.sampled_from([random_cope, random_mitre, random_tee]))
+@settings(max_examples=examples(20), deadline=None)
+def test_holes_beside_cuts_weigh_what_the_solid_says(
+    seed: int, random_part: Callable[[int], Part]
+) -> None:
+    part = random_part(seed)
+    finished = weights_of(part).finished
+    assert finished == pytest.approx(part_solid(part).volume() * 7850e-9, rel=0.001)
 
 
 def test_an_outline_on_both_faces_weighs_once(tmp_path: Path) -> None:

@@ -1,14 +1,16 @@
 """The part list and the cutting list of a shop, as rows."""
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from math import pi
+from math import pi, radians, tan
 
 from msgspec import Struct
-from msgspec.structs import replace
+from msgspec.structs import astuple, replace
 
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
-from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
+from beamcam.geometry.plane import Box
+from beamcam.model.part import PLATE_FACES, Contour, EndPlane, Hole, Part, Slot
 from beamcam.model.weight import (
     STEEL_KG_MM3,
     measures_of,
@@ -74,17 +76,53 @@ def _finished(part: Part, gross: float) -> float:
 
     Without manifold3d, or where no solid is known, only what holes and slots take is off.
     """
+    alone = [f for f in part.features if isinstance(f, Hole | Slot)]
+    left = gross / STEEL_KG_MM3
     if _needs_solid(part):
         from beamcam.solid.kernel import outline
         from beamcam.solid.part_solid import part_solid
 
         with suppress(BeamcamError):  # a section or a face without figures, or no kernel
-            left = float(part_solid(part).volume())
+            clear = _clear_of_cuts(part, alone)
+            others = tuple(f for f in part.features if f not in clear)
+            solid = float(part_solid(replace(part, features=others)).volume())
             if part.profile.code == "C":  # whose solid has no lips, and whose gross weight has
-                left += gross / STEEL_KG_MM3 - outline(part).area * part.length
-            return left * STEEL_KG_MM3
-    taken = sum(_taken(f, part) for f in part.features if isinstance(f, Hole | Slot))
-    return gross - taken * STEEL_KG_MM3
+                solid += left - outline(part).area * part.length
+            left, alone = solid, clear
+    return (left - sum(_taken(f, part) for f in alone)) * STEEL_KG_MM3
+
+
+def _clear_of_cuts(part: Part, holes: Sequence[Hole | Slot]) -> list[Hole | Slot]:
+    """Those that no cut comes near: what they take is known without a solid, which takes longer."""
+    if part.profile.code in (*ROUND, "C") or any(isinstance(f, EndPlane) for f in part.features):
+        return []
+    ends = astuple(part.cuts)
+    lean = max(abs(tan(radians(end))) for end in ends) * (part.profile.height + part.profile.width)
+    places = Counter((round(hole.x, 2), round(hole.y, 2)) for hole in holes)
+    edges: list[tuple[bool, Box]] = []  #: boxes of cuts, wider by their bevels
+    for contour in part.contours:
+        if contour.process == "cut":
+            steep = max((min(abs(bevel.angle), 80.0) for bevel in contour.bevels), default=0.0)
+            wide = part.profile.thickness(contour.face) * tan(radians(steep))
+            boxes = (curve.bbox for curve in contour.curves)
+            edges += [
+                (contour.face in PLATE_FACES, (x0 - wide, y0 - wide, x1 + wide, y1 + wide))
+                for x0, y0, x1, y1 in boxes
+            ]
+
+    def is_clear(hole: Hole | Slot) -> bool:
+        r = hole.diameter / 2
+        if isinstance(hole, Slot):
+            r += hole.length + hole.height
+        near = any(
+            on_web == (hole.face in PLATE_FACES)
+            and x0 - r < hole.x < x1 + r and y0 - r < hole.y < y1 + r
+            for on_web, (x0, y0, x1, y1) in edges
+        )  # fmt: skip
+        is_alone = places[round(hole.x, 2), round(hole.y, 2)] == 1
+        return is_alone and not near and lean + r < hole.x < part.length - lean - r
+
+    return [hole for hole in holes if is_clear(hole)]
 
 
 def _needs_solid(part: Part) -> bool:
