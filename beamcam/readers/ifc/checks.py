@@ -12,7 +12,7 @@ from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.body import body_representation, relative_placement
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.finish import Shaped, part_of
-from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
+from beamcam.readers.ifc.marks import LENGTHS, VOLUMES, WEIGHTS, Data
 from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, area_by_measures, plain_stock
@@ -69,10 +69,8 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[
                 "found": f"{value * scale / 1e3:.2f}", "expected": f"{shaped.volume / 1e3:.2f}",
             }  # fmt: skip
             said.append(rules.NET_VOLUME.at(source, where=where, **texts))
-    listed = data.has(CUTOUTS)
-    cut = any(True for _ in part.contours) or part.cuts != EndCuts()
-    if listed is not None and not cut:
-        said.append(rules.CUTOUT.at(source, where=listed))
+    if data.cutouts is not None and not any(part.contours) and part.cuts == EndCuts():
+        said.append(rules.CUTOUT.at(source, where=data.cutouts))
     return tuple(said)
 
 

@@ -43,14 +43,12 @@ from beamcam.readers.ifc.marks import (
     assembly_of,
     data_of,
     grade_of,
-    grades_apart,
-    label_of,
+    labels_of,
     mark_of,
     material_of,
     name_of,
     named,
     not_steel,
-    profile_set_names,
 )
 from beamcam.readers.ifc.opening import elements_of, open_file
 from beamcam.readers.ifc.semantic import read_swept
@@ -316,16 +314,15 @@ class Members(Struct):
         mark, assembly, material = names
         section = shaped.section
         bare, flat = section.profile(""), section.code == "B"  # whose weight is in kg/m2
-        labels = label_of(element, profile, data), *profile_set_names(self.model, element)
-        label, wrong = named(bare, labels)
+        label, wrong = named(bare, labels_of(self.model, element, profile, data))
         size = f"{bare.height:.1f} x {bare.width:.1f} mm"
         self.taken.said += (
             rules.PROFILE_NAME.at(source, found=one, size=size, expected=name_of(bare))
             for one in wrong
         )
-        grades = grades_apart(material, data)
-        if grades is not None:
-            self.taken.said.append(rules.GRADE.at(source, found=grades[0], expected=grades[1]))
+        grade, other = grade_of(material, data)
+        if other is not None:
+            self.taken.said.append(rules.GRADE.at(source, found=other, expected=grade))
         if section.lips:
             areas = f"{section.area / 100:.2f}", f"{(section.area - section.lips) / 100:.2f}"
             self.taken.said.append(rules.LIPS.at(source, found=areas[0], expected=areas[1]))
@@ -336,7 +333,7 @@ class Members(Struct):
             source=source,
             drawing=assembly,
             phase=data.text("Phase"),
-            grade=grade_of(material, data),
+            grade=grade,
             cuts=shaped.cuts,
             features=shaped.features,
             weight=STEEL * (1e6 * section.width if flat else 1e3 * section.area),
