@@ -17,7 +17,7 @@ from beamcam.model.request import Options
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation, mapping, pushed
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
-from beamcam.readers.ifc.finish import Shaped, sorted_holes
+from beamcam.readers.ifc.finish import Shaped, in_order
 from beamcam.readers.ifc.section import Wall, walls_of
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.solid.kernel import prism
@@ -182,7 +182,7 @@ def _drilled(
     if drilled and (options.force or not skew):
         through = {h.source.where for h in drilled}
         sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in drilled}))
-        counts = {"found": len(through), "made": len(once := sorted_holes(drilled))}
+        counts = {"found": len(through), "made": len(once := in_order(drilled))}
         said.append(rules.BOLT_HOLES.at(part.source, **counts, sizes=sizes))
         part = replace(part, features=(*part.features, *once))
     return part, said
