@@ -191,7 +191,7 @@ def form_of(model: Model, element: Entity) -> Hashable:
     """
     openings = tuple(
         (relative_placement(model, element, one), *_solids(model, one))
-        for one in features_of(element, "IfcRelVoidsElement")
+        for one in features_of(element, "openings")
     )
     return element.type.name, *_solids(model, element), openings
 

@@ -174,7 +174,7 @@ def _made(form: tuple[str, str], solid: Any) -> Any:
 
 def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None) -> Any:
     """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
-    openings = features_of(element, "IfcRelVoidsElement")
+    openings = features_of(element, "openings")
     try:
         used = [one for each in (element, *openings) for one in each.below()]
     except RecursionError:

@@ -247,7 +247,7 @@ class Members(Struct):
             against += compared.against(shaped, member.data, source)
         against += [rules.FITTED.at(source, found=kind) for kind in shaped.fitted]
         against += [rules.PIECES.at(source, found=text) for text in shaped.remarks]
-        if projections := features_of(member.element, "IfcRelProjectsElement"):
+        if projections := features_of(member.element, "projections"):
             against.append(rules.PROJECTION.at(source, found=len(projections)))
         return [*map(rules.forced, against)] if self.options.force else against
 

@@ -6,8 +6,8 @@ what the kernel is given in place of what it cannot build never shows here.
 """
 
 import re
-from collections import Counter, defaultdict
-from collections.abc import Callable, Container, Iterator, Set
+from collections import Counter
+from collections.abc import Callable, Container, Iterable, Iterator, Set
 from functools import cached_property
 from typing import Any
 
@@ -146,8 +146,7 @@ class File:
         self._names = looked.names
         self._types: dict[str, EntityType] = {}
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
-        self._related: dict[str, dict[Entity, list[Entity]]] = {}
-        self.tied: dict[str, dict[int, list[Any]]] = {}  #: by numbers; see relations.py
+        self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
         #: Value of an instance by its place, without its wrapper's checks; so since 0.9.
         instances = parser().entity_instance
         self._read = getattr(instances, "get_argument", instances.__getitem__)
@@ -175,7 +174,7 @@ class File:
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
-        self._related, self.tied = {}, {}
+        self.tied = {}
         for thing in self._things.values():
             if isinstance(thing, Entity):
                 thing.values = ()  # which may lead back to it
@@ -261,14 +260,17 @@ class File:
         thing = self._things.get(number)
         return self._met(number, value) if thing is None else thing
 
-    def sides(self, relation: str, *places: int) -> Iterator[tuple[Any, ...]]:
-        """Some values of each relation of a class, in the order of the file."""
-        for one in self._of(relation):
-            if self._written is not None:
-                values = self.entity(one.number).values
-                yield tuple(values[place] for place in places)
+    def sides(self, relations: Iterable[str], near: int, far: int) -> Iterator[tuple[Any, Any]]:
+        """Two values of each relation of some classes, in the order of the file.
+
+        The far one is None where a relation is cut short, so that only what is near it suffers.
+        """
+        for one in (one for relation in relations for one in self._of(relation)):
+            if self._written is None:
+                yield self._value(self._read(one, near)), self._value(self._read(one, far))
             else:
-                yield tuple(self._value(self._read(one, place)) for place in places)
+                values = self.entity(one.number).values
+                yield values[near], values[far] if far < len(values) else None
 
     def peek(self, entity: Entity, place: int) -> Any:
         """One of an entity's values, without a look at the others."""
@@ -316,15 +318,6 @@ class File:
     def _order(self) -> Callable[[int], int]:
         """The place of a record in the file, by its number."""
         return {int(number): place for place, number in enumerate(self._names)}.__getitem__
-
-    def related(self, name: str) -> dict[Entity, list[Entity]]:
-        """The relations of a class to a feature each, by the elements that have the features."""
-        known = self._related.get(name)
-        if known is None:
-            known = self._related[name] = defaultdict(list)
-            for relation in self.by_type(name):
-                known[relation.values[4]].append(relation)
-        return known
 
 
 _NO_TYPE = EntityType("", frozenset(), {})
