@@ -29,7 +29,7 @@ from beamcam.readers.ifc.text import (
 
 _SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))
-_PLACEMENTS = {"IfcAxis2Placement2D": 2, "IfcAxis2Placement3D": 3}  #: and how many values they have
+_PLACEMENTS = frozenset(("IfcAxis2Placement2D", "IfcAxis2Placement3D"))
 _PLAIN = (str, float, int, type(None))  #: what ifcopenshell's values and ours have in common
 
 
@@ -155,9 +155,7 @@ class File:
         self.why_not = ""  #: what it says then
         #: The records as they are written, where ifcopenshell does not read all of them so.
         self._written: dict[int, Record] | None = None
-        if self._open(text, looked.doubtful):
-            self._meet_points()
-        else:
+        if not self._open(text, looked.doubtful):
             self._written = {record.number: record for record in records(text)}
 
     def _open(self, text: str, doubtful: bool) -> bool:
@@ -181,21 +179,6 @@ class File:
         self._things = {}
         self.opened = None
 
-    def _meet_points(self) -> None:
-        """Read all points, directions and placements at once, most of a file's records."""
-        read, things = self._read, self._things
-        for kind in _POINTS:
-            for instance in self.opened.by_type(kind):
-                numbers = read(instance, 0)
-                if numbers and type(numbers) is tuple and type(numbers[0]) is float:
-                    things[instance.id()] = numbers
-        for kind, count in _PLACEMENTS.items():
-            for instance in self.opened.by_type(kind):
-                values = [read(instance, place) for place in range(count)]
-                met = [(type(v) is self._instance and things.get(v.id())) or None for v in values]
-                if all(one is not None or v is None for one, v in zip(met, values, strict=True)):
-                    things[instance.id()] = tuple(met)
-
     def entity(self, number: int) -> Any:
         """What stands for a number among values; a missing entity fails when it is looked at."""
         if number in self._things:
@@ -213,18 +196,20 @@ class File:
         """What stands for a record that was not met before: an entity, or its numbers."""
         kind = held.kind if self._written is not None else held.is_a()
         known = self._types.get(kind) or self._type(kind)
-        made: Any = Entity(self, number, known, held)
-        del made.values
-        if known.name in _PLACEMENTS:
-            made = made.values
-        elif known.name in _POINTS:
-            values = made.values
+        thing: Any
+        if known.name in _POINTS:
+            values = self._values(known, held)
             try:
-                made = tuple(map(float, values[0]))
+                thing = tuple(map(float, values[0]))
             except (IndexError, TypeError, ValueError):
                 raise Malformed(f"#{number} without numbers") from None
-        self._things[number] = made
-        return made
+        elif known.name in _PLACEMENTS:
+            thing = self._values(known, held)
+        else:
+            thing = Entity(self, number, known, held)
+            del thing.values
+        self._things[number] = thing
+        return thing
 
     def _type(self, kind: str) -> EntityType:
         """What the schema says of a class, or else what IFC4 does."""
@@ -234,19 +219,22 @@ class File:
 
     def values(self, entity: Entity) -> Values:
         """The values of an entity. Raises Malformed."""
+        return self._values(entity.type, entity.held)
+
+    def _values(self, known: EntityType, held: Any) -> Values:
         if self._written is not None:
-            return values_of(entity.held.inner, self.entity)
-        read, held, instances, things = self._read, entity.held, self._instance, self._things
-        found = []
-        for place in range(len(entity.type.places)):
+            return values_of(held.inner, self.entity)
+        read, instances, things = self._read, self._instance, self._things
+        values = []
+        for place in range(len(known.places)):
             value = read(held, place)
             if type(value) is instances and (number := value.id()):
                 thing = things.get(number)
                 value = self._met(number, value) if thing is None else thing
             elif not isinstance(value, _PLAIN):
                 value = self._value(value)
-            found.append(value)
-        return tuple(found)
+            values.append(value)
+        return tuple(values)
 
     def _value(self, value: Any) -> Any:
         """A list of ifcopenshell's, or an instance, as one of ours."""

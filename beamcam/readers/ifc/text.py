@@ -65,7 +65,6 @@ class Record(Struct, frozen=True, gc=False):
     number: int
     kind: str  #: its class
     inner: str  #: what is between its brackets
-    start: int  #: its place in the text
 
 
 class Looked(Struct, frozen=True):
@@ -108,11 +107,9 @@ def escaped(text: str) -> str:
     """A plain text with escapes for the letters that are not ASCII; ifcopenshell drops them."""
     if text.isascii():
         return text
-
-    def hexed(found: re.Match[str]) -> str:
-        return f"\\X4\\{found[0].encode('utf-32-be').hex().upper()}\\X0\\"
-
-    return _LETTERS.sub(hexed, text)
+    return _LETTERS.sub(
+        lambda found: f"\\X4\\{found[0].encode('utf-32-be').hex().upper()}\\X0\\", text
+    )
 
 
 def look_over(text: str) -> Looked:
@@ -171,7 +168,7 @@ def _no_record(text: str, at: int) -> Malformed:
 def records(text: str) -> Iterator[Record]:
     """The records of a plain text that was looked over."""
     for found in _RECORD.finditer(text):
-        yield Record(int(found[1]), found[2], found[3], found.start())
+        yield Record(int(found[1]), found[2], found[3])
 
 
 def _line(text: str, at: int) -> int:
