@@ -39,7 +39,7 @@ Origin = Literal["table", "lower-left", "lower-right", "upper-left", "upper-righ
 Machines = Annotated[tuple[Text, ...], Meta(min_length=1)]
 Quantity = Literal["file"] | PositiveCount
 ChosenBy = Literal["order", "time"]
-Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
+Tolerance = Literal["merge", "duplicate", "sink", "path", "same_tool"]
 
 
 class Setting(Struct, frozen=True):
@@ -341,7 +341,7 @@ TOLERANCES = {
     "duplicate": "duplicate_tolerance",
     "sink": "sink_tolerance",
     "path": "path_tolerance",
-    "twin": "twin",
+    "same_tool": "same_tool_tolerance",
 }
 
 

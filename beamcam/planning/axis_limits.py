@@ -122,7 +122,7 @@ def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:
         op = DrillOp(0.0, how.spindle, tool, how.faces, y, how.depth, (), (), _TRIAL)
         stroke = strokes(op, y)
         across, along = strokes.axes(op)
-        places = {across: (stroke.across,), along: (stroke.start, stroke.near, stroke.bottom)}
+        places = {across: (stroke.across,), along: (stroke.retract, stroke.approach, stroke.bottom)}
         for axis in machine.axes:
             if axis.spindle not in faces or (axis.moves != across and axis.moves != along):
                 continue
@@ -149,17 +149,13 @@ def refuse_bar(
         for op in operations:
             if not _is_moved_by(axis, op, machine):
                 continue
-            for x in _xs(op):
+            xs = _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
+            for x in xs:
                 if not _comes_to(x, axis, machine):
                     yield STOP.at(
                         op.source, what=_work(op, pieces), axis=axis.name, found=f"{x:.3f}",
                         expected=_range(axis),
                     )  # fmt: skip
-
-
-def _xs(op: Operation) -> tuple[float, ...]:
-    """X of an operation; of a path its minimum and maximum."""
-    return _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
 
 
 def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
@@ -235,7 +231,7 @@ def _refuse_strokes(
 def _deepest(op: DrillOp, travel: SpindleTravel) -> float:
     """Depth of the tool's point behind the surface of its face."""
     stroke = travel.strokes(op, op.y)
-    way = 1.0 if stroke.bottom >= stroke.start else -1.0
+    way = 1.0 if stroke.bottom >= stroke.retract else -1.0
     return way * stroke.bottom - travel.profile.face_depth(op.faces[0])
 
 
