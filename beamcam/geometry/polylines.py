@@ -25,8 +25,7 @@ def points_at(curve: Curve, t: Floats) -> Floats:
     t = np.asarray(t, dtype=np.float64)
     match curve:
         case Line():
-            start = np.asarray(curve.start)
-            points = start + t[:, None] * (np.asarray(curve.end) - start)
+            points = _line_points(curve, t)
         case Arc():
             angle = np.radians(curve.start_deg + t * curve.sweep_deg)
             circle = np.column_stack((np.cos(angle), np.sin(angle)))
@@ -44,6 +43,12 @@ def points_at(curve: Curve, t: Floats) -> Floats:
             points = bezier_points(curve.as_bezier(), t)
     points[t == 0.0] = curve.start
     points[t == 1.0] = curve.end
+    return points
+
+
+def _line_points(line: Line, t: Floats) -> Floats:
+    start = np.asarray(line.start)
+    points: Floats = start + t[:, None] * (np.asarray(line.end) - start)
     return points
 
 

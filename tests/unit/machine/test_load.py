@@ -97,14 +97,14 @@ BAD = [
         "found 1e-06 for 'torch.tolerance'; expected at least 0.0001, the step of its numbers",
     ),
     (
-        spindle("y", "Z").replace("start = 0", "start = 0.5"),
+        spindle("y", "Z").replace("retract = 0", "retract = 0.5"),
         "machine-value",
         "found '0.5' for 'spindles.0.stroke.retract'; expected a place outside of the bar",
     ),
     (
         spindle("y", "Z")
         .replace("bottom = 1", "bottom = 'depth'")
-        .replace("start = 0", "start = 9"),
+        .replace("retract = 0", "retract = 9"),
         "machine-value",
         "found '9' for 'spindles.0.stroke.retract'; expected a place outside",
     ),
