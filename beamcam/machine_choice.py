@@ -17,7 +17,6 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import NOT_MADE, AnyPlan, clock
 from beamcam.model.request import Job, Request
-from beamcam.planning.begun import begun_part
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import plan_seconds, post_of
 
@@ -74,6 +73,8 @@ def _chains(
         makes_nothing = part.made is not None and left == len(part.features)
         if makes_nothing or _planned(request, part, machine, skips) is None:
             continue
+        from beamcam.planning.begun import begun_part
+
         others = [one for one in machines if one is not machine]
         for rest in _chains(request, begun_part(part, plan, machine), others, count - 1):
             yield (Link(machine, part, skips), *rest)

@@ -17,8 +17,7 @@ from beamcam.api import lists
 from beamcam.asked import AskError
 from beamcam.cli import main
 from beamcam.errors import PlanError, Source
-from beamcam.machine import load
-from beamcam.machine.names import default_machines
+from beamcam.machine import default_machines, load
 from beamcam.machine_choice import RULES, on_best_machine
 from beamcam.model.plan import Outcome, clock
 from beamcam.model.request import ChosenBy, Job, Request

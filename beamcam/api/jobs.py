@@ -25,9 +25,8 @@ from beamcam.asked import (
 )
 from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
-from beamcam.machine import Machine
+from beamcam.machine import DEFAULT_MACHINE, Machine
 from beamcam.machine.faults import TABLE_CONTROLLERS
-from beamcam.machine.names import DEFAULT_MACHINE
 from beamcam.machine.overlay import with_corner
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS

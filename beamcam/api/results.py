@@ -23,10 +23,9 @@ from beamcam.asked import (
 from beamcam.checks.head import head_of
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
-from beamcam.controllers import rules
+from beamcam.controllers.dialect import ARC, SYNTAX, WORD
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError, errors_in
-from beamcam.machine import Machine
-from beamcam.machine.names import DEFAULT_MACHINE
+from beamcam.machine import DEFAULT_MACHINE, Machine
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
 from beamcam.model.request import Request
@@ -45,7 +44,7 @@ if TYPE_CHECKING:
 
 
 #: Faults that make a program's meaning unknown.
-NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
+NOT_UNDERSTOOD = {r.code for r in (SYNTAX, WORD, ARC)}
 
 
 class Compared(Struct, frozen=True):

@@ -73,7 +73,7 @@ class Cluster:
 
         def version_there() -> str:
             try:
-                from beamcam import __version__
+                from beamcam.version import __version__
             except ImportError:
                 return ""
             return __version__

@@ -17,8 +17,7 @@ from beamcam.batch import rules
 from beamcam.config.places import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import FORMATS
-from beamcam.readers.content import STANDARD_INPUT, content
-from beamcam.readers.rules import UNREADABLE
+from beamcam.readers.content import STANDARD_INPUT, UNREADABLE, content
 
 #: Suffixes of the inputs of a batch.
 SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)

@@ -32,7 +32,7 @@ from beamcam.files import FilesRead
 from beamcam.interrupts import NEVER, Asked
 from beamcam.model.part import Part
 from beamcam.model.request import Job, Request
-from beamcam.planning.jobs import LotKey, Share, remnants_of, shares_of
+from beamcam.planning import LotKey, Share, remnants_of, shares_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
 from beamcam.reports.run import Message, PartRow, Row, as_message
 

@@ -44,7 +44,7 @@ from beamcam.pipeline import (
     sound,
     stock_of,
 )
-from beamcam.planning.jobs import numbered
+from beamcam.planning import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers import read
 from beamcam.reports.part_list import PartCount

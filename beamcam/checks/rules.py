@@ -1,6 +1,6 @@
 """Rules for programs, by themselves or against the parts that they should make."""
 
-from beamcam.controllers.rules import BAR_RULES
+from beamcam.controllers.dialect import BAR_RULES
 from beamcam.errors import error, note, warning
 
 # fmt: off

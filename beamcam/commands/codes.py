@@ -11,9 +11,8 @@ from msgspec import Struct
 
 import beamcam
 from beamcam.checks.owners import Language, Owner, Rows, Stock
-from beamcam.commands import options
+from beamcam.commands import UNKNOWN_CODE, options
 from beamcam.commands.common import Console, say_json
-from beamcam.commands.rules import UNKNOWN_CODE
 from beamcam.conversion import nearest
 from beamcam.errors import Rule, Source
 

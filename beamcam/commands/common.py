@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE, OVER_INPUT
+from beamcam.commands import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.interrupts import taken_back

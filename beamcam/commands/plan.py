@@ -8,8 +8,8 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, Grouped, write
 from beamcam.commands.common import as_json as json_of
+from beamcam.commands.outputs import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
-from beamcam.commands.pictures import of_kind
 from beamcam.commands.plan_output import (
     coping_lines,
     coping_record,

@@ -15,8 +15,8 @@ from beamcam.batch.recipe import asked_again, path_below
 from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly, rests_of
 from beamcam.batch.rules import LINK
 from beamcam.batch.work import BatchSettings, Task, make_all
+from beamcam.commands import GONE, NEW
 from beamcam.commands.golden import Checked, compared, named, sample_of
-from beamcam.commands.rules import GONE, NEW
 from beamcam.commands.running import shop_of
 from beamcam.commands.settings import settled_again
 from beamcam.comparison.pairing import Difference

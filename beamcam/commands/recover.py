@@ -6,12 +6,11 @@ from typing import Any
 
 import click
 
-from beamcam.commands import options
+from beamcam.commands import SECTION, options
 from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, read_all, write
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes, torch_options
-from beamcam.commands.rules import SECTION
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from msgspec.structs import astuple, replace
 
-from beamcam.checks.bars.machined_features import (
+from beamcam.checks.bars.stations import (
     Bore,
     Cut,
     MachinedFeatures,

@@ -7,7 +7,7 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.emitters.head import comment_room, number
+from beamcam.emitters import comment_room, number
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.stations import ToolNumbers, tool_numbers
 from beamcam.machine.words import PART_NAMES, names_in

@@ -38,6 +38,7 @@ from beamcam.geometry.tangent_circles import (
     nearest_circle,
     tangent_circles,
 )
+from beamcam.model.part import MAX_NUMBER
 from beamcam.model.part_forms import (
     ArcForm,
     BezierForm,
@@ -50,7 +51,6 @@ from beamcam.model.part_forms import (
     TangentForm,
     TouchedForm,
 )
-from beamcam.model.quantities import MAX_NUMBER
 
 Record = TypeVar("Record")
 

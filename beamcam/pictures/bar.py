@@ -12,14 +12,14 @@ from typing import Literal
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import (
+from beamcam.checks.bars.pieces import CutPlane, planes
+from beamcam.checks.bars.stations import (
     Bore,
     Cut,
     MachinedFeatures,
     MachinedPath,
     StampedText,
 )
-from beamcam.checks.bars.pieces import CutPlane, planes
 from beamcam.machine.machine import Machine, text_x
 from beamcam.model.part import Face, Profile
 from beamcam.model.section import face_title, runs_down

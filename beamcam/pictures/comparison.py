@@ -7,7 +7,7 @@ from pathlib import PurePath
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import Bore, MachinedPath, StampedText
+from beamcam.checks.bars.stations import Bore, MachinedPath, StampedText
 from beamcam.comparison.bars import made_pairs
 from beamcam.comparison.parts import part_pairs
 from beamcam.geometry.array_types import Counts

@@ -10,7 +10,7 @@ Depths of machined features in the steel: of the full diameter, not of the tool'
 from collections.abc import Iterable, Iterator, Sequence
 from math import atan2, degrees, hypot, radians, tan
 
-from beamcam.checks.bars.machined_features import Bore, MachinedPath, StampedText
+from beamcam.checks.bars.stations import Bore, MachinedPath, StampedText
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.polylines import polylines

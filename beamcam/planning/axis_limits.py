@@ -25,8 +25,7 @@ from beamcam.model.cell_motion import Strokes
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
-from beamcam.planning.operations.tools import Tooling
-from beamcam.planning.operations.working_step import Said, WorkingStep
+from beamcam.planning.operations.tools import Said, Tooling, WorkingStep
 
 STROKE = error("plan-stroke",
     "found a stroke to {found} mm below face {face}, the same for every hole; expected {expected} "

@@ -13,8 +13,8 @@ from msgspec.structs import replace
 
 from beamcam.checks.bars import run
 from beamcam.checks.bars.compare import Asked, Comparison
-from beamcam.checks.bars.machined_features import Bore, MachinedFeatures, MachinedPath
 from beamcam.checks.bars.pieces import CutPlane, Piece, pieces, planes
+from beamcam.checks.bars.stations import Bore, MachinedFeatures, MachinedPath
 from beamcam.checks.bars.targets import slot_corners
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source, errors_in

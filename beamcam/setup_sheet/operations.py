@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from msgspec import Struct
 
-from beamcam.checks.bars.machined_features import Bore, Cut, StampedText, Thing
+from beamcam.checks.bars.stations import Bore, Cut, StampedText, Thing
 from beamcam.geometry.array_types import Counts, Flags
 from beamcam.pictures.bar import BarMade, order_numbers
 from beamcam.pictures.features import SteelDepths

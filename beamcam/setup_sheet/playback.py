@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import StampedText
+from beamcam.checks.bars.stations import StampedText
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x

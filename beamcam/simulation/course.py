@@ -14,8 +14,8 @@ from beamcam.controllers.events import BarEvent, Lettering, Move, Pause, Place, 
 from beamcam.errors import MachineError, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.ramps import Ramp
-from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import MISSING_KEY
 from beamcam.model.cell_motion import CellMotion, Leg, Positions
 from beamcam.simulation.trace import UNIFORM, State, Trace, TraceAxis, TraceBuilder
 
@@ -46,7 +46,7 @@ def stretches(
     `[[axes]]`.
     """
     if not machine.axes:
-        raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
+        raise MachineError(MISSING_KEY.at(Source(machine.name), expected="axes"))
     return tuple(_Simulation(events, dialect, section, machine).run())
 
 

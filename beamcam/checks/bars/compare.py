@@ -20,7 +20,6 @@ from beamcam.checks.bars.machine_limits import (
     shape_of,
     steel_faults,
 )
-from beamcam.checks.bars.machined_features import MachinedFeatures
 from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
 from beamcam.checks.bars.pieces import (
     Candidate,
@@ -32,7 +31,7 @@ from beamcam.checks.bars.pieces import (
     wedge_cuts,
 )
 from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
-from beamcam.checks.bars.stations import Choice
+from beamcam.checks.bars.stations import Choice, MachinedFeatures
 from beamcam.checks.bars.targets import (
     Pocket,
     Round,

@@ -14,7 +14,7 @@ from math import atan, cos, degrees, hypot, nan, radians, tan
 from msgspec import Struct
 
 from beamcam.checks.bars.cuts import End, ends_of
-from beamcam.checks.bars.machined_features import Cut
+from beamcam.checks.bars.stations import Cut
 from beamcam.checks.bars.turned import standing
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw

@@ -14,7 +14,7 @@ from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.working_step import Said
+from beamcam.planning.operations.tools import Said
 
 # --- merging --------------------------------------------------------------------------------------
 

@@ -20,8 +20,14 @@ from beamcam.model.weight import lip_of
 from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
-from beamcam.planning.operations.tools import ToolLibrary, library_of
-from beamcam.planning.operations.working_step import Found, Said, Settled, WorkingStep
+from beamcam.planning.operations.tools import (
+    Found,
+    Said,
+    Settled,
+    ToolLibrary,
+    WorkingStep,
+    library_of,
+)
 from beamcam.planning.rules import NO_SPINDLE
 
 OFF_FACE = error("plan-off-face",

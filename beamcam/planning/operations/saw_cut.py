@@ -23,7 +23,7 @@ from beamcam.model.section import corners
 from beamcam.planning import rules
 from beamcam.planning.operations.ends import End, Ends, leaves_stock
 from beamcam.planning.operations.part_planner import Kind, Numbered, PartPlanner, nothing
-from beamcam.planning.operations.working_step import Found, Settled
+from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
 SAW_ANGLE = error("plan-saw-angle",

@@ -10,10 +10,10 @@ from msgspec import Struct, field
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.anchors import anchor_key, plane_positions
 from beamcam.model.part import Comment, Contour, Feature, Plane, SectionPoint
+from beamcam.readers.content import ENCODING
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.contours import Rows
 from beamcam.readers.dstv.tokens import CODES, Block, Log
-from beamcam.readers.rules import ENCODING
 
 Loose = tuple[int, str]  #: line and text of a comment
 

@@ -11,9 +11,8 @@ from beamcam.errors import MachineError
 from beamcam.machine import load, settings, shipped
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
-from beamcam.machine.rules import RULES
 from beamcam.machine.toml import line_of
-from beamcam.machine.words import Formula, as_formula
+from beamcam.machine.words import RULES, Formula, as_formula
 from beamcam.machine_proof import load_proved
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
