@@ -161,7 +161,7 @@ def recover(
     was read back against what was found.
     """
     from beamcam.machine.faults import TABLE_CONTROLLERS
-    from beamcam.model.weight import measures_of
+    from beamcam.model.section import measures_of
     from beamcam.recovery import Stock
     from beamcam.recovery import recover as recover_parts
 

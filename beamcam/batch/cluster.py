@@ -13,7 +13,7 @@ from beamcam.batch import rules
 from beamcam.batch.pool import Chunk, Result
 from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
-from beamcam.interrupts import LOOK_S
+from beamcam.system import LOOK_S
 
 ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
 CHUNKS = 2  #: that each thread of the cluster has at most, one of them in work

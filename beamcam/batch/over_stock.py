@@ -29,12 +29,12 @@ from beamcam.batch.work import BatchSettings, Task, refused_row
 from beamcam.checks.asked import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
-from beamcam.interrupts import NEVER, Asked
 from beamcam.model.part import Part
 from beamcam.model.request import Job, Request
 from beamcam.planning import LotKey, Share, remnants_of, shares_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
 from beamcam.reports.run import Message, PartRow, Row, as_message
+from beamcam.system import NEVER, Asked
 
 THICKNESS_DECIMALS = 2
 

@@ -26,13 +26,12 @@ from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
 from beamcam.batch.work import BatchSettings, FileResult, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
-from beamcam.interrupts import NEVER, Asked
 from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
 from beamcam.reports.run import PartRow, Row, as_message, names_in
-from beamcam.system import can_sync_all
+from beamcam.system import NEVER, Asked, can_sync_all
 
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have

@@ -37,13 +37,12 @@ from beamcam.commands.running import (
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
-from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.reports.labels import SCHEMA, Label
 from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
 from beamcam.reports.run import Row, as_message
 from beamcam.reports.tables import as_csv
-from beamcam.system import cores, portable_path
+from beamcam.system import INTERRUPTED, asked_to_end, cores, portable_path
 
 FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
 

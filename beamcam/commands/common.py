@@ -13,9 +13,8 @@ import click
 from beamcam.commands import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
-from beamcam.interrupts import taken_back
 from beamcam.plain_text import json_text, terminal_text
-from beamcam.system import is_reader_gone, is_unicode
+from beamcam.system import is_reader_gone, is_unicode, taken_back
 
 if TYPE_CHECKING:
     from beamcam.readers.content import Reading

@@ -18,9 +18,9 @@ from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machine_of_stock, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, VerifyError
-from beamcam.interrupts import INTERRUPTED, LOOK_S, asked_to_end
 from beamcam.machine.machine import Machine
 from beamcam.pipeline import parts_of, read_file, stock_of
+from beamcam.system import INTERRUPTED, LOOK_S, asked_to_end
 
 if TYPE_CHECKING:
     from beamcam.setup_sheet.study_page import KnownWork

@@ -15,7 +15,7 @@ from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
 from beamcam.model.part import Profile
-from beamcam.model.weight import measures_of
+from beamcam.model.section import measures_of
 from beamcam.pipeline import as_error
 from beamcam.readers.content import shown_name
 from beamcam.recovery import Stock, recover, with_marks

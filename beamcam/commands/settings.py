@@ -204,7 +204,7 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
     """
     if not config.map or machine.torch is None:
         return ()
-    from beamcam.planning.left_out import curves_by_key, idle, unmatched
+    from beamcam.planning.map_keys import curves_by_key, idle, unmatched
 
     here = {k: v for k, v in config.meanings.items() if _is_asked(config, k)}
     table = machine.torch.colours

@@ -15,8 +15,8 @@ from beamcam.commands.outputs import PICTURES, of_kind, picture
 from beamcam.commands.parts import job_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
-from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.model.plan import Order
+from beamcam.system import INTERRUPTED, asked_to_end
 
 if TYPE_CHECKING:
     from beamcam.machine.machine import Machine

@@ -17,8 +17,8 @@ from beamcam.commands.common import REFUSED, Console, Grouped, say_lines
 from beamcam.commands.running import Progress, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.reports.run import Row, as_message
+from beamcam.system import INTERRUPTED, asked_to_end
 from beamcam.watch import END_S, HotFolder, file_away, look
 
 

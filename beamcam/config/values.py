@@ -28,7 +28,6 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import slack_faults
 from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, toml_text
 from beamcam.machine.torch import Degrees, LayerSettings
-from beamcam.model.colour import parse_colour
 from beamcam.system import beginning_of, portable_path
 
 COMMAND_LINE = Source("command line")
@@ -305,6 +304,10 @@ def _sources(table: Mapping[str, Any], place: Place) -> dict[str, Source]:
 
 def _check_colours(colours: Mapping[str, object]) -> None:
     """Raises Fault for a key of the map that starts like a colour and is not one."""
+    if not colours:
+        return
+    from beamcam.model.colour import parse_colour
+
     for key in colours:
         if key.startswith(("#", "rgb(", "rgba(")):
             try:

@@ -21,8 +21,8 @@ from beamcam.checks.bars.stations import (
     StampedText,
 )
 from beamcam.machine.machine import Machine, text_x
+from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face, Profile
-from beamcam.model.section import face_title, runs_down
 from beamcam.pictures.features import SteelDepths, lettering
 from beamcam.pictures.scene import (
     TOOL_COLOURS,

@@ -20,8 +20,8 @@ from beamcam.checks.head import head_of
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
+from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face, Part
-from beamcam.model.section import face_title, runs_down
 from beamcam.pictures import rules
 from beamcam.pictures.features import feature_shapes
 from beamcam.pictures.part import face_of

@@ -6,8 +6,8 @@ solid of a part with the holes drawn here.
 
 from collections.abc import Iterator
 
+from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import FACES, Face, Profile
-from beamcam.model.section import face_title, runs_down
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text
 

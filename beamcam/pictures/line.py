@@ -7,8 +7,8 @@ is drawn at the X of what it does at the front: `saw.x` and `drill.x`.
 from collections.abc import Iterator
 
 from beamcam.machine.machine import Machine
+from beamcam.model.description import FACE_NAMES
 from beamcam.model.part import Profile
-from beamcam.model.section import FACE_NAMES
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, shown
 from beamcam.planning.held_up import FROM_EDGE, HeldUp, held_up

@@ -21,8 +21,7 @@ from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine, drill_of, text_x
 from beamcam.machine.stations import FLAT_DEG, Saw
 from beamcam.model.part import EndCuts, Face, Feature, Hole, Part, Profile, Slot, TextMark
-from beamcam.model.section import corners
-from beamcam.model.weight import sections
+from beamcam.model.section import corners, sections
 from beamcam.recovery import rules
 from beamcam.recovery.found import Recovered, Stock, plain
 from beamcam.recovery.paths import NotAFeature, feature_of

@@ -15,10 +15,10 @@ from typing import Any, Self
 from msgspec import Struct
 
 from beamcam.errors import Rule, Source, VerifyError
-from beamcam.interrupts import LOOK_S, NEVER, Asked
 from beamcam.machine.tables import Modbus
 from beamcam.simulation import rules
 from beamcam.simulation.trace import State, Trace, TraceRow
+from beamcam.system import LOOK_S, NEVER, Asked
 
 # --- registers ------------------------------------------------------------------------------------
 

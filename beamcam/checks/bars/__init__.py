@@ -23,6 +23,7 @@ from beamcam.checks.bars.machine_limits import (
     reach_faults,
     size_faults,
 )
+from beamcam.checks.bars.pieces import standing
 from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.checks.bars.stations import (
     Bore,
@@ -34,7 +35,6 @@ from beamcam.checks.bars.stations import (
     lip_length,
 )
 from beamcam.checks.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
-from beamcam.checks.bars.turned import standing
 from beamcam.checks.head import Head, head_of, part_faults, section_told, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of

@@ -28,6 +28,7 @@ from beamcam.checks.bars.pieces import (
     overlapping,
     pieces,
     planes,
+    standing,
     wedge_cuts,
 )
 from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
@@ -40,7 +41,6 @@ from beamcam.checks.bars.targets import (
     targets_of,
 )
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.checks.bars.turned import standing
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark

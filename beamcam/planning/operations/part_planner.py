@@ -15,8 +15,7 @@ from beamcam.machine.stations import Drill, Saw
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan, WorkOp
-from beamcam.model.section import NO_PLATE, OTHER_SIDE
-from beamcam.model.weight import lip_of
+from beamcam.model.section import NO_PLATE, OTHER_SIDE, lip_of
 from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart

@@ -8,7 +8,6 @@ from itertools import zip_longest
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.model.anchors import anchor_key, plane_positions
 from beamcam.model.part import Comment, Contour, Feature, Plane, SectionPoint
 from beamcam.readers.content import ENCODING
 from beamcam.readers.dstv import rules
@@ -112,6 +111,8 @@ def place_comments(
     """
     if not loose:
         return tuple(Comment(text, anchor) for _, anchor, text in placed)
+    from beamcam.model.anchors import anchor_key, plane_positions
+
     stops = _stops(blocks, features, content)
     lines = [line for line, _ in stops]
     found = list(placed)

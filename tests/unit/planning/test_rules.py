@@ -22,10 +22,11 @@ from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, p
 
 #: Of bars; sheets and copers have rules and cases of their own, and so have maps and what is left
 #: out.
+OTHERS = ("contours", "coping", "map_keys")
 RULES = [
     rule
     for module in pkgutil.walk_packages(planning.__path__, "beamcam.planning.")
-    if not module.name.startswith(("beamcam.planning.contours", "beamcam.planning.coping"))
+    if not module.name.startswith(tuple(f"beamcam.planning.{own}" for own in OTHERS))
     for rule in getattr(importlib.import_module(module.name), "RULES", ())
     if not (module.name == "beamcam.planning.left_out" and not rule.code.startswith("plan-text"))
 ]
