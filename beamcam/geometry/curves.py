@@ -335,3 +335,20 @@ def _area_beside_chord(curve: Bezier) -> float:
 
     reach = max(abs(x - x0) + abs(y - y0) for x, y in curve.points)
     return integrate(swept, floor=1e-13 * (reach + abs(x0) + abs(y0)) * reach) / 2
+
+
+HALVINGS = 40
+
+
+def parameter_at(curve: Curve, length: float) -> float:
+    """The parameter of the place so far along a curve, by bisection where its speed is uneven."""
+    if isinstance(curve, Line | Arc):
+        return length / curve.length
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if curve.split(middle)[0].length < length:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
