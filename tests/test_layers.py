@@ -40,7 +40,7 @@ STEPS = (
     ("pipeline",),
     ("machine_choice",),
     ("ways_out",),
-    ("remainder", "sheet_remainder", "rest_part"),
+    ("remainder", "rest_part"),
     ("batch", "api"),
     ("watch",),
     ("commands",),

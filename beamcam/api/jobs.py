@@ -284,7 +284,7 @@ def post(
     check_text("date", date)
     posted = post_bar(wanted, loaded, job, bar, skips, read_back, order, turn, strict, style, date)
     if from_contour is not None:
-        from beamcam.sheet_remainder import rest_of_sheet
+        from beamcam.remainder import rest_of_sheet
 
         return rest_of_sheet(posted, _contour(from_contour, loaded))
     if from_operation is None:
@@ -375,7 +375,7 @@ def verify(
         whole = program_bytes(after).decode("utf-8", "replace")
     rest, job = data.decode("utf-8", "replace"), whole_job(request, bar)
     if from_contour is not None:
-        from beamcam.sheet_remainder import faults_of_sheet_rest
+        from beamcam.remainder import faults_of_sheet_rest
 
         return faults_of_sheet_rest(rest, whole, first, job)
     return faults_of(rest, whole, first, job)

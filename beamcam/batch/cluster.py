@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from typing import Any
 
-from beamcam.batch import rules
+from beamcam.batch import SCHEDULER
 from beamcam.batch.pool import Chunk, Result
 from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
@@ -95,7 +95,7 @@ class Cluster:
         from beamcam.version import __version__
 
         return SchedulerError(
-            rules.SCHEDULER.at(
+            SCHEDULER.at(
                 Source("--scheduler"), address=self._address, found=found, version=__version__
             )
         )

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from string import Formatter
 
-from beamcam.batch.rules import OTHER_CONTENT
+from beamcam.batch import OTHER_CONTENT
 from beamcam.errors import Diagnostic
 from beamcam.machine.machine import Machine
 from beamcam.model.description import MarkFrom

@@ -16,7 +16,7 @@ from hashlib import sha256
 
 from msgspec import Struct
 
-from beamcam.batch import rules
+from beamcam.batch import KEPT, OWN_REST, RECORD, STALE, WRITE
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import MarkKey, folded, mixed_marks, other_content
 from beamcam.batch.outputs import Outputs
@@ -101,7 +101,7 @@ def recorded(
     except OSError as error:
         workers.close()
         reason = error.strerror or str(error)
-        raise BatchError(rules.WRITE.at(Source(folder), found=folder, reason=reason)) from error
+        raise BatchError(WRITE.at(Source(folder), found=folder, reason=reason)) from error
     try:
         yield record
     finally:
@@ -211,7 +211,7 @@ class Run:
         slot = Slot(index, found)
         self._slots.append(slot)
         if found.path in self._own:
-            said = rules.OWN_REST.at(Source(found.path))
+            said = OWN_REST.at(Source(found.path))
             slot.row = {**refused_row(found.path, as_message(said)), "status": "unchanged"}
             return None
         if found.path in self._mixed:
@@ -280,7 +280,7 @@ class Run:
                 except OSError as error:
                     self._keeps_record = False
                     source = Source(os.path.join(self._folder, RECORD_NAME))
-                    said = rules.RECORD.at(source, found=error.strerror or error)
+                    said = RECORD.at(source, found=error.strerror or error)
                     row["messages"].append(as_message(said))
         before = self._before.get(self._record.input_of(slot.input)) if self._before else None
         if before is not None and slot.made is not None:
@@ -353,7 +353,7 @@ class Run:
                 {output: content}, path
             )
             if said is None and not self._dry:
-                said = rules.KEPT.at(Source(path), found=output)
+                said = KEPT.at(Source(path), found=output)
             if said is not None:
                 row["messages"].append(as_message(said))
 
@@ -373,7 +373,7 @@ class Run:
             with suppress(OSError):
                 stands = os.path.lexists(os.path.join(self._folder, output))
             if stands and folded(output) not in self._claims:
-                said = rules.STALE.at(Source(slot.input.path), found=output)
+                said = STALE.at(Source(slot.input.path), found=output)
                 row["messages"].append(as_message(said))
 
 

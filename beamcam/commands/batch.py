@@ -8,10 +8,10 @@ from typing import Any
 import click
 
 from beamcam.api.shop_lists import label_lines
+from beamcam.batch import NOT_OURS, WRITE
 from beamcam.batch.find import find_inputs
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import path_from, recipe_of
-from beamcam.batch.rules import NOT_OURS, WRITE
 from beamcam.batch.run import run
 from beamcam.commands import options
 from beamcam.commands.common import (

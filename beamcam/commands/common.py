@@ -252,7 +252,7 @@ def keep_refused(output: str, pieces: Iterable[bytes], read: FilesRead) -> Itera
     """Keep a program that the read-back refused beside its output, and say where it is."""
     if output == STANDARD or (os.path.exists(output) and not os.path.isfile(output)):
         return
-    from beamcam.batch.rules import KEPT
+    from beamcam.batch import KEPT
 
     kept = output + REFUSED_SUFFIX
     if over := over_input(kept, read):

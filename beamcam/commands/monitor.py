@@ -183,7 +183,7 @@ def command(
     beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
     """
     from beamcam.setup_sheet.study_page import axes_of, monitor_page
-    from beamcam.simulation.rules import PORT
+    from beamcam.simulation import PORT
 
     try:
         machine, work = _work(parts, program, settled(asked, ()))
@@ -242,16 +242,16 @@ class Reader:
 
     def read_first(self) -> None:
         """Raises VerifyError where there is no controller, or not such registers."""
+        from beamcam.simulation import CONTROLLER
         from beamcam.simulation.modbus import Client
-        from beamcam.simulation.rules import CONTROLLER
 
         with Client(*self._host, CONTROLLER) as client:
             self._read(client)
 
     def run(self) -> None:
         """Read until the process ends."""
+        from beamcam.simulation import CONTROLLER
         from beamcam.simulation.modbus import Client
-        from beamcam.simulation.rules import CONTROLLER
 
         pause = threading.Event()
         while True:

@@ -215,8 +215,7 @@ def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | 
 
     Raises PlanError and RefusedProgram.
     """
-    from beamcam.remainder import rest_of
-    from beamcam.sheet_remainder import rest_of_sheet
+    from beamcam.remainder import rest_of, rest_of_sheet
 
     if first is None:
         assert contour is not None

@@ -219,8 +219,8 @@ def _own_encoder(machine: "Machine") -> "Encoder":
 
 def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
     """Loss of precision by an encoder, with the block of the corner with the largest error."""
+    from beamcam.simulation import PRECISION
     from beamcam.simulation.encoder import precision
-    from beamcam.simulation.rules import PRECISION
 
     study = precision(trace, encoder)
     return PRECISION.at(

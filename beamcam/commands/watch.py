@@ -6,11 +6,11 @@ from typing import Any
 
 import click
 
+from beamcam.batch import NO_END, NOTHING, WRITE
 from beamcam.batch.find import Input, find_inputs
 from beamcam.batch.names import MarkKey
 from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
-from beamcam.batch.rules import NO_END, NOTHING, WRITE
 from beamcam.batch.run import BatchError, run
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Console, Grouped, say_lines

@@ -85,6 +85,8 @@ BAR_RULES = (SYNTAX, WORD, M_QUEUE, ARC, SETTING, END)
 SHEET_RULES = (SHEET_SYNTAX, SHEET_WORD, SHEET_ARC, SHEET_SETTING, SHEET_END)
 RULES = (*BAR_RULES, *SHEET_RULES)
 
+# fmt: on
+
 
 Role = Literal[
     "saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "change", "other"

@@ -55,6 +55,8 @@ RULES = (
     BASE_LOOP, CHART, FORMER_KEY, KEY_TWICE,
 )  # fmt: skip
 
+# fmt: on
+
 
 FORMULA_NAMES = frozenset(
     {

@@ -68,6 +68,8 @@ RULES = (
     NODES_LOST,
 )
 
+# fmt: on
+
 
 STANDARD_INPUT = "-"
 _PIECE = 1 << 20

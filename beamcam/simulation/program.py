@@ -23,8 +23,8 @@ from beamcam.model.part import Part
 from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp
 from beamcam.motion.lookahead import SpeedSection
 from beamcam.motion.sheet_times import operation_seconds, place_behind
+from beamcam.simulation import ENDLESS
 from beamcam.simulation.course import ramp_intervals
-from beamcam.simulation.rules import ENDLESS
 from beamcam.simulation.trace import (
     UNIFORM,
     Chords,

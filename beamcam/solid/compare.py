@@ -18,9 +18,9 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+from beamcam.solid import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
 from beamcam.solid.kernel import Frame, kernel, minus, outline, walls
 from beamcam.solid.part_solid import part_solid, voids
-from beamcam.solid.rules import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
 from beamcam.solid.stock_solid import Margins, stock_solid
 
 if TYPE_CHECKING:

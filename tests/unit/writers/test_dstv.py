@@ -21,8 +21,7 @@ from beamcam.model.part import (
 )
 from beamcam.readers.dstv import read
 from beamcam.writers.dstv import write
-from beamcam.writers.dstv_rows import format_number
-from beamcam.writers.dstv_rules import RULES
+from beamcam.writers.dstv_rows import RULES, format_number
 
 HERE = Source("a.ifc", None, "0Lt8gR")
 PLATE = Part("P1", Profile("B", "PL10*200", 200, 0, 0, 10), 300, HERE)
