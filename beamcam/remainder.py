@@ -110,7 +110,8 @@ def what_has_to_be_true(plan: Plan, first: int, machine: Machine) -> Iterator[st
     yield f"REST FROM OPERATION {first} OF {len(plan.operations)}. START ONLY IF ALL THIS IS TRUE:"
     yield f"- OPERATIONS 1 TO {first - 1} ARE DONE, THE LAST ONE AT X {last.x:.3f}: {_called(last)}"
     if machine.saw is not None:
-        off = [plan.pieces[p].part.mark for p in _parted_off(plan, left)]
+        to_cut = {op.pieces[0] for op in left if isinstance(op, SawOp) and op.at == "end"}
+        off = [piece.part.mark for p, piece in enumerate(plan.pieces) if p not in to_cut]
         yield f"- PARTED OFF: {', '.join(off) if off else 'NOTHING YET'}"
     yield f"- THE BAR IS CLAMPED AS IT WAS AND STANDS AT X {last.x:.3f} BY THE SAME REFERENCE"
     yield "- ALL TOOLS ARE DRAWN BACK, SPINDLES AND COOLANT ARE OFF"
@@ -126,12 +127,6 @@ def _called(operation: Operation) -> str:
     if isinstance(operation, SawOp):
         return f"SAW CUT AT {operation.angle:g} DEG"
     return f"{operation.tool.name} ON FACE {' AND '.join(operation.faces)}"
-
-
-def _parted_off(plan: Plan, left: Sequence[Operation]) -> list[int]:
-    """The pieces whose ends are cut."""
-    to_cut = {op.pieces[0] for op in left if isinstance(op, SawOp) and op.at == "end"}
-    return [p for p in range(len(plan.pieces)) if p not in to_cut]
 
 
 def frame_of(posted: Posted) -> Posted:

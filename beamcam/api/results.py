@@ -68,13 +68,13 @@ def compared(a: ProgramText, b: ProgramText) -> Compared:
     if (is_sheet and said) or any(one.code in NOT_UNDERSTOOD for one in said):
         raise VerifyError(said)
     if is_sheet:
-        said = tuple(fault for one in (a, b) for fault in _alone(one))
+        said = tuple(
+            fault
+            for one in (a, b)
+            for fault in read_back(one.text, Request((), one.machine, name=one.name))
+            if fault.severity is not Severity.NOTE
+        )
     return Compared((*different, *_left_to_hand(a.text, b.text)), said)
-
-
-def _alone(program: ProgramText) -> list[Diagnostic]:
-    said = read_back(program.text, Request((), program.machine, name=program.name))
-    return [d for d in said if d.severity is not Severity.NOTE]
 
 
 def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:

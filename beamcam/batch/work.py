@@ -184,7 +184,7 @@ def make_all(tasks: Sequence[Task], shop: BatchSettings) -> list[FileResult]:
     is quicker by a sixth than one that does everything for each in turn.
     """
     budget.set_limits(shop.limits)
-    clock = shop.clock or _no_clock
+    clock = shop.clock or (lambda: 0.0)
     seconds = [0.0] * len(tasks)
     made: dict[int, FileResult] = {}
     under_way = {place: making(task, shop) for place, task in enumerate(tasks)}
@@ -241,10 +241,6 @@ def refused_row(path: str, said: Message) -> Row:
 def died(path: str) -> Row:
     """The row of a file that ended its worker."""
     return {**refused_row(path, as_message(DIED.at(Source(path)))), "status": "failed"}
-
-
-def _no_clock() -> float:
-    return 0.0
 
 
 def parts_in(task: Task, shop: BatchSettings, row: Row) -> tuple[Part, ...]:

@@ -152,7 +152,8 @@ def not_followed(config: Config) -> tuple[Diagnostic, ...]:
     keys = tuple(_more(config))
     if not keys:
         return ()
-    source = min((config.place(key, _parent(key)) for key in keys), key=lambda at: at.line or 0)
+    places = (config.place(key, key.rpartition(".")[0]) for key in keys)
+    source = min(places, key=lambda at: at.line or 0)
     folder = os.path.dirname(config.files[0]) or os.curdir
     found = ", ".join(map(repr, keys))
     return (NOT_FOLLOWED.at(source, found=found, known=", ".join(HARMLESS), folder=folder),)
@@ -176,10 +177,6 @@ def _rows_of(config: Config, key: str) -> frozenset[str]:
 
 def _is_harmless(key: str) -> bool:
     return key in HARMLESS or key.startswith("map.")
-
-
-def _parent(key: str) -> str:
-    return key.rpartition(".")[0]
 
 
 # --- remember -------------------------------------------------------------------------------------

@@ -385,7 +385,8 @@ def _stroke(
         return Polyline(f"path-{colour} trail", points, False, tip, op.line), points[0], 2.5
     at, radius = frame.at(op.x - drill_x, op.y), _radius(op, frame)
     tip += f" at x {op.x - drill_x:g}, y {op.y:g}"
-    hole = Circle(f"tool-{colour} {_noun(op)}", at, radius, tip, op.line)
+    noun = "hole" if op.kind == "drill" else op.kind
+    hole = Circle(f"tool-{colour} {noun}", at, radius, tip, op.line)
     return hole, at, 0.8 * radius + 1.2
 
 
@@ -399,10 +400,6 @@ def _written(op: StampedText, number: int, bar: BarMade, frame: Frame) -> Text:
     x = op.x - text_x(bar.machine)
     tip = f"{number}: {op.kind} {op.text!r}, {op.height:g} high, at x {x:g}, y {op.y:g}"
     return lettering("text", replace(op, x=x), frame, tip, op.line)
-
-
-def _noun(bore: Bore) -> str:
-    return "hole" if bore.kind == "drill" else bore.kind
 
 
 def _ways(bar: BarMade, view: View, paper: Paper, drill_x: float) -> Iterator[Polyline]:

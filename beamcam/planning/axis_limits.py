@@ -148,17 +148,13 @@ def refuse_bar(
         for op in operations:
             if not _is_moved_by(axis, op, machine):
                 continue
-            for x in _xs(op):
+            xs = _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
+            for x in xs:
                 if not _comes_to(x, axis, machine):
                     yield STOP.at(
                         op.source, what=_work(op, pieces), axis=axis.name, found=f"{x:.3f}",
                         expected=_range(axis),
                     )  # fmt: skip
-
-
-def _xs(op: Operation) -> tuple[float, ...]:
-    """X of an operation; of a path its minimum and maximum."""
-    return _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
 
 
 def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:

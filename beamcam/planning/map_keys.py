@@ -70,7 +70,8 @@ def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
             first.setdefault(look, feature)
             if feature.closed:
                 rings = _boxes_cut(plan) if rings is None else rings
-                inside[look] += _is_within(feature, rings)
+                x0, y0, x1, y1 = join_boxes([c.bbox for c in feature.curves]) or (0.0,) * 4
+                inside[look] += any(a < x0 and b < y0 and x1 < c and y1 < d for a, b, c, d in rings)
     for look, count in curves.items():
         contour, process, named = first[look], look[2], _look_named(*look[:2])
         if process == "mark" and inside[look] and not _is_settled(contour, torch):
@@ -92,11 +93,6 @@ def _boxes_cut(plan: SheetPlan) -> list[Box]:
             if (box := join_boxes([curve.bbox for curve in curves])) is not None:
                 found.append(box)
     return found
-
-
-def _is_within(contour: Contour, boxes: Sequence[Box]) -> bool:
-    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in contour.curves]) or (0.0,) * 4
-    return any(a < x0 and b < y0 and x1 < c and y1 < d for a, b, c, d in boxes)
 
 
 def _dashed(part: Part, torch: Torch) -> Iterator[Diagnostic]:

@@ -61,7 +61,11 @@ def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tup
     `section` says what is worked, by `SECTION_NAMES`. Raises MachineError for a body whose
     arithmetic has no value.
     """
-    pairs = [pair for pair in combinations(machine.bodies, 2) if _may_move(*pair)]
+    pairs = [
+        (one, other)
+        for one, other in combinations(machine.bodies, 2)
+        if one.carriers != other.carriers or one.turn
+    ]
     if not pairs:
         return ()
     values = section_values(section)
@@ -94,11 +98,6 @@ def looks(trace: Trace) -> Floats:
     lasts = np.diff(trace.time_s)
     found: Floats = trace.time_s[interval] + lasts[interval] * number / counts[interval]
     return np.append(found, trace.duration_s)
-
-
-def _may_move(one: Body, other: Body) -> bool:
-    """Whether two bodies move against each other at all."""
-    return one.carriers != other.carriers or bool(one.turn)
 
 
 def _placed(body: Body, trace: Trace, at: Floats, values: Mapping[str, float]) -> _Placed:

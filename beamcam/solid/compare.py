@@ -205,7 +205,8 @@ def without_left_out(
         others = [body for other, (_, body) in wide.items() if other != at]
         own = minus(narrow[at][1] ^ stock, others)
         partly = (own - fit.laid).volume() > UNTOUCHED * own.volume() + NOISE
-        if partly and not (_is_sink(feature) and "sink-depth" in skips):
+        is_sink = isinstance(feature, Hole) and feature.kind == "countersink"
+        if partly and not (is_sink and "sink-depth" in skips):
             continue
         before = sum(one.volume() for one in extra)
         extra = [lump for one in extra for lump in lumps(one - taken)]
@@ -222,10 +223,6 @@ def _by_feature(part: Part, margins: Margins) -> "dict[int, tuple[Feature, Manif
         at = numbers[id(feature)]
         found[at] = feature, (found[at][1] + body if at in found else body)
     return found
-
-
-def _is_sink(feature: Feature) -> bool:
-    return isinstance(feature, Hole) and feature.kind == "countersink"
 
 
 def left_out(feature: Feature, volume: float, name: str) -> Diagnostic:

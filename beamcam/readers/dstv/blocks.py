@@ -225,16 +225,11 @@ def guessed(data: bytes) -> str:
     words = [word for word in _WORD.findall(data) if not word.isascii()]
     odd = sum(sum(sign >= 0x80 for sign in word) for word in words)
     cyrillic = sum(len(word) for word in words if _CYRILLIC.fullmatch(word))
-    dos = sum(
-        sum(sign in _DOS_LETTERS for sign in word) for word in words if _has_plain_letters(word)
-    )
+    mixed = (word for word in words if any(sign < 0x80 for sign in word))
+    dos = sum(sum(sign in _DOS_LETTERS for sign in word) for word in mixed)
     if 2 * cyrillic > odd:
         return "cp1251"
     return "cp850" if 2 * dos > odd else "latin-1"
-
-
-def _has_plain_letters(word: bytes) -> bool:
-    return any(sign < 0x80 for sign in word)
 
 
 def _first_odd(data: bytes, encoding: str) -> int:
