@@ -11,7 +11,7 @@ from beamcam.model.part import Part
 from beamcam.pictures.scene import Scene, Unit
 
 if TYPE_CHECKING:
-    from beamcam.pictures.bar import BarMade
+    from beamcam.pictures.bar_made import BarMade
     from beamcam.pictures.coper import CoperProgram
     from beamcam.pictures.table import TableMade
     from beamcam.simulation.program import Simulated
@@ -89,7 +89,7 @@ def bar_made(program: ReadProgram) -> "BarMade":
     """What a program for bars makes. Raises VerifyError for one that cannot be understood."""
     from beamcam.checks.bars import run, section_said
     from beamcam.controllers.dialect import ARC, SYNTAX, WORD
-    from beamcam.pictures.bar import BarMade
+    from beamcam.pictures.bar_made import BarMade
 
     machine = program.machine
     profile = program.parts[0].profile if program.parts else None

@@ -8,7 +8,8 @@ from msgspec import Struct
 
 from beamcam.checks.bars.stations import Bore, Cut, StampedText, Thing
 from beamcam.geometry.array_types import Counts, Flags
-from beamcam.pictures.bar import BarMade, order_numbers
+from beamcam.pictures.bar import order_numbers
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import SteelDepths
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulation.trace import Trace

@@ -6,7 +6,7 @@ header, verdict, hash -> playback with the program's text -> pictures -> operati
 from typing import Any
 
 from beamcam.checks.asked import BY_HAND
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.scene import SPEED_COLOURS, css
 from beamcam.pictures.svg import inline_svg
 from beamcam.planning.coping.rules import ROUNDED

@@ -23,7 +23,7 @@ from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Spindle
 from beamcam.machine.words import Formula
 from beamcam.model.part import Profile
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text
