@@ -107,7 +107,6 @@ NONE_MAKES_IT = error("plan-no-machine",
     "Each machine that was tried is listed with the codes of what it cannot make. The messages "
     "above are those of the machine that lacks least. `beamcam codes CODE` explains a code and the "
     "ways out.")  # fmt: skip
-RULES = (CHOSEN, NONE_MAKES_IT)
 
 
 class InTurn(Sequence[Machine]):

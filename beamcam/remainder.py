@@ -172,7 +172,6 @@ LINKED = error("plan-contour-linked",
     "found contour {found}, which the torch goes on to from the one before; expected {expected}, "
     "where it pierces",
     "A chain of parts is cut in one go, and begins with its first part.")  # fmt: skip
-RULES = (OPERATION, CONTOUR, LINKED)
 
 
 def rest_of_sheet(posted: Posted, first: int) -> Posted:

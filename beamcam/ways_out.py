@@ -47,7 +47,6 @@ NO_WAY_TO_READ = note("read-no-way-out",
     "found no way out: no option reads the file as it stands; expected it corrected where the "
     "messages say",
     "Whoever wrote the file has to export it again; a guess would make another part.")  # fmt: skip
-RULES = (WAYS_OUT, NO_WAY_OUT, UNTRIED, WAYS_TO_READ, NO_WAY_TO_READ)
 #: Options of the readers, as on a command line and as they take them, by the file's format.
 _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
     "dxf": (("--units mm", {"units": "mm"}), ("--units in", {"units": "in"})),

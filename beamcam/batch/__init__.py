@@ -78,9 +78,3 @@ SCHEDULER = error("batch-scheduler",
     "found no cluster that works at {address} ({found}); expected a Dask scheduler with workers "
     "that have beamcam {version}",
     "Install the extra `dask` here, and the same beamcam on every worker.")
-
-RULES = (
-    NOTHING, LOOP, FOLDER, NO_PART, SAME_NAME, OTHER_CONTENT,
-    STALE_SHARE, OVER_INPUT, LINK, NOT_OURS, NO_END,
-    WRITE, KEPT, OWN_REST, RECORD, STALE, DIED, INTERNAL, SCHEDULER,
-)  # fmt: skip

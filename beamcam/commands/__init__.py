@@ -79,9 +79,3 @@ NOTHING = error("check-nothing",
     "found no program to compare; expected what `batch` wrote, or a folder with the name of a "
     "machine",
     "The folder is empty, is another one, or all of its programs are strays.")
-
-RULES = (
-    OUTPUT_FORMAT, ONE_PART, NO_PART, CANNOT_WRITE, OVER_INPUT, SECTION, RENAMED, WRITTEN,
-    MORE_BARS, UNKNOWN_CODE, MISSING_EXTRA, ACCOUNT, SETTINGS, MACHINE_ELSEWHERE,
-    NO_SAMPLE, GONE, NEW, UNKNOWN, NOTHING,
-)  # fmt: skip

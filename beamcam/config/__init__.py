@@ -60,8 +60,3 @@ NOT_REPEATED = error("config-trust-record",
     "it by --trust {folder}",
     "The record lies in the folder that is checked. If it were followed, the folder's author would "
     "choose the machine that its programs are compared by.")
-
-RULES = (
-    UNREADABLE, NOT_TOML, UNKNOWN_KEY, WRONG_VALUE, NO_DRILL, TWO, UNUSED, NOT_FOLLOWED,
-    NOT_REPEATED,
-)  # fmt: skip

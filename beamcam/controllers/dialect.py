@@ -81,9 +81,7 @@ BY_STOCK: dict[Literal["beam", "sheet", "profile"], ProgramRules] = {
     "profile": _BARS,
     "sheet": ProgramRules(SHEET_SYNTAX, SHEET_WORD, SHEET_ARC, SHEET_SETTING, SHEET_END),
 }
-BAR_RULES = (SYNTAX, WORD, M_QUEUE, ARC, SETTING, END)
 SHEET_RULES = (SHEET_SYNTAX, SHEET_WORD, SHEET_ARC, SHEET_SETTING, SHEET_END)
-RULES = (*BAR_RULES, *SHEET_RULES)
 
 # fmt: on
 

@@ -50,10 +50,6 @@ KEY_TWICE = error("machine-key-twice",
     "found {found!r}, the older name of {expected!r}, beside it; expected one of them",
     "Two names of one key could have two values. Remove the older one.")
 
-RULES = (
-    UNKNOWN_MACHINE, NAME_TWICE, NOT_TOML, UNKNOWN_KEY, MISSING_KEY, WRONG_VALUE, WORD,
-    BASE_LOOP, CHART, FORMER_KEY, KEY_TWICE,
-)  # fmt: skip
 
 # fmt: on
 

@@ -128,8 +128,6 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
 _JSON_WORDS = {"a table": "an object {...}", "a list": "a list [...]"}
 
-JSON_OBJECT_RULES = (JSON_TYPE, JSON_VALUE, JSON_KEY_MISSING, JSON_KEY_UNKNOWN)
-
 
 # --- function json --------------------------------------------------------------------------------
 
@@ -232,7 +230,6 @@ JSON_TANGENT_CHOICE = error("json-tangent-choice",
     "found {count} circles that touch, {circles}; expected `near`, a point whose nearest centre is "
     "the one that is meant",
     "Which of several circles is meant only the drawing knows.")  # fmt: skip
-CURVE_RULES = (JSON_CURVE, JSON_NO_TANGENT, JSON_TANGENT_CHOICE)
 
 
 def curve_to_json(curve: Curve) -> dict[str, Any]:

@@ -19,5 +19,3 @@ SECTION = error("picture-section",
     "found the section {found} in the program's head; expected one of the catalogue, or the part: "
     "plot PART --show program --machine {machine}",
     "Where the torch is over the steel depends on the section, which a program does not say.")
-
-RULES = (NEEDS, SECTION)

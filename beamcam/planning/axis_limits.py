@@ -40,7 +40,6 @@ STOP = error("plan-stop",
     "found {what} that takes the {axis} to {found}; expected {expected}",
     "The position of a part on the bar decides how far the bar has to move; with a longer front "
     "trim, another order or a shorter bar it may be within reach.")  # fmt: skip
-RULES = (STROKE, AXIS, STOP)
 
 
 class Beyond(Struct, frozen=True):

@@ -29,7 +29,6 @@ HAND = error("machine-hand",
     "that is taken for its mirror image drills every hole off its middle on the wrong side. If "
     "each of these spindles counts its axis by itself and the sentences are right, nothing is "
     "wrong.")  # fmt: skip
-RULES = (HAND,)
 
 FROM_EDGE, FROM_START = 30.0, 100.0  #: mm of the hole that is held up
 #: A section of each kind that lines take, by their DSTV codes.

@@ -159,6 +159,3 @@ def _by_hand(plan: AnyPlan, outcome: Outcome) -> Diagnostic:
     piece, index = outcome.feature
     feature = plan.pieces[piece].part.features[index]
     return BY_HAND.at(feature.source, what=description(feature), why=REASONS[outcome.by_hand])
-
-
-RULES = (LEFT_OUT, BY_HAND, TEXT_MOVED, TEXT_SIGN, TEXT_HEIGHT, TEXT_SEARCH)

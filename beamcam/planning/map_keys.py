@@ -41,7 +41,6 @@ UNMATCHED = error("plan-map-key",
 IDLE = note("plan-map-idle",
     "found no curve of colour or layer {found} in any drawing",
     "A key of the map that nothing in the whole run matches may be misspelt.")  # fmt: skip
-RULES = (NOT_CUT, CLOSED_MARK, DASHED, UNMATCHED, IDLE)
 
 
 def map_remarks(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:

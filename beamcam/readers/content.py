@@ -53,20 +53,6 @@ NODES_LOST = error("polynomial-lost",
     "{expected:g} mm; take fewer nodes",
     "Its values cancel each other until no digit of them is left.")
 
-RULES = (
-    EMPTY,
-    UNKNOWN_FORMAT,
-    CORELDRAW,
-    OTHER_FORMAT,
-    PROGRAM,
-    UNREADABLE,
-    FOLDER,
-    NOT_A_FILE,
-    ZEROS,
-    ENCODING,
-    OSCILLATION,
-    NODES_LOST,
-)
 
 # fmt: on
 

@@ -87,11 +87,6 @@ CORNER = error("recover-corner",
     "What is cut round a corner of a rectangular tube is given as contours of the faces beside it, "
     "which have to go on over it.")
 
-RULES = (
-    NO_PIECE, FACES, PROFILE, CATALOGUE, PATH, SHEET, FITTED, KERF, CROWDED, BY_HAND, LEFT_OUT,
-    UNNAMED, TILTED, COMES_CUT, NOT_PARTED, REFITTED, ROUNDED,
-    CORNER,
-)
 
 # fmt: on
 

@@ -44,5 +44,3 @@ REGISTER = error("simulate-register",
     "found {axis} at {found}, beyond its register; expected {expected} at the scale {scale}",
     "A position that overflows its register would be shown elsewhere. Take a larger "
     '`modbus.scale`, or `modbus.values = "int32"` or "float".')
-
-RULES = (LIMIT, REACH, COLLISION, TIPS, ENDLESS, PRECISION, MODBUS, CONTROLLER, PORT, REGISTER)

@@ -56,6 +56,3 @@ SQUARE = note("solid-square",
     "Wedges of bevels and of ends that are skew through a wall stand on the list of manual work. A "
     "hole of a round tube is as wide as a drill through the axis makes it outside, and narrower "
     "inside. Wedges of a tube's bevels are not computed.")
-RULES = (
-    NO_KERNEL, NO_SOLID, NO_MACHINE, PIECES, SIZE, MISSING, EXTRA, HAND, LEFT_OUT, ROUNDED, SQUARE,
-)

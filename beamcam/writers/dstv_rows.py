@@ -56,15 +56,6 @@ WRITE_COMMENT = error("dstv-write-comment",
     "found a comment at {found!r}, expected a place that the part has",
     "A comment whose place is not there would be lost.")
 
-RULES = (
-    WRITE_TEXT,
-    WRITE_CURVE,
-    WRITE_CONTOUR,
-    WRITE_BEVELS,
-    WRITE_FACE,
-    WRITE_PLANE,
-    WRITE_COMMENT,
-)
 
 # fmt: on
 

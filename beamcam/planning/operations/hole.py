@@ -50,7 +50,6 @@ BLIND_POINT = warning("plan-blind-point",
     "found {what} of depth {found} at x {x}, y {y} on face {face}; its point comes {out} mm "
     "through the wall of {expected} mm",
     "The depth counts to the full diameter, and the drill's point goes beyond it.")  # fmt: skip
-RULES = (DUPLICATE, BLIND_POINT)
 REASONS = {
     "drill-exact": "a drill of exactly the diameter",
     "drill-nearest": "no drill of exactly the diameter; the nearest one within the tolerance",

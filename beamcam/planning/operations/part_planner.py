@@ -248,6 +248,3 @@ class Kind(Struct, frozen=True):
     reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
     #: What might have been done instead of an operation, and why it was not.
     rejected: Callable[[WorkOp, Plan, Machine], Iterator[str]] = nothing
-
-
-RULES = (FROM_BEHIND, ANGLE_FACE, OFF_FACE, IN_THE_WAY)

@@ -137,7 +137,6 @@ LINE_BEYOND = warning("plan-line-beyond",
     "found a line to mark on face {face} that goes {out} mm beyond {where}; expected it on the "
     "finished part",
     "What is scribed beyond the part is scribed on waste, or in the air.")  # fmt: skip
-RULES = (LINE_BEYOND,)
 REASONS = {"scribe-line": "a line that is marked and not cut"}
 
 

@@ -272,9 +272,6 @@ CONTOUR = Kind(
 )
 
 
-RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH, COPE, CUTOUT)
-
-
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
 SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at any corner
 

@@ -28,7 +28,6 @@ CROWD = error("plan-slot-crowd",
     "{expected} on a part",
     "So many slots do not stand beside each other on a wall: they are a drawing that was written "
     "again and again. Nothing else is said of them.")  # fmt: skip
-RULES = (CROWD,)
 MOST_PAIRS = 100_000  #: that are compared, 3 s
 
 Shape = tuple[int, Hole | Slot]  #: index of the feature, on the face that it is made from

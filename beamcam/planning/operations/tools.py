@@ -223,7 +223,6 @@ THREAD_DEPTH = error("plan-thread-depth",
     "found a thread of depth {found} on face {face}; expected at most {expected}, the tapping "
     "drill would come through",
     "The drill before a blind tap goes deeper than the thread by the tap's run-out.")  # fmt: skip
-RULES = (NO_PILOT, SINK_DEPTH, THREAD_DEPTH)
 
 
 class HoleWork(Struct, frozen=True):

@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import hypot
 from pathlib import PurePath
 
-from beamcam.errors import Diagnostic, Rule, Source, error, note, warning
+from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.geometry.conics import direction_deg
 from beamcam.geometry.curves import (
     Arc,
@@ -64,10 +64,6 @@ WRAPPED = note("drawing-wrapped",
     "taken as the unrolled outside of {tube}{how}: x along it, y round it from its lowest line",
     "This is what --wrap asked for. All that is closed is cut out; --layers leaves other lines.")
 
-RULES: tuple[Rule, ...] = (
-    UNITS_OPTION, WIDTH_OPTION, LAYER_OPTION, NO_CURVES, TOO_LARGE, FIT_LAYER, FIT_NODES, FITTED,
-    WRAP_NAME, WRAP_WIDE, WRAPPED,
-)  # fmt: skip
 
 # fmt: on
 

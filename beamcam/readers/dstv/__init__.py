@@ -35,10 +35,9 @@ from beamcam.readers.dstv.rows import (
     read_text,
     read_tolerance,
 )
-from beamcam.readers.dstv.rules import RULES
 from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 
-__all__ = ["RULES", "Account", "looks_like", "read", "read_with_account"]
+__all__ = ["Account", "looks_like", "read", "read_with_account"]
 
 
 #: What stands before the rows of features that are there, and what says that the ends are.
