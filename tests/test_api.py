@@ -344,7 +344,7 @@ CALLED = {
     "list", "labels",
 ])  # fmt: skip
 def test_what_a_command_takes_can_be_asked_from_python(command: str) -> None:
-    from beamcam.api.jobs import ReadOptions, SheetOptions
+    from beamcam.api.inputs import ReadOptions, SheetOptions
 
     function = getattr(api, {"inspect": "read", "list": "lists"}.get(command, command))
     names = {*signature(function).parameters, *ReadOptions.__annotations__, "map"}

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import StampedText
+from beamcam.checks.bars.stations import StampedText
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Spindle
 from beamcam.machine.words import Formula
 from beamcam.model.part import Profile
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text

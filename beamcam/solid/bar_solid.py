@@ -20,6 +20,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
 from beamcam.machine.words import FORMULA_NAMES
 from beamcam.model.part import Part, Profile
+from beamcam.solid import NO_MACHINE
 from beamcam.solid.kernel import (
     CHORD,
     FREE,
@@ -33,7 +34,6 @@ from beamcam.solid.kernel import (
     turned,
     walls,
 )
-from beamcam.solid.rules import NO_MACHINE
 from beamcam.solid.stock_solid import ALONG
 
 if TYPE_CHECKING:

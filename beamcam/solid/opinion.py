@@ -14,6 +14,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.stations import ToolKind
 from beamcam.model.part import Part
 from beamcam.model.request import Request
+from beamcam.solid import NO_MACHINE, PIECES
 from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
 from beamcam.solid.compare import (
     ALIKE,
@@ -29,7 +30,6 @@ from beamcam.solid.compare import (
 from beamcam.solid.copers import coper_faults
 from beamcam.solid.kernel import CHORD, kernel
 from beamcam.solid.plates import sheet_faults
-from beamcam.solid.rules import NO_MACHINE, PIECES
 from beamcam.solid.stock_solid import Margins
 
 if TYPE_CHECKING:

@@ -20,7 +20,6 @@ from beamcam.checks.bars.machine_limits import (
     shape_of,
     steel_faults,
 )
-from beamcam.checks.bars.machined_features import MachinedFeatures
 from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
 from beamcam.checks.bars.pieces import (
     Candidate,
@@ -29,10 +28,11 @@ from beamcam.checks.bars.pieces import (
     overlapping,
     pieces,
     planes,
+    standing,
     wedge_cuts,
 )
 from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
-from beamcam.checks.bars.stations import Choice
+from beamcam.checks.bars.stations import Choice, MachinedFeatures
 from beamcam.checks.bars.targets import (
     Pocket,
     Round,
@@ -41,7 +41,6 @@ from beamcam.checks.bars.targets import (
     targets_of,
 )
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.checks.bars.turned import standing
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark

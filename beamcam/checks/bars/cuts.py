@@ -8,7 +8,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.machined_features import Cut
+from beamcam.checks.bars.stations import Cut
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.machine import Machine

@@ -14,9 +14,8 @@ from msgspec import Struct
 from beamcam.caches import PerObject
 from beamcam.checks import rules as rules
 from beamcam.checks.bars.cuts import End
-from beamcam.checks.bars.machined_features import Cut, MachinedFeatures, MachinedPath
 from beamcam.checks.bars.pieces import LaidPart
-from beamcam.checks.bars.stations import limits_of, lip_length
+from beamcam.checks.bars.stations import Cut, MachinedFeatures, MachinedPath, limits_of, lip_length
 from beamcam.checks.bars.targets import PLAIN_KINDS, THREADS, Pocket, Round, Target, slot_corners
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Layout, Machine

@@ -14,7 +14,7 @@ from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.working_step import Said
+from beamcam.planning.operations.tools import Said
 
 # --- merging --------------------------------------------------------------------------------------
 
@@ -186,7 +186,6 @@ CROWD = error("plan-hole-crowd",
     "of them about this one; expected at most {expected}",
     "So many holes do not stand beside each other on a wall: they are a drawing that was written "
     "again and again. Nothing else is said of them.")  # fmt: skip
-RULES = (OVERLAP, TOO_NEAR, CROWD)
 MOST_PAIRS = (
     2_000_000  #: that are compared; 20,000 holes of 18 mm all over a bar of 12 m have 1 of 2
 )

@@ -23,7 +23,7 @@ from beamcam.model.section import corners
 from beamcam.planning import rules
 from beamcam.planning.operations.ends import End, Ends, leaves_stock
 from beamcam.planning.operations.part_planner import Kind, Numbered, PartPlanner, nothing
-from beamcam.planning.operations.working_step import Found, Settled
+from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
 SAW_ANGLE = error("plan-saw-angle",
@@ -260,9 +260,9 @@ def _leaves_bevel(bevel_deg: float, face: Face, ends: Ends) -> bool:
     )
 
 
-def _sawn_contours(contours: Sequence[tuple[int, Contour]], _: PartPlanner) -> Iterator[Found]:
+def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
     """None: the cuts at the ends make them all."""
-    return (Settled(f, "made", "saw") for f, _ in contours)
+    return (Settled(f, "made", "saw") for f, _ in features)
 
 
 CONTOUR = Kind(
@@ -270,11 +270,8 @@ CONTOUR = Kind(
     lambda feature: isinstance(feature, Contour) and feature.process == "cut",
     _cut_out,
     _unsawn,
-    _sawn_contours,
+    _sawn,
 )
-
-
-RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH, COPE, CUTOUT)
 
 
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
@@ -282,22 +279,13 @@ SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at
 
 
 def _beyond_saw(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diagnostic | None:
-    if isinstance(feature, EndPlane) and _is_end_plane(feature, planner):
-        return None
+    """What no saw makes; a plane that is that of the part's start or end is made."""
+    if isinstance(feature, EndPlane):
+        end = planner.ends[feature.normal[0] > 0]
+        places = corners(planner.part.profile, planner.part.section)
+        if all(abs(feature.x(y, z) - end.x(y, z)) <= SAME_PLANE for y, z in places):
+            return None
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-def _is_end_plane(plane: EndPlane, planner: PartPlanner) -> bool:
-    """Whether a plane is that of the start or the end of the part."""
-    start, end = planner.ends
-    places = corners(planner.part.profile, planner.part.section)
-    one = end if plane.normal[0] > 0 else start
-    return all(abs(plane.x(y, z) - one.x(y, z)) <= SAME_PLANE for y, z in places)
-
-
-def _sawn_planes(planes: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
-    """None: the cuts at the ends make them."""
-    return (Settled(f, "made", "saw") for f, _ in planes)
-
-
-OTHER = Kind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn_planes)
+OTHER = Kind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn)

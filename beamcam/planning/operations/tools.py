@@ -11,16 +11,18 @@ near; which of them is taken is settled over the whole bar (`planning.beam`):
 
 from collections.abc import Iterable, Mapping
 from math import radians, tan
-from typing import cast
+from typing import Literal, cast
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.errors import Rule, error
+from beamcam.errors import Diagnostic, Rule, Source, error
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine, drill_of
 from beamcam.machine.stations import FLAT_DEG, Drill, Fit, Tool, ToolKind, ToolSet
 from beamcam.model.part import Face, HoleKind
+from beamcam.model.plan import Typed
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 
 Tools = tuple[Tool, ...]  #: equally good ones, the nearest first
@@ -223,7 +225,6 @@ THREAD_DEPTH = error("plan-thread-depth",
     "found a thread of depth {found} on face {face}; expected at most {expected}, the tapping "
     "drill would come through",
     "The drill before a blind tap goes deeper than the thread by the tap's run-out.")  # fmt: skip
-RULES = (NO_PILOT, SINK_DEPTH, THREAD_DEPTH)
 
 
 class HoleWork(Struct, frozen=True):
@@ -363,3 +364,33 @@ def _nearest_tools(library: ToolLibrary, hole: HoleWork) -> str:
         return f"a hole near a drill of {shown}"
     limits = f"{diameter - fit.minus:g} to {diameter + fit.plus:g}"
     return f"a drill of {limits} (drill.fits); the nearest are {shown}"
+
+
+# --- working steps --------------------------------------------------------------------------------
+
+# Work at a place of a part, by a spindle or by what letters; other outcomes of a feature.
+
+
+class WorkingStep(Struct, frozen=True):
+    """One operation of a spindle, at its place on the part (the workingstep of ISO 14649)."""
+
+    x: float
+    y: float
+    tooling: Tooling
+    features: tuple[int, ...]  #: those of the part that it makes
+    source: Source
+    path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
+    text: Typed | None = None  #: that a stamp or printer is told
+
+
+class Settled(Struct, frozen=True):
+    """A feature that needs no working step of its own."""
+
+    feature: int
+    how: Literal["made", "duplicate", "listed"]
+    by: str  #: "saw", why it is left for manual work, or the code that says why
+    like: int | None = None  #: the feature that it repeats
+
+
+Said = tuple[int, Diagnostic]  #: a message about a feature, by its index
+Found = WorkingStep | Settled | Said

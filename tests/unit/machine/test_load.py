@@ -8,15 +8,15 @@ import pytest
 
 from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
-from beamcam.machine import load, settings, shipped
+from beamcam.machine import load, settings, shipped, words
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
-from beamcam.machine.rules import RULES
 from beamcam.machine.toml import line_of
 from beamcam.machine.words import Formula, as_formula
 from beamcam.machine_proof import load_proved
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
+from tests.conftest import rules_of
 from tests.unit.planning.shop import hole, part
 
 
@@ -272,7 +272,7 @@ def test_every_rule_is_shown_above() -> None:
         "machine-former-key", "machine-key-twice", "machine-name-twice", "machine-word",
         "machine-chart",
     }  # fmt: skip
-    assert {code for _, code, _ in BAD} | others == {rule.code for rule in RULES}
+    assert {code for _, code, _ in BAD} | others == {rule.code for rule in rules_of(words)}
 
 
 def test_message_names_the_line(tmp_path: Path) -> None:
