@@ -7,7 +7,7 @@ from typing import Any
 from msgspec import Struct, field
 
 from beamcam.caches import cached
-from beamcam.model import weight
+from beamcam.model import section
 from beamcam.model.part import Profile
 from beamcam.readers.ifc.entities import Entity, Model, tied
 
@@ -234,10 +234,10 @@ def named(profile: Profile, labels: Iterable[str]) -> tuple[str, list[str]]:
 
 
 def _contradicts(label: str, profile: Profile) -> bool:
-    known = weight.measures_of(label)
+    known = section.measures_of(label)
     if known is not None:
         # Measures of angles and tubes do not say which side is up.
-        return known[0] != profile.code or weight.difference(profile, known[1]) > SIZE_OFF
+        return known[0] != profile.code or section.difference(profile, known[1]) > SIZE_OFF
     said = _said_measures(label)
     if profile.code not in ("B", "RO", "M", "L") or len(said) < 2 or max(said) < LARGEST_INCHES:
         return False
@@ -266,7 +266,7 @@ def _said_measures(label: str) -> tuple[float, ...]:
 
 def name_of(profile: Profile) -> str:
     """The catalogue's name of a section, or one of its measures: I300x150x7.1x10.7, PL10x200."""
-    if (known := weight.name_of(profile)) is not None:
+    if (known := section.name_of(profile)) is not None:
         return known
     p = profile
     sizes = p.height, p.width, p.flange_thickness, p.web_thickness or 0
