@@ -187,13 +187,16 @@ def _built_stock(model: Model, element: Entity, frame: Frame) -> BareStock:
 def form_of(model: Model, element: Entity) -> Hashable:
     """Key of an element's class, its solid and its openings, in its own coordinates.
 
-    Equal to the last digit or not equal. Raises Unreadable or RecursionError.
+    Equal to the last digit or not equal; the element itself where it cannot be told.
     """
-    openings = tuple(
-        (relative_placement(model, element, one), *_solids(model, one))
-        for one in features_of(element, "openings")
-    )
-    return element.type.name, *_solids(model, element), openings
+    try:
+        openings = tuple(
+            (relative_placement(model, element, one), *_solids(model, one))
+            for one in features_of(element, "openings")
+        )
+        return element.type.name, *_solids(model, element), openings
+    except (Unreadable, RecursionError):
+        return element
 
 
 def _solids(model: Model, element: Entity) -> list[int]:

@@ -228,10 +228,8 @@ def _log() -> tuple[str, ...]:
 
 
 def load(model: Model) -> Any:
-    """The file as ifcopenshell has it open. Raises Unreadable if it does not open it."""
+    """The file as ifcopenshell has it open, with its geometry kernel at hand."""
     _kernel()
-    if model.file.opened is None:
-        raise Unreadable(f"a file that the kernel does not read ({model.file.why_not})")
     return model.file.opened
 
 

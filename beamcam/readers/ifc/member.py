@@ -14,7 +14,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Part
 from beamcam.model.request import Options, Selection
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import marks, rules
 from beamcam.readers.ifc.body import Body, Swept, body_of, refuse_bent
 from beamcam.readers.ifc.checks import (
     STEEL,
@@ -37,18 +37,6 @@ from beamcam.readers.ifc.entities import (
 from beamcam.readers.ifc.finish import Shaped
 from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.kernel import load
-from beamcam.readers.ifc.marks import (
-    Data,
-    assembly_of,
-    data_of,
-    grade_of,
-    labels_of,
-    mark_of,
-    material_of,
-    name_of,
-    named,
-    not_steel,
-)
 from beamcam.readers.ifc.opening import elements_of, open_file
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.space import IDENTITY
@@ -85,13 +73,17 @@ class Member(Struct, frozen=True):
 
     element: Entity
     source: Source
-    data: Data
+    data: marks.Data
     mark: str
     assembly: str
 
 
 class KernelNeeded(Exception):
     """A member that only the kernel understands, where it may not build."""
+
+
+class LeftOut(Exception):
+    """An element that is no steel member; the text says what it is, none that it is not chosen."""
 
 
 class Members(Struct):
@@ -127,8 +119,7 @@ class Members(Struct):
     def prepare(self) -> None:
         """Work out what the members have in common, so that processes need not each do so."""
         if self.options.kernel:
-            with suppress(Unreadable):
-                load(self.model)
+            load(self.model)
         first = replace(self, options=replace(self.options, kernel=False), taken=Taken())
         first.may_build = False
         with suppress(KernelNeeded):
@@ -143,7 +134,8 @@ class Members(Struct):
         self.taken = Taken()
         member = self._known(self.elements[place])
         self._is_selected(member)
-        self._refuse(rules.KERNEL_DIED.at(member.source))
+        self.taken.said.append(rules.KERNEL_DIED.at(member.source))
+        self.taken.verdicts["refused"] += 1
         return self.taken
 
     def share(self, places: Iterable[int]) -> Taken:
@@ -156,33 +148,36 @@ class Members(Struct):
         return taken
 
     def _whole_member(self, element: Entity) -> tuple[Part, Shaped] | None:
-        """As `_member`; a file that is not well formed refuses the member and no other."""
-        before, source = self.taken.verdicts.total(), Source(self.name, where=element.guid)
+        """As `_member`, counted; a file that is not well formed refuses the member and no other."""
+        source, taken = Source(self.name, where=element.guid), self.taken
+        verdict = "refused"
         begin_member()
         try:
-            return self._member(self._known(element))
+            part, shaped, against = self._member(self._known(element))
+            taken.said += against
+            if not any(d.severity is Severity.ERROR for d in against):
+                taken.verdicts["read"] += 1
+                return part, shaped
+        except LeftOut as reason:
+            verdict = "left_out" if (what := str(reason)) else "unselected"
+            if what:
+                taken.left_out[what, element.is_a()] += 1
         except Unreadable as reason:
-            self._refuse(reason.rule.at(source, found=str(reason)))
+            taken.said.append(reason.rule.at(source, found=str(reason)))
         except OverTimeError:
-            self._refuse(MEMBER.at(source, expected=f"{limits().member_s:g} s of the processor"))
+            expected = f"{limits().member_s:g} s of the processor"
+            taken.said.append(MEMBER.at(source, expected=expected))
         except (*NOT_WELL_FORMED, ShapelyError) as fault:
-            if self.taken.verdicts.total() != before:
-                raise  # it was counted already, so that the fault is ours
             found = f"data that are not well formed ({type(fault).__name__}: {fault})"
-            self._refuse(rules.GEOMETRY.at(source, found=found))
+            taken.said.append(rules.GEOMETRY.at(source, found=found))
+        taken.verdicts[verdict] += 1
         return None
 
-    def _refuse(self, reason: Diagnostic) -> None:
-        self.taken.said.append(reason)
-        self.taken.verdicts["refused"] += 1
-
-    def _leave_out(self, what: str, element: Entity) -> None:
-        self.taken.left_out[what, element.is_a()] += 1
-        self.taken.verdicts["left_out"] += 1
-
     def _known(self, element: Entity) -> Member:
-        data, source = data_of(self.model, element), Source(self.name, where=element.guid)
-        return Member(element, source, data, mark_of(element, data), assembly_of(element, data))
+        data, source = marks.data_of(self.model, element), Source(self.name, where=element.guid)
+        return Member(
+            element, source, data, marks.mark_of(element, data), marks.assembly_of(element, data)
+        )
 
     def _is_selected(self, member: Member) -> bool:
         """Whether a member is selected; its names are noted."""
@@ -200,20 +195,21 @@ class Members(Struct):
             meant &= not chosen or not chosen.isdisjoint(names_of(key, name))
         return meant
 
-    def _member(self, member: Member) -> tuple[Part, Shaped] | None:
-        """The part of one element, if it is selected and steel. Raises Unreadable."""
+    def _member(self, member: Member) -> tuple[Part, Shaped, list[Diagnostic]]:
+        """The part of an element that is selected and steel, and what there is against it.
+
+        Raises LeftOut or Unreadable.
+        """
         element = member.element
         if not self._is_selected(member):
-            self.taken.verdicts["unselected"] += 1
-            return None
-        material = material_of(self.model, element)
-        what = not_steel(material)
+            raise LeftOut
+        material = marks.material_of(self.model, element)
+        what = marks.not_steel(material)
         if what is None and element.Representation is None:
             accessory = element.is_a("IfcDiscreteAccessory")
             what = f"{'accessories' if accessory else 'elements'} without geometry"
         if what is not None:
-            self._leave_out(what, element)
-            return None
+            raise LeftOut(what)
         body: Body | None = None
         try:
             body = body_of(self.model, element)
@@ -224,17 +220,10 @@ class Members(Struct):
             raise Unreadable(f"a length of {shaped.length:g} mm")
         thick = shaped.section.code in ("B", "RU") and shaped.section.width > SOLID_STEEL
         if thick and not material:
-            self._leave_out("solid sections without a material", element)
-            return None
+            raise LeftOut("solid sections without a material")
         profile = body.base.profile if body is not None and isinstance(body.base, Swept) else None
         part = self._part(member, material, shaped, profile)
-        against = self._against(member, body, part, shaped, profile)
-        self.taken.said += against
-        if any(d.severity is Severity.ERROR for d in against):
-            self.taken.verdicts["refused"] += 1
-            return None
-        self.taken.verdicts["read"] += 1
-        return part, shaped
+        return part, shaped, self._against(member, body, part, shaped, profile)
 
     def _against(
         self, member: Member, body: Body | None, part: Part, shaped: Shaped, profile: Entity | None
@@ -255,7 +244,7 @@ class Members(Struct):
         """The member by its definition. Raises Unreadable."""
         if isinstance(body.base, Swept):
             return read_swept(self.model, member.element, body, member.source)
-        form = self._form(member.element)
+        form = form_of(self.model, member.element)
         if form not in self.shells:  # a model has most of its accessories many times
             try:
                 cutters = body.cutters(self.model, IDENTITY)
@@ -296,13 +285,13 @@ class Members(Struct):
     def _part(self, member: Member, material: str, shaped: Shaped, profile: Entity | None) -> Part:
         section, source, data = shaped.section, member.source, member.data
         bare, flat = section.profile(""), section.code == "B"  # whose weight is in kg/m2
-        label, wrong = named(bare, labels_of(self.model, member.element, profile, data))
+        label, wrong = marks.named(bare, marks.labels_of(self.model, member.element, profile, data))
         size = f"{bare.height:.1f} x {bare.width:.1f} mm"
         self.taken.said += (
-            rules.PROFILE_NAME.at(source, found=one, size=size, expected=name_of(bare))
+            rules.PROFILE_NAME.at(source, found=one, size=size, expected=marks.name_of(bare))
             for one in wrong
         )
-        grade, other = grade_of(material, data)
+        grade, other = marks.grade_of(material, data)
         if other is not None:
             self.taken.said.append(rules.GRADE.at(source, found=other, expected=grade))
         if section.lips:
@@ -330,7 +319,7 @@ class Members(Struct):
 
         A shell that is taken as it stands was held against its own faces.
         """
-        form, source = self._form(element), Source(self.name)
+        form, source = form_of(self.model, element), Source(self.name)
         if form not in self.compared:
             solid = Compared()
             if isinstance(body.base, Swept) or body.removed:
@@ -340,13 +329,6 @@ class Members(Struct):
                 solid = replace(solid, said=(*stock, *solid.said))
             self.compared[form] = solid
         return self.compared[form]
-
-    def _form(self, element: Entity) -> Hashable:
-        """The form of an element; itself where that cannot be told."""
-        try:
-            return form_of(self.model, element)
-        except (Unreadable, RecursionError):
-            return element
 
 
 def plain_class(name: str) -> str:

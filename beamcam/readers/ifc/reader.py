@@ -13,17 +13,9 @@ from beamcam.model.part import Part, TextMark
 from beamcam.model.request import Options, Progress, Selection
 from beamcam.processes import Died, Pool
 from beamcam.readers.content import Reading
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import member, rules
 from beamcam.readers.ifc.entities import Model
-from beamcam.readers.ifc.member import (
-    KINDS,
-    VERDICTS,
-    KernelNeeded,
-    Members,
-    Taken,
-    names_of,
-    plain_class,
-)
+from beamcam.readers.ifc.member import KernelNeeded, Members, Taken
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
@@ -165,11 +157,11 @@ def lettered(part: Part) -> Part:
 def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
     """Selections without a match, members left out, and the ledger, which has to balance."""
     source, verdicts = Source(members.name), taken.verdicts
-    for kind, chosen in KINDS.items():
+    for kind, chosen in member.KINDS.items():
         there = taken.seen.get(kind, set())
-        names = {name for one in there for name in names_of(kind, one)}
+        names = {name for one in there for name in member.names_of(kind, one)}
         for value in sorted(getattr(members.selection, chosen)):
-            if (plain_class(value) if kind == "class" else value) not in names:
+            if (member.plain_class(value) if kind == "class" else value) not in names:
                 some = ", ".join(sorted(filter(None, there))[:5]) or "none"
                 yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
     for what in sorted({what for what, _ in taken.left_out}):
@@ -186,7 +178,7 @@ def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
         yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_told(others))
     if verdicts.total() != len(members.elements):
         raise AssertionError("the ledger of the model does not balance")
-    numbers = {verdict: verdicts[verdict] for verdict in VERDICTS}
+    numbers = {verdict: verdicts[verdict] for verdict in member.VERDICTS}
     if numbers["left_out"] == verdicts.total():
         yield rules.NO_MEMBERS.at(source)
     yield rules.LEDGER.at(source, found=verdicts.total(), **numbers)

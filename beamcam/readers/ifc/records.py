@@ -16,7 +16,6 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.readers.ifc.text import (
     Malformed,
-    Record,
     Typed,
     Values,
     escaped,
@@ -142,8 +141,7 @@ class File:
         """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
         text = _SCHEMA.sub(rf"\g<1>{identifier_of(schema)}", plain(text), count=1)
-        looked = look_over(text)
-        self._names = looked.names
+        self._names, doubtful = look_over(text)
         self._types: dict[str, EntityType] = {}
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
         self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
@@ -151,24 +149,15 @@ class File:
         instances = parser().entity_instance
         self._read = getattr(instances, "get_argument", instances.__getitem__)
         self._instance: Any = instances
-        self.opened: Any = None  #: the file of ifcopenshell; None if it does not open it
-        self.why_not = ""  #: what it says then
-        #: The records as they are written, where ifcopenshell does not read all of them so.
-        self._written: dict[int, Record] | None = None
-        if not self._open(text, looked.doubtful):
-            self._written = {record.number: record for record in records(text)}
-
-    def _open(self, text: str, doubtful: bool) -> bool:
-        """Whether ifcopenshell reads the text as it is written."""
         parser().get_log()  # what others left there
         try:
-            self.opened = parser().file.from_string(escaped(text))
-            names = self.opened.entity_names()
+            self.opened: Any = parser().file.from_string(escaped(text))
         except Exception as fault:  # the parser's own errors have no class of their own
-            self.why_not = str(fault)
-            return False
-        said = str(parser().get_log()).strip()
-        return not doubtful and not said and len(names) == len(self._names)
+            raise Malformed(str(fault)) from fault
+        remarks, count = str(parser().get_log()).strip(), len(self.opened.entity_names())
+        doubtful |= bool(remarks) or count != len(self._names)
+        #: The records as they are written, where ifcopenshell does not read all of them so.
+        self._written = {one.number: one for one in records(text)} if doubtful else None
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""

@@ -2,7 +2,7 @@
 
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Rule, Severity, error, note, warning
+from beamcam.errors import Diagnostic, Severity, error, note, warning
 
 # fmt: off
 
@@ -143,10 +143,6 @@ BOLTS = note("ifc-bolts",
 BOLT_SKEW = error("ifc-bolt-skew",
     "found a bolt {found} at {angle} degrees to face {face}; expected it square to the face",
     "A drill comes square to the face; where the bolt is meant to go cannot be guessed.")
-
-RULES: tuple[Rule, ...] = tuple(
-    value for value in list(globals().values()) if isinstance(value, Rule)
-)
 
 
 def of_the_solid(said: Diagnostic) -> str:

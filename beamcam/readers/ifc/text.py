@@ -67,13 +67,6 @@ class Record(Struct, frozen=True, gc=False):
     inner: str  #: what is between its brackets
 
 
-class Looked(Struct, frozen=True):
-    """What the text of a file holds."""
-
-    names: list[str]  #: the numbers of its records, in their order
-    doubtful: bool  #: whether it has references to no record, or values of another form
-
-
 def plain(text: str) -> str:
     """The text without comments, and with the letters that its escapes stand for.
 
@@ -112,8 +105,12 @@ def escaped(text: str) -> str:
     )
 
 
-def look_over(text: str) -> Looked:
-    """The records of a plain text. Raises Malformed for what is none, and for a number again."""
+def look_over(text: str) -> tuple[list[str], bool]:
+    """The numbers of a plain text's records, and whether they are to be doubted.
+
+    They are where some refer to no record or have values of another form. Raises Malformed for what
+    is no record, and for a number again.
+    """
     try:
         return _looked("''".join(text.split("'")[::2]), text)
     except Malformed:
@@ -122,7 +119,7 @@ def look_over(text: str) -> Looked:
         raise
 
 
-def _looked(bare: str, text: str) -> Looked:
+def _looked(bare: str, text: str) -> tuple[list[str], bool]:
     """As `look_over`, of a text without what is in its strings."""
     section = _SECTION.search(bare)
     first = at = section.end() if section is not None else len(bare)
@@ -152,7 +149,7 @@ def _looked(bare: str, text: str) -> Looked:
             if int(found[1]) in met:
                 raise Malformed(f"record #{int(found[1])} twice", _line(text, found.start()))
             met.add(int(found[1]))
-    return Looked(names, not sound or len(asked) > len(there))
+    return names, not sound or len(asked) > len(there)
 
 
 def _past(pattern: re.Pattern[str], bare: str, at: int) -> int:
