@@ -13,7 +13,7 @@ from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.body import body_representation, relative_placement
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.finish import Shaped, part_of
-from beamcam.readers.ifc.marks import LENGTHS, VOLUMES, WEIGHTS, Data
+from beamcam.readers.ifc.marks import Data
 from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, area_by_measures, plain_stock
@@ -43,11 +43,11 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> Iterat
         texts = {"found": f"{stated:.2f}", "expected": f"{expected:.2f}"}
         return rule.at(source, where=where, **texts)
 
-    where, length = data.number(*LENGTHS) or ("", 0.0)
+    where, length = data.number("length")
     extents = [part.length, shaped.gross, part.profile.height, part.profile.width]
     if length and part.profile.code != "B" and all(abs(length - e) > LENGTH_SLACK for e in extents):
         yield contradiction(rules.LENGTH, length, part.length)
-    where, weight = data.number(*WEIGHTS) or ("", 0.0)
+    where, weight = data.number("weight")
     if weight > SMALL_WEIGHT:
         weights = [v * STEEL for v in (shaped.volume, shaped.section.area * shaped.gross)]
         near, far = (
@@ -56,7 +56,7 @@ def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> Iterat
         )
         if near:
             yield contradiction(rules.WEIGHT if far else rules.WEIGHT_NEAR, weight, weights[0])
-    where, stated = data.number(*VOLUMES) or ("", 0.0)
+    where, stated = data.number("volume")
     if stated:
         # Exporters write m3, mm3 or a cube of the file's own unit, whatever unit they declare: of
         # these the nearest counts. A figure of few digits is as good as its last one.
@@ -83,7 +83,7 @@ class Compared(Struct, frozen=True):
             yield replace(one, source=source)
         if self.disputed is None:
             return
-        where, weight = data.number(*WEIGHTS) or ("", 0.0)
+        where, weight = data.number("weight")
         own = shaped.volume * STEEL
         off = abs(weight - own)
         if weight and off <= WITNESS_SLACK * own and off < abs(weight - self.volume * STEEL) / 3:

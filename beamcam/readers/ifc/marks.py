@@ -16,27 +16,31 @@ Value = str | float
 _SETS = re.compile(
     r"AISC|Tekla|Common$|^Qto_|Quantit|Fabrication|PieceIdent|SteelFab|Cutout", re.IGNORECASE
 )
-_MARKS = ("PieceMark", "Piece Mark", "Part Mark", "PartMark", "Part position", "Position number")
-_ASSEMBLY_MARKS = ("Assembly/Cast unit Mark", "Assembly mark", "AssemblyMark", "Assembly Mark")
+#: Names of properties and quantities by what they say of a member; of each row the first counts.
+_NAMES = {
+    "mark": ("PieceMark", "Piece Mark", "Part Mark", "PartMark", "Part position",
+             "Position number"),
+    "assembly": ("Assembly/Cast unit Mark", "Assembly mark", "AssemblyMark", "Assembly Mark"),
+    "profile": ("Profile", "ProfileName", "Profile name"),
+    "grade": ("Grade", "Material grade", "MaterialGrade"),
+    "length": ("Length", "NetLength"),
+    "weight": ("NetWeight", "Net weight", "Weight (net)"),
+    "volume": ("NetVolume", "Net volume", "Volume (net)"),
+    "reference": ("Reference",),
+    "phase": ("Phase",),
+}  # fmt: skip
+_WANTED = frozenset(name for names in _NAMES.values() for name in names)
 _NOT_STEEL = (
     ("concrete", re.compile(r"concrete|beton|b[ée]ton|hormig|\bC\d\d/\d\d|precast", re.IGNORECASE)),
     ("timber", re.compile(r"timber|wood|holz|glulam|lumber|\bGL\d\d|bois|plywood", re.IGNORECASE)),
     ("masonry", re.compile(r"masonry|brick|mauerwerk", re.IGNORECASE)),
 )
-_PROFILES = ("Profile", "ProfileName", "Profile name")
-_GRADES = ("Grade", "Material grade", "MaterialGrade")
-LENGTHS = ("Length", "NetLength")
-WEIGHTS = ("NetWeight", "Net weight", "Weight (net)")
-VOLUMES = ("NetVolume", "Net volume", "Volume (net)")
 _CUTOUTS = "cutout"  #: in the name of a property set that lists copes and mitres
 #: The units of properties and quantities; others stand as they are.
 _UNITS = {
     "IFCLENGTHMEASURE": "mm", "IFCPOSITIVELENGTHMEASURE": "mm", "IFCQUANTITYLENGTH": "mm",
     "IFCMASSMEASURE": "kg", "IFCQUANTITYWEIGHT": "kg",
 }  # fmt: skip
-#: The names of the properties that matter.
-_WANTED = frozenset((*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS, *VOLUMES,
-                     "Reference", "Phase"))  # fmt: skip
 _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
 _GRADE = re.compile(r"\b(?:S ?\d{3}|A\d{2,3}|Q\d{3}|C\d{3})[A-Z0-9+]*")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
@@ -48,21 +52,21 @@ class Data(Struct, frozen=True, gc=False):
     rows: dict[str, list[tuple[str, Value]]] = field(default_factory=dict)  #: set, value; by name
     cutouts: str | None = None  #: the property set that lists copes and mitres
 
-    def text(self, *names: str) -> str:
-        """The first of the properties `names` that some set has and that is not empty."""
-        for name in names:
+    def text(self, what: str) -> str:
+        """What the sets say of a row of `_NAMES`; empty if they say nothing."""
+        for name in _NAMES[what]:
             for _, value in self.rows.get(name, ()):
                 if text := str(value).strip():
                     return text
         return ""
 
-    def number(self, *names: str) -> tuple[str, float] | None:
-        """The source and the value of the first property that is a number above 0."""
-        for name in names:
+    def number(self, what: str) -> tuple[str, float]:
+        """The source and the value, above 0, of a row of `_NAMES`; 0 if there is none."""
+        for name in _NAMES[what]:
             for of, value in self.rows.get(name, ()):
                 if isinstance(value, float) and value > 0:
                     return f"{of}.{name}", value
-        return None
+        return "", 0.0
 
 
 def data_of(model: Model, element: Entity) -> Data:
@@ -110,13 +114,13 @@ def mark_of(element: Entity, data: Data) -> str:
     Fabrication sets come first, then a Tag that is not a database key, a Reference that is not a
     section, and the Name.
     """
-    mark = data.text(*_MARKS)
+    mark = data.text("mark")
     if mark:
         return mark
     tag = (getattr(element, "Tag", None) or "").strip()
     if tag and not _GUID_TAG.search(tag) and tag != element.guid:
         return tag
-    reference = data.text("Reference")
+    reference = data.text("reference")
     plain = not _PROFILE.search(reference.replace("(?)", ""))
     if reference and (plain or re.fullmatch(r"[A-Za-z]{1,3}/?\d{1,5}(\(\?\))?", reference)):
         return reference
@@ -125,13 +129,9 @@ def mark_of(element: Entity, data: Data) -> str:
 
 def assembly_of(element: Entity, data: Data) -> str:
     """The mark of the assembly that an element is part of; empty if there is none."""
-    mark = data.text(*_ASSEMBLY_MARKS)
-    if mark:
-        return mark
-    for whole in tied(element, "wholes"):
-        if whole.is_a("IfcElementAssembly"):
-            return str(whole.Tag or whole.Name or whole.guid).strip()
-    return ""
+    wholes = (one for one in tied(element, "wholes") if one.is_a("IfcElementAssembly"))
+    marks = (str(one.Tag or one.Name or one.guid).strip() for one in wholes)
+    return data.text("assembly") or next(marks, "")
 
 
 def material_of(model: Model, element: Entity) -> str:
@@ -155,10 +155,7 @@ def _name_of(material: Entity) -> str:
 
 def not_steel(material: str) -> str | None:
     """Kind of a non-steel material: concrete, timber, masonry."""
-    for what, words in _NOT_STEEL:
-        if words.search(material):
-            return what
-    return None
+    return next((what for what, words in _NOT_STEEL if words.search(material)), None)
 
 
 def grade_of(material: str, data: Data) -> tuple[str, str | None]:
@@ -167,7 +164,7 @@ def grade_of(material: str, data: Data) -> tuple[str, str | None]:
     Of Tekla's STEEL/S235JR it is what follows the slash. S355 is no other steel than S355JR.
     """
     own = material.rsplit("/", 1)[-1].strip() if material.upper().startswith("STEEL/") else material
-    stated = data.text(*_GRADES)
+    stated = data.text("grade")
     if not stated:
         return own, None
     one, other = (_GRADE.search(text.upper()) for text in (material, stated))
@@ -180,7 +177,7 @@ def grade_of(material: str, data: Data) -> tuple[str, str | None]:
 def labels_of(model: Model, element: Entity, profile: Entity | None, data: Data) -> tuple[str, ...]:
     """The file's label of the section, empty if it has none, and those of its material."""
     own = (getattr(profile, "ProfileName", None) or "").strip()
-    texts = own, data.text(*_PROFILES), element.ObjectType, element.Description, element.Name
+    texts = own, data.text("profile"), element.ObjectType, element.Description, element.Name
     first = next(filter(None, (_section_name(text or "") for text in texts)), own)
     for material in tied(element, "materials"):
         return first, *model.once("profile set", material, _profile_names, material)

@@ -303,7 +303,7 @@ class Members(Struct):
             length=shaped.length,
             source=source,
             drawing=member.assembly,
-            phase=data.text("Phase"),
+            phase=data.text("phase"),
             grade=grade,
             cuts=shaped.cuts,
             features=shaped.features,
