@@ -72,7 +72,7 @@ class Entity(Struct, eq=False, gc=False):
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
-            self.values = self.file.values(self)
+            self.values = self.file.values(self.type, self.held)
             return self.values
         place = self.type.places.get(name)
         if place is not None:
@@ -176,7 +176,7 @@ class File:
             return self._met(number, self.opened.by_id(number))
         record = self._written.get(number)
         if record is None:
-            made = Missing(self, number, _NO_TYPE, None)
+            made = Missing(self, number, EntityType("", frozenset(), {}), None)
             del made.type, made.held, made.values
             return made
         return self._met(number, record)
@@ -187,14 +187,14 @@ class File:
         known = self._types.get(kind) or self._type(kind)
         thing: Any
         if known.name in _POINTS:
-            values = self._values(known, held)
+            values = self.values(known, held)
             try:
                 x, y, z = (*map(float, values[0]), 0.0)[:3]
             except (IndexError, TypeError, ValueError):
                 raise Malformed(f"#{number} without numbers") from None
             thing = x, y, z
         elif known.name in _PLACEMENTS:
-            thing = self._values(known, held)
+            thing = self.values(known, held)
         else:
             thing = Entity(self, number, known, held)
             del thing.values
@@ -207,11 +207,8 @@ class File:
         known = self._types[kind] = known or EntityType(kind, frozenset((kind,)), {})
         return known
 
-    def values(self, entity: Entity) -> Values:
-        """The values of an entity. Raises Malformed."""
-        return self._values(entity.type, entity.held)
-
-    def _values(self, known: EntityType, held: Any) -> Values:
+    def values(self, known: EntityType, held: Any) -> Values:
+        """The values of an instance or a record. Raises Malformed."""
         if self._written is not None:
             return values_of(held.inner, self.entity)
         read, instances, things = self._read, self._instance, self._things
@@ -296,9 +293,6 @@ class File:
     def _order(self) -> Callable[[int], int]:
         """The place of a record in the file, by its number."""
         return {int(number): place for place, number in enumerate(self._names)}.__getitem__
-
-
-_NO_TYPE = EntityType("", frozenset(), {})
 
 
 @cached("ifc.parser")
