@@ -1,7 +1,7 @@
 """One member of a model after another: each is read, refused or left out, and counted."""
 
 from collections import Counter
-from collections.abc import Hashable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -39,6 +39,7 @@ from beamcam.readers.ifc.geometric import read_kernel, read_shell
 from beamcam.readers.ifc.kernel import load
 from beamcam.readers.ifc.opening import elements_of, open_file
 from beamcam.readers.ifc.semantic import read_swept
+from beamcam.readers.ifc.shell import Shell
 from beamcam.readers.ifc.space import IDENTITY
 
 SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is not steel
@@ -96,8 +97,6 @@ class Members(Struct):
     options: Options
     may_build: bool = True  #: whether the kernel may, which does not come back when its time is up
     taken: Taken = field(default_factory=Taken)
-    compared: dict[Hashable, Compared] = field(default_factory=dict)  #: by their forms
-    shells: dict[Hashable, Shaped | Unreadable] = field(default_factory=dict)  #: likewise
 
     @classmethod
     def of(cls, model: Model, name: str, selection: Selection, options: Options) -> "Members":
@@ -139,39 +138,35 @@ class Members(Struct):
         return self.taken
 
     def share(self, places: Iterable[int]) -> Taken:
-        """The results of the elements at these indices."""
+        """The results of the elements at these indices, each of them counted.
+
+        A file that is not well formed refuses the member and no other.
+        """
         self.taken = taken = Taken()
         for place in places:
-            made = self._whole_member(self.elements[place])
-            if made is not None:
-                taken.members.append((place, *made))
+            element, verdict = self.elements[place], "refused"
+            source = Source(self.name, where=element.guid)
+            begin_member()
+            try:
+                part, shaped, against = self._member(self._known(element))
+                taken.said += against
+                if not any(d.severity is Severity.ERROR for d in against):
+                    taken.members.append((place, part, shaped))
+                    verdict = "read"
+            except LeftOut as reason:
+                verdict = "left_out" if (what := str(reason)) else "unselected"
+                if what:
+                    taken.left_out[what, element.is_a()] += 1
+            except Unreadable as reason:
+                taken.said.append(reason.rule.at(source, found=str(reason)))
+            except OverTimeError:
+                expected = f"{limits().member_s:g} s of the processor"
+                taken.said.append(MEMBER.at(source, expected=expected))
+            except (*NOT_WELL_FORMED, ShapelyError) as fault:
+                found = f"data that are not well formed ({type(fault).__name__}: {fault})"
+                taken.said.append(rules.GEOMETRY.at(source, found=found))
+            taken.verdicts[verdict] += 1
         return taken
-
-    def _whole_member(self, element: Entity) -> tuple[Part, Shaped] | None:
-        """As `_member`, counted; a file that is not well formed refuses the member and no other."""
-        source, taken = Source(self.name, where=element.guid), self.taken
-        verdict = "refused"
-        begin_member()
-        try:
-            part, shaped, against = self._member(self._known(element))
-            taken.said += against
-            if not any(d.severity is Severity.ERROR for d in against):
-                taken.verdicts["read"] += 1
-                return part, shaped
-        except LeftOut as reason:
-            verdict = "left_out" if (what := str(reason)) else "unselected"
-            if what:
-                taken.left_out[what, element.is_a()] += 1
-        except Unreadable as reason:
-            taken.said.append(reason.rule.at(source, found=str(reason)))
-        except OverTimeError:
-            expected = f"{limits().member_s:g} s of the processor"
-            taken.said.append(MEMBER.at(source, expected=expected))
-        except (*NOT_WELL_FORMED, ShapelyError) as fault:
-            found = f"data that are not well formed ({type(fault).__name__}: {fault})"
-            taken.said.append(rules.GEOMETRY.at(source, found=found))
-        taken.verdicts[verdict] += 1
-        return None
 
     def _known(self, element: Entity) -> Member:
         data, source = marks.data_of(self.model, element), Source(self.name, where=element.guid)
@@ -232,7 +227,10 @@ class Members(Struct):
         source = member.source
         against = [*check_data(part, shaped, member.data, source), *shaped.said]
         if self.options.kernel and body is not None:
-            compared = self._compared(member.element, body, shaped, profile)
+            form = form_of(self.model, member.element)
+            compared = self.model.once(
+                "compared", form, self._compared, member.element, body, shaped, profile
+            )
             against += compared.against(shaped, member.data, source)
         against += [rules.FITTED.at(source, found=kind) for kind in shaped.fitted]
         against += [rules.PIECES.at(source, found=text) for text in shaped.remarks]
@@ -245,18 +243,19 @@ class Members(Struct):
         if isinstance(body.base, Swept):
             return read_swept(self.model, member.element, body, member.source)
         form = form_of(self.model, member.element)
-        if form not in self.shells:  # a model has most of its accessories many times
-            try:
-                cutters = body.cutters(self.model, IDENTITY)
-                self.shells[form] = read_shell(body.base, cutters, member.source)
-            except Unreadable as reason:
-                # A closed shell of planar faces is all that the kernel would have.
-                reason.final |= not body.removed and body.base.volume is not None
-                self.shells[form] = reason
-        known = self.shells[form]
-        if isinstance(known, Unreadable):
-            raise known.with_traceback(None)
-        return known.at(member.source)
+        # A model has most of its accessories many times.
+        shaped = self.model.once("shell", form, self._shell, member, body, body.base)
+        if isinstance(shaped, Unreadable):
+            raise shaped.with_traceback(None)
+        return shaped.at(member.source)
+
+    def _shell(self, member: Member, body: Body, base: Shell) -> Shaped | Unreadable:
+        try:
+            return read_shell(base, body.cutters(self.model, IDENTITY), member.source)
+        except Unreadable as reason:
+            # A closed shell of planar faces is all that the kernel would have.
+            reason.final |= not body.removed and base.volume is not None
+            return reason
 
     def _by_kernel(self, member: Member, reason: Unreadable) -> Shaped:
         """The member as the kernel builds it, where its definition is not understood."""
@@ -275,12 +274,12 @@ class Members(Struct):
             kind = OddSection if isinstance(second, OddSection) else Unreadable
             raise kind(f"{reason}; by the kernel {second}") from None
         denied = [d for d in shaped.said if d.severity is Severity.ERROR]
-        if denied and not isinstance(reason, OddCut):
-            text = f"{reason}; by the kernel {rules.of_the_solid(denied[0])} than was read"
-            raise type(reason)(text)
-        if denied:
+        if not denied:
+            return shaped
+        if isinstance(reason, OddCut):
             raise reason
-        return shaped
+        text = f"{reason}; by the kernel {rules.of_the_solid(denied[0])} than was read"
+        raise type(reason)(text)
 
     def _part(self, member: Member, material: str, shaped: Shaped, profile: Entity | None) -> Part:
         section, source, data = shaped.section, member.source, member.data
@@ -315,20 +314,17 @@ class Members(Struct):
     def _compared(
         self, element: Entity, body: Body, shaped: Shaped, profile: Entity | None
     ) -> Compared:
-        """What section and solid of the kernel have against a member, worked out once for a form.
+        """What section and solid of the kernel have against a member.
 
         A shell that is taken as it stands was held against its own faces.
         """
-        form, source = form_of(self.model, element), Source(self.name)
-        if form not in self.compared:
-            solid = Compared()
-            if isinstance(body.base, Swept) or body.removed:
-                solid = check_kernel(self.model, element, shaped, profile, source)
-            if profile is not None:
-                stock = check_stock(self.model, element, shaped, profile, source)
-                solid = replace(solid, said=(*stock, *solid.said))
-            self.compared[form] = solid
-        return self.compared[form]
+        solid, source = Compared(), Source(self.name)
+        if isinstance(body.base, Swept) or body.removed:
+            solid = check_kernel(self.model, element, shaped, profile, source)
+        if profile is None:
+            return solid
+        stock = check_stock(self.model, element, shaped, profile, source)
+        return replace(solid, said=(*stock, *solid.said))
 
 
 def plain_class(name: str) -> str:
