@@ -22,11 +22,13 @@ from beamcam.readers.ifc.curves2d import chain_of
 from beamcam.readers.ifc.cutters import Bounded, Cutter, HalfSpace, Less, Prism, hole_of
 from beamcam.readers.ifc.entities import (
     Bent,
+    Coordinates,
     Entity,
     Model,
     Placement,
     Unreadable,
     features_of,
+    ratios,
     right_handed,
 )
 from beamcam.readers.ifc.profiles import Outline, definition, outline_of, rounded_box
@@ -224,11 +226,11 @@ def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Enti
     return inner, source.values[1].values[3]
 
 
-def pushed(model: Model, position: Frame, way: Vec | None, depth: float) -> Vec:
+def pushed(model: Model, position: Frame, way: Coordinates | None, depth: float) -> Vec:
     """The vector along which a profile is pushed that lies in the plane of `position`."""
     if way is None or way == UPRIGHT:
         return scale(position.z, depth * model.mm)
-    return position.vector(scale(unit(way or UPRIGHT), depth * model.mm))
+    return position.vector(scale(unit(ratios(way) or UPRIGHT), depth * model.mm))
 
 
 def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -> Sequence[Cutter]:
@@ -290,13 +292,15 @@ def _standing(model: Model, frame: Frame, place: Placement | None) -> tuple[Vec,
 
 
 @cached("ifc.placement")
-def _turned(x: Vec, y: Vec, z: Vec, axis: Vec | None, reference: Vec | None) -> tuple[Frame, bool]:
+def _turned(
+    x: Vec, y: Vec, z: Vec, axis: Coordinates | None, reference: Coordinates | None
+) -> tuple[Frame, bool]:
     """The axes of a placement by its Axis and RefDirection, in a frame that has the axes x, y, z.
 
     Behind them whether they keep forms. A model's holes stand in many places, but lie few ways.
     """
     by = Frame(ORIGIN, x, y, z)
-    axes = Frame(ORIGIN, *map(by.vector, right_handed(axis, reference)))
+    axes = Frame(ORIGIN, *map(by.vector, right_handed(ratios(axis), ratios(reference))))
     return axes, axes.even
 
 

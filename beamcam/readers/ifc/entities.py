@@ -53,6 +53,7 @@ def _scale(unit: Entity) -> float:
     raise ValueError("a unit that is defined by itself")
 
 
+Coordinates = tuple[float, ...]  #: an IfcCartesianPoint or an IfcDirection
 Placement = tuple[Any, ...]  #: an IfcAxis2Placement: location, and one direction or two
 Known = TypeVar("Known")
 
@@ -115,9 +116,10 @@ class Model(Struct):
             found = self.known[at] = made(*of)
         return found
 
-    def point(self, c: Vec) -> Vec:
-        """An IfcCartesianPoint in mm."""
-        return scale(c, self.mm)
+    def point(self, c: Coordinates) -> Vec:
+        """An IfcCartesianPoint of two or three coordinates, in mm."""
+        mm = self.mm
+        return (c[0] * mm, c[1] * mm, c[2] * mm if len(c) > 2 else 0.0)
 
     def axes(self, placement: Placement | None) -> Frame:
         """An IfcAxis2Placement2D or 3D, or the frame itself where there is none."""
@@ -128,11 +130,11 @@ class Model(Struct):
     def _axes(self, placement: Placement) -> Frame:
         origin, ways = self.point(placement[0]), placement[1:]
         if len(ways) == 1:
-            x, y, _ = ways[0] or (1.0, 0.0, 0.0)
+            x, y, _ = ratios(ways[0]) or (1.0, 0.0, 0.0)
             along = unit((x, y, 0.0))
             axes: tuple[Vec, ...] = along, (-along[1], along[0], 0.0)
         else:
-            axes = right_handed(*ways)
+            axes = right_handed(*map(ratios, ways))
         found = Frame(origin, *axes)
         return IDENTITY if found == IDENTITY else found  # which costs nothing to multiply with
 
@@ -161,13 +163,20 @@ class Model(Struct):
             by if (stated := getattr(entity, name, None)) is None else stated
             for name in ("Scale2", "Scale3")
         )
-        z = unit(getattr(entity, "Axis3", None) or (0.0, 0.0, 1.0))
-        x = square_to(entity.Axis1 or (1.0, 0.0, 0.0), z)
+        z = unit(ratios(getattr(entity, "Axis3", None)) or (0.0, 0.0, 1.0))
+        x = square_to(ratios(entity.Axis1) or (1.0, 0.0, 0.0), z)
         y = cross(z, x)
-        drawn = entity.Axis2
+        drawn = ratios(entity.Axis2)
         if drawn is not None and dot(drawn, y) < 0:
             y = scale(y, -1.0)
         return Frame(self.point(entity.LocalOrigin), scale(x, by), scale(y, by_y), scale(z, by_z))
+
+
+def ratios(c: Coordinates | None) -> Vec | None:
+    """The components of an IfcDirection; None where there is none."""
+    if c is None:
+        return None
+    return (c[0], c[1], c[2] if len(c) > 2 else 0.0)
 
 
 def square_to(v: Vec, axis: Vec) -> Vec:

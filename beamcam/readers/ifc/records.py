@@ -134,7 +134,7 @@ def referred(values: Values) -> Iterator[Entity]:
 class File:
     """A model's records, with its schema; an entity is made when it is first referred to.
 
-    Points, directions and placements are not entities but tuples, of a plane with a z of 0.
+    Points, directions and placements are not entities but tuples.
     """
 
     def __init__(self, text: str, schema: str) -> None:
@@ -189,10 +189,9 @@ class File:
         if known.name in _POINTS:
             values = self.values(known, held)
             try:
-                x, y, z = (*map(float, values[0]), 0.0)[:3]
+                thing = tuple(map(float, values[0]))
             except (IndexError, TypeError, ValueError):
                 raise Malformed(f"#{number} without numbers") from None
-            thing = x, y, z
         elif known.name in _PLACEMENTS:
             thing = self.values(known, held)
         else:
