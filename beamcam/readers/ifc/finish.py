@@ -79,19 +79,25 @@ def reach(section: Section, start: End, end: End) -> tuple[float, float]:
     return -max(reaches(start, corners)), max(reaches(end, corners))
 
 
-def _shaped(
+def sawn(
     section: Section,
     ends: tuple[End, End],
     span: tuple[float, float],
-    features: Iterable[Cut],
-    volume: float,
+    features: Sequence[Cut],
     source: Source,
     gross: float,
+    volume: float | None = None,
 ) -> Shaped:
-    """The member between two ends, counted from its start; ends that lean both ways are planes.
+    """The member between two plane ends, counted from its start.
 
-    What is square within tolerance is 0.
+    `span` is its least and greatest x, as of `reach`, `volume` that of its steel where the features
+    are not all holes. An end that is square within tolerance has angles of 0, one that leans both
+    ways is a plane.
     """
+    if volume is None:
+        middle = section.height / 2, section.width / 2
+        length = ends[1].x(*middle) - ends[0].x(*middle)
+        volume = section.area * length - hole_volume(section, features)
     x0, x1 = span
     web, flange = ([getattr(one, name) for one in ends] for name in ("web_deg", "flange_deg"))
     cuts = EndCuts(*(0.0 if abs(angle) < SQUARE_DEG else angle for angle in (*web, *flange)))
@@ -103,24 +109,6 @@ def _shaped(
             planes.append(EndPlane((one.x(0.0, 0.0) - x0, 0.0, 0.0), normal, source))
     moved = in_order(features if x0 == 0.0 else [moved_feature(f, (-x0, 0.0)) for f in features])
     return Shaped(section, x1 - x0, cuts, (*moved, *planes), volume, gross, x0=x0)
-
-
-def sawn(
-    section: Section,
-    ends: tuple[End, End],
-    span: tuple[float, float],
-    holes: Sequence[Hole | Slot],
-    source: Source,
-    gross: float,
-) -> Shaped:
-    """A member with two plane ends and holes: all that most members have.
-
-    `span` is its least and greatest x, as of `reach`.
-    """
-    middle = section.height / 2, section.width / 2
-    length = ends[1].x(*middle) - ends[0].x(*middle)
-    volume = section.area * length - hole_volume(section, holes)
-    return _shaped(section, ends, span, holes, volume, source, gross)
 
 
 def from_regions(
@@ -158,7 +146,7 @@ def from_regions(
     )
     # What is left of the walls, with the section's fillets in proportion.
     volume = left * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
-    member = _shaped(section, (start, end), (x0, x1), features, volume, source, gross)
+    member = sawn(section, (start, end), (x0, x1), features, source, gross, volume)
     return replace(member, remarks=tuple(remarks))
 
 
@@ -261,11 +249,13 @@ def _alike(a: Shape, b: Shape) -> bool:
     return bool(a.symmetric_difference(b).buffer(-UNEXPLAINED).is_empty)
 
 
-def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
+def hole_volume(section: Section, features: Sequence[Cut]) -> float:
     """Volume removed by holes, for the weight."""
     by_face = {w.face: w.thickness for w in walls_of(section)}
     total = 0.0
-    for hole in holes:
+    for hole in features:
+        if isinstance(hole, Contour):
+            continue
         area = pi * hole.diameter * hole.diameter / 4
         if isinstance(hole, Slot):
             area += hole.diameter * (hole.length + hole.height) + hole.length * hole.height

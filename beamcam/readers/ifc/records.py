@@ -258,11 +258,10 @@ class File:
         The others, of which there are many, are not made.
         """
         if self._written is not None:
+            quoted = tuple(f"'{name}'" for name in names)
             for one in entity.values[place]:
-                if isinstance(one, Entity) and not isinstance(one, Missing):
-                    first = one.held.inner.lstrip()
-                    if first[:1] == "'" and first[1:].partition("'")[0] in names:
-                        yield one
+                if type(one) is Entity and one.held.inner.lstrip().startswith(quoted):
+                    yield one
             return
         for one in self._read(entity.held, place) or ():
             if self._read(one, 0) in names:
