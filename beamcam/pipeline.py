@@ -20,27 +20,14 @@ from beamcam.checks.asked import job_faults, pieces_asked
 from beamcam.checks.head import head_of, other_bar
 from beamcam.checks.rules import BAR_NEEDED
 from beamcam.emitters import head_lines
-from beamcam.errors import (
-    Diagnostic,
-    PlanError,
-    ReadError,
-    Severity,
-    VerifyError,
-    errors_in,
-)
+from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
 from beamcam.planning import Share, shares_of
-from beamcam.planning.left_out import (
-    BY_HAND,
-    LEFT_OUT,
-    by_hand_sources,
-    left_out_kinds,
-    told,
-)
+from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_kinds, told
 from beamcam.planning.rules import named_skips
 from beamcam.planning.stock import from_store
 from beamcam.posts import Written, beginning, post_of

@@ -208,12 +208,9 @@ def bars_of(
     for key, places in lots.items():
         parts = tuple(replace(known[k].part, quantity=known[k].quantity) for k in places)
         request = replace(
-            asked,
-            parts=parts,
-            machine=machine_of_lot[key],
-            quantity="file",
+            asked, parts=parts, machine=machine_of_lot[key], quantity="file",
             remnants=there.get(key, ()),
-        )
+        )  # fmt: skip
         planned: dict[Share, CutBar] = {}  # of bars with the same pieces, which are many
         for share in shares_of(request):
             try:

@@ -172,13 +172,8 @@ def _sheet(posted: Posted, output: str, shop: BatchSettings) -> SetupSheet:
     parts, machine = posted.job.parts, posted.job.machine
     bar = getattr(getattr(posted.plan, "bar", None), "length", None)
     program = ReadProgram(
-        b"".join(posted.pieces()),
-        machine,
-        PurePosixPath(output).name,
-        machine.suffix,
-        parts,
-        bar,
-    )
+        b"".join(posted.pieces()), machine, PurePosixPath(output).name, machine.suffix, parts, bar,
+    )  # fmt: skip
     source = SheetSources(program, posted.plan, posted.remarks, compared=shop.read_back)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
     return SetupSheet(output, page, inline_svg(small_scene(parts[0])))

@@ -24,12 +24,7 @@ from beamcam.files import FilesRead
 from beamcam.machine.machine import Machine
 from beamcam.machine_choice import on_best_machine
 from beamcam.model.part import Part
-from beamcam.model.plan import (
-    Order,
-    Plan,
-    SheetPlan,
-    ToolLoad,
-)
+from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
 from beamcam.model.request import Request
 from beamcam.pipeline import Planned, remarks_on, whole_job
 from beamcam.plain_text import terminal_text

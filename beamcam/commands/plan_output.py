@@ -70,18 +70,14 @@ def sheet_record(
         "others": sheets[1:],  # that share the sheet
         "operations": [
             {
-                "process": op.row.process,
-                "start": list(op.start),
-                "path": round(length_of(op), 6),
-                "feed_mm_min": op.row.feed_mm_min,
-                "passes": len(op.passes),
-                "seconds": round(seconds, 3),
-                "source": str(op.source),
+                "process": op.row.process, "start": list(op.start),
+                "path": round(length_of(op), 6), "feed_mm_min": op.row.feed_mm_min,
+                "passes": len(op.passes), "seconds": round(seconds, 3), "source": str(op.source),
             }
             for op, seconds in zip(plan.operations, time.operations, strict=True)
         ],
         **_whole(plan, time, said),
-    }
+    }  # fmt: skip
 
 
 def cut_length(cut: CopeCut) -> float:
@@ -126,21 +122,16 @@ def coping_record(
         "part": piece.part.mark,
         "operations": [
             {
-                "face": cut.face,
-                "kind": cut.kind,
-                "start": list(cut.path[0]),
-                "path": round(cut_length(cut), 6),
-                "thickness": round(cut.thickness, 6),
-                "root": cut.root,
-                "tilt_deg": round(cut.b_deg, 6),
-                "feed_mm_min": cut.row.feed_mm_min,
-                "seconds": round(seconds, 3),
+                "face": cut.face, "kind": cut.kind, "start": list(cut.path[0]),
+                "path": round(cut_length(cut), 6), "thickness": round(cut.thickness, 6),
+                "root": cut.root, "tilt_deg": round(cut.b_deg, 6),
+                "feed_mm_min": cut.row.feed_mm_min, "seconds": round(seconds, 3),
                 "source": str(cut.source),
             }
             for cut, seconds in zip(plan.operations, time.operations, strict=True)
         ],
         **_whole(plan, time, said),
-    }
+    }  # fmt: skip
 
 
 def _whole(plan: AnyPlan, time: WorkTime, said: tuple[Diagnostic, ...]) -> dict[str, object]:

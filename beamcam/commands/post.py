@@ -23,13 +23,7 @@ from beamcam.commands.remainders import (
     rest_file,
     rest_option,
 )
-from beamcam.commands.settings import (
-    files_read,
-    machine_asked,
-    machines_for,
-    map_remarks,
-    settled,
-)
+from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError
 from beamcam.files import FilesRead

@@ -192,13 +192,9 @@ def command(
             rows = trace_rows(trace, every)
             with asked_to_end() as asked_so:
                 serve_rows(
-                    rows,
-                    machine.modbus,
-                    *serve,
-                    1.0 if pace is None else pace,
-                    tell,
+                    rows, machine.modbus, *serve, 1.0 if pace is None else pace, tell,
                     asked=asked_so,
-                )
+                )  # fmt: skip
             if asked_so:
                 raise SystemExit(INTERRUPTED)
     except BeamcamError as error:

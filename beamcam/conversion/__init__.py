@@ -189,16 +189,8 @@ def shown(value: object) -> str:
 
 
 __all__ = [
-    "MAX_NUMBER",
-    "Count",
-    "Fault",
-    "Keys",
-    "NotNegative",
-    "Positive",
-    "PositiveCount",
-    "Text",
-    "converted",
-    "nearest",
+    "MAX_NUMBER", "Count", "Fault", "Keys", "NotNegative", "Positive", "PositiveCount", "Text",
+    "converted", "nearest",
 ]  # fmt: skip
 
 Record = TypeVar("Record")

@@ -343,13 +343,10 @@ def _moved_by(spindle: Spindle) -> dict[str, str]:
     """The axes and formulas of a spindle, by their keys."""
     across, stroke = spindle.across, spindle.stroke
     return {
-        "across.axis": across.axis,
-        "across.position": across.position,
-        "stroke.axis": stroke.axis,
-        "stroke.start": stroke.start,
-        "stroke.near": stroke.near or stroke.start,
+        "across.axis": across.axis, "across.position": across.position, "stroke.axis": stroke.axis,
+        "stroke.start": stroke.start, "stroke.near": stroke.near or stroke.start,
         "stroke.bottom": stroke.bottom,
-    }
+    }  # fmt: skip
 
 
 def table_faults(machine: Machine) -> Iterator[Fault]:

@@ -12,15 +12,7 @@ from urllib.parse import quote
 from msgspec import Struct
 
 from beamcam.plain_text import terminal_text
-from beamcam.reports.run import (
-    STATUSES,
-    Counts,
-    Message,
-    Row,
-    encoded,
-    ledger_line,
-    message_line,
-)
+from beamcam.reports.run import STATUSES, Counts, Message, Row, encoded, ledger_line, message_line
 from beamcam.reports.templates import as_it_stands, static_text, template
 
 if TYPE_CHECKING:

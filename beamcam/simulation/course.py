@@ -148,12 +148,9 @@ def bar_trace(course: Sequence[MotionSegment], machine: Machine) -> Trace:
         ends = [part.at(part.begin_s + until_s) for _, until_s, _, _ in rows]
         ends[-1] = part.end
         builder.add(
-            [until_s - from_s for from_s, until_s, _, _ in rows],
-            ends,
-            [slopes for _, _, *slopes in rows],
-            part.line,
-            part.state,
-        )
+            [until_s - from_s for from_s, until_s, _, _ in rows], ends,
+            [slopes for _, _, *slopes in rows], part.line, part.state,
+        )  # fmt: skip
     return builder.trace()
 
 

@@ -39,13 +39,9 @@ from beamcam.writers.dstv_rows import (
 )
 
 _CONTOUR_CODES = {
-    ("outer", "cut"): "AK",
-    ("inner", "cut"): "IK",
-    ("open", "punch"): "KO",
-    ("inner", "punch"): "KO",
-    ("open", "powder"): "PU",
-    ("inner", "powder"): "PU",
-}
+    ("outer", "cut"): "AK", ("inner", "cut"): "IK", ("open", "punch"): "KO",
+    ("inner", "punch"): "KO", ("open", "powder"): "PU", ("inner", "powder"): "PU",
+}  # fmt: skip
 #: What stands before the rows of features that are there, so that no reader has them made again.
 MADE = "**BEAMCAM MADE "
 MADE_ENDS = "ENDS"
@@ -141,28 +137,18 @@ def _header(part: Part) -> list[str]:
     if part.saw_length is not None:
         length += "," + format_number(part.saw_length)
     sizes = (
-        profile.height,
-        profile.width,
-        profile.flange_thickness,
-        profile.web_thickness or 0.0,
+        profile.height, profile.width, profile.flange_thickness, profile.web_thickness or 0.0,
         profile.radius,
-    )
+    )  # fmt: skip
     angles = (cuts.web_start, cuts.web_end, cuts.flange_start, cuts.flange_end)
     notes = [*part.notes, *[""] * (_TEXT_LINES - len(part.notes))]
     return [
-        part.order or "-",
-        part.drawing or "-",
-        part.phase or "-",
-        part.mark,
-        part.grade or "-",
-        str(part.quantity),
-        profile.name,
-        profile.code,
-        length,
+        part.order or "-", part.drawing or "-", part.phase or "-", part.mark, part.grade or "-",
+        str(part.quantity), profile.name, profile.code, length,
         *(f"{format_number(size):>11}" for size in sizes),
         *(f"{format_number(value, 3):>11}" for value in (part.weight, part.surface, *angles)),
         *notes,
-    ]
+    ]  # fmt: skip
 
 
 def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:

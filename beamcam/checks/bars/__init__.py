@@ -17,12 +17,7 @@ from beamcam.checks import rules
 from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Asked, Comparison
-from beamcam.checks.bars.machine_limits import (
-    bar_faults,
-    bore_faults,
-    reach_faults,
-    size_faults,
-)
+from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
 from beamcam.checks.bars.pieces import standing
 from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.checks.bars.stations import (

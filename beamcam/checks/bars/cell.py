@@ -169,16 +169,10 @@ class Cell(CellState):
         last = self.order[-1] if self.order else None
         if type(last) is Bore and last.kind == self.cycle.kind:
             self.order[-1] = MachinedPath(
-                last.line,
-                last.face,
-                last.kind,
-                ((last.x, last.y), point),
-                last.diameter,
-                min(last.tip_depth, depth),
-                max(last.tip_depth, depth),
-                last.spindle,
+                last.line, last.face, last.kind, ((last.x, last.y), point), last.diameter,
+                min(last.tip_depth, depth), max(last.tip_depth, depth), last.spindle,
                 last.feed_mm_min,
-            )
+            )  # fmt: skip
         elif type(last) is MachinedPath and self.peck is not None:
             self.order[-1] = replace(
                 last,

@@ -381,10 +381,7 @@ def _map(face: Face, part: Part, rotation: Rotation) -> tuple[Face, Matrix]:
         return px, py if after in ("v", "h") else pz
 
     (x0, y0), (x1, y1), (x2, y2) = place(0.0, 0.0), place(1.0, 0.0), place(0.0, 1.0)
-    return after, (
-        (round(x1 - x0), round(x2 - x0), x0),
-        (round(y1 - y0), round(y2 - y0), y0),
-    )
+    return after, ((round(x1 - x0), round(x2 - x0), x0), (round(y1 - y0), round(y2 - y0), y0))
 
 
 def _point(at: Vector, part: Part, rotation: Rotation) -> Vector:

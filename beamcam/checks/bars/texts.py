@@ -249,10 +249,7 @@ def _within_axes(face: Face, part: Part, shop: ToolCatalogue) -> tuple[float, fl
     if not ys or ys[-1] - ys[0] <= 2 * SPARE:
         return None
     spare = (high - low) / 256 + SPARE
-    return (
-        low if ys[0] == low else ys[0] + spare,
-        high if ys[-1] == steps[-1] else ys[-1] - spare,
-    )
+    return (low if ys[0] == low else ys[0] + spare, high if ys[-1] == steps[-1] else ys[-1] - spare)
 
 
 def _steel(face: Face, part: Part, ends: tuple[End, End], sides: tuple[float, float]) -> Steel:

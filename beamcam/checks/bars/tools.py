@@ -209,13 +209,10 @@ class CuttingData:
         feeds = [feed for _, feed, _ in found]
         speed = max(speed for speed, _, _ in found)
         return CuttingRange(
-            LEAST * min(feeds),
-            max(feeds),
-            min(MOST * max(feeds), drill.max_feed_mm_min) + 0.1,
-            speed,
-            min(MOST * speed, drill.max_speed_rpm) + 0.6,
+            LEAST * min(feeds), max(feeds), min(MOST * max(feeds), drill.max_feed_mm_min) + 0.1,
+            speed, min(MOST * speed, drill.max_speed_rpm) + 0.6,
             MOST * max(per_turn for _, _, per_turn in found),
-        )
+        )  # fmt: skip
 
     def _of(
         self, row: Cutting, kind: str, diameter: float, pitch: float

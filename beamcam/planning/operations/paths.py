@@ -195,10 +195,6 @@ def _mark_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> I
 
 
 LINE = Kind(
-    "mark",
-    lambda feature: isinstance(feature, Contour) and feature.process != "cut",
-    _mark_needs,
-    _mark_refusals,
-    _mark_steps,
-    REASONS,
-)
+    "mark", lambda feature: isinstance(feature, Contour) and feature.process != "cut", _mark_needs,
+    _mark_refusals, _mark_steps, REASONS,
+)  # fmt: skip

@@ -47,15 +47,11 @@ def read(
     seen = [*walk.found.not_cut.items(), ("hidden shapes", walk.found.counts["invisible"])]
     unit = "of the page" if units is None and width is None else None
     said = (
-        *page.remarks,
-        *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
+        *page.remarks, *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
-        *unknown_layers(sorted(walk.found.layers - {""}), layers, source),
-        *walk.found.said,
-        *fitted,
-        *_remarks(walk.found, source),
-        *verdict(part, seen, unit, source),
-    )
+        *unknown_layers(sorted(walk.found.layers - {""}), layers, source), *walk.found.said,
+        *fitted, *_remarks(walk.found, source), *verdict(part, seen, unit, source),
+    )  # fmt: skip
     return Reading("svg", (part,), said)
 
 
@@ -68,14 +64,10 @@ def _part(name: str, found: Collected, page: Page) -> Part:
 
 #: Remarks on the counted shapes, in this order.
 _COUNTED: tuple[tuple[str, Rule], ...] = (
-    ("filled", rules.FILL_ONLY),
-    ("clipped", rules.CLIPPED),
-    ("flattened", rules.FLATTENED),
-    ("invisible", rules.INVISIBLE),
-    ("dashed", rules.DASHED),
-    ("hairline", rules.HAIRLINE),
+    ("filled", rules.FILL_ONLY), ("clipped", rules.CLIPPED), ("flattened", rules.FLATTENED),
+    ("invisible", rules.INVISIBLE), ("dashed", rules.DASHED), ("hairline", rules.HAIRLINE),
     ("degenerate", rules.DEGENERATE),
-)
+)  # fmt: skip
 
 
 def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
