@@ -61,8 +61,8 @@ def load(
     """A machine as a job wants it, for every function that takes one.
 
     `map` says what is done with a colour or layer, `tolerances` are those of a drill (merge,
-    duplicate, sink, path, twin), `corner` is the outer radius of a rectangular tube's corners where
-    neither its file nor the machine's has one, `sheet` how a sheet is cut; all as in
+    duplicate, sink, path, same_tool), `corner` is the outer radius of a rectangular tube's corners
+    where neither its file nor the machine's has one, `sheet` how a sheet is cut; all as in
     `beamcam.toml`, over what the machine's file says. Raises MachineError; AskError for a name or
     value that cannot be meant; ConfigError and PlanError for what this machine cannot do.
     """

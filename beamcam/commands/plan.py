@@ -249,7 +249,8 @@ def plan_record(
         "changes": explained.changes,
         "travel": {"forward": explained.forward, "back": explained.back},
         "time": {
-            "reloads_s": round(explained.reloads_s, 3), "total_s": round(explained.total_s, 3),
+            "manual_changes_s": round(explained.manual_changes_s, 3),
+            "total_s": round(explained.total_s, 3),
         },
         "messages": [as_message(d) for d in said],
     }  # fmt: skip

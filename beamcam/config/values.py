@@ -38,7 +38,7 @@ Origin = Literal["table", "lower-left", "lower-right", "upper-left", "upper-righ
 Machines = Annotated[tuple[Text, ...], Meta(min_length=1)]
 Quantity = Literal["file"] | PositiveCount
 ChosenBy = Literal["order", "time"]
-Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
+Tolerance = Literal["merge", "duplicate", "sink", "path", "same_tool"]
 
 
 class Setting(Struct, frozen=True):
@@ -338,7 +338,7 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 #: Key below `[tolerances]` -> field of the machine's drill that it stands for.
 TOLERANCES = {
     "merge": "merge_tolerance", "duplicate": "duplicate_tolerance", "sink": "sink_tolerance",
-    "path": "path_tolerance", "twin": "twin",
+    "path": "path_tolerance", "same_tool": "same_tool_tolerance",
 }  # fmt: skip
 
 

@@ -177,7 +177,7 @@ def _feed(command: SawStroke | SpindleStroke | PathCycle, form: NumberFormat) ->
 
 #: Where a place's coordinate stands: above it, where the approach ends, and at work.
 _PLACES = {
-    "y": ("start", 0), "z": ("start", 1), "near_y": ("near", 0), "near_z": ("near", 1),
+    "y": ("retract", 0), "z": ("retract", 1), "near_y": ("approach", 0), "near_z": ("approach", 1),
     "bottom_y": ("bottom", 0), "bottom_z": ("bottom", 1),
 }  # fmt: skip
 #: What a word may say of a stroke or path besides its place.

@@ -30,8 +30,8 @@ class Stroke(Struct, frozen=True):
     """One stroke in machine coordinates, along the axis that drives the spindle in."""
 
     across: float  #: place of the axis across the bar
-    start: float  #: free of the section
-    near: float  #: where the rapid approach ends
+    retract: float  #: free of the section
+    approach: float  #: where the rapid approach ends
     bottom: float
 
 
@@ -61,11 +61,11 @@ class Strokes:
         through = values["thickness"] + self._drill.breakthrough
         values["depth"] = through if op.depth is None else op.depth
         values["tip"] = op.tool.tip if op.tool.kind == "drill" else 0.0
-        start = stroke.start(values)
+        retract = stroke.retract(values)
         return Stroke(
             across.position(values),
-            start,
-            start if stroke.near is None else stroke.near(values),
+            retract,
+            retract if stroke.approach is None else stroke.approach(values),
             stroke.bottom(values),
         )
 
@@ -73,8 +73,8 @@ class Strokes:
         """Y and Z of an operation's stroke: free of the section, near, and at the bottom."""
         stroke, axes = self(op, y), self.axes(op)
         return (
-            _yz(axes, stroke.across, stroke.start),
-            _yz(axes, stroke.across, stroke.near),
+            _yz(axes, stroke.across, stroke.retract),
+            _yz(axes, stroke.across, stroke.approach),
             _yz(axes, stroke.across, stroke.bottom),
         )
 

@@ -80,7 +80,7 @@ def _said(machine: Machine) -> Iterator[str]:
         return
     yield (
         f"saw: kerf {saw.kerf:g}, X counted on the edge {saw.pivot} of the web, a square cut is "
-        f"called {saw.square:g}"
+        f"called {saw.zero_angle:g}"
     )
     sign = "grows with" if saw.angle_sign > 0 else "falls with"
     yield (

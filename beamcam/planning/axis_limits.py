@@ -120,7 +120,7 @@ def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:
         op = DrillOp(0.0, how.spindle, tool, how.faces, y, how.depth, (), (), _TRIAL)
         stroke = strokes(op, y)
         across, along = strokes.axes(op)
-        places = {across: (stroke.across,), along: (stroke.start, stroke.near, stroke.bottom)}
+        places = {across: (stroke.across,), along: (stroke.retract, stroke.approach, stroke.bottom)}
         for axis in machine.axes:
             if axis.spindle not in faces or (axis.moves != across and axis.moves != along):
                 continue
@@ -229,7 +229,7 @@ def _refuse_strokes(
 def _deepest(op: DrillOp, travel: SpindleTravel) -> float:
     """Depth of the tool's point behind the surface of its face."""
     stroke = travel.strokes(op, op.y)
-    way = 1.0 if stroke.bottom >= stroke.start else -1.0
+    way = 1.0 if stroke.bottom >= stroke.retract else -1.0
     return way * stroke.bottom - travel.profile.face_depth(op.faces[0])
 
 

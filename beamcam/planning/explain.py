@@ -40,7 +40,7 @@ class Explanation(Struct, frozen=True):
     changes: int  #: of spindle and tool
     forward: float  #: travel of the bar, mm
     back: float
-    reloads_s: float
+    manual_changes_s: float
     total_s: float
 
 
@@ -59,7 +59,7 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
     forward, back = travel(plan.operations)
     return Explanation(
         steps, tool_loads(plan.operations, machine), changes(plan.operations), forward, back,
-        time.reloads_s, time.total_s,
+        time.manual_changes_s, time.total_s,
     )  # fmt: skip
 
 

@@ -105,7 +105,7 @@ def _at(spindle: Spindle, profile: Profile, machine: Machine) -> HeldUp:
     enters, leaves = bottom(values), bottom(values | {"depth": values["thickness"]})
     follows_depth = leaves != enters
     if not follows_depth:
-        enters = spindle.stroke.start(values)
+        enters = spindle.stroke.retract(values)
     return HeldUp(
         spindle, profile, y, drill.x + FROM_START, position(values), enters, leaves,
         follows_depth,

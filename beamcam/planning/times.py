@@ -83,7 +83,7 @@ def time_of(operations: Sequence[Operation], pieces: Sequence[Piece], machine: M
     clock = _Clock(pieces, machine)
     seconds = tuple(clock.seconds(op) for op in operations)
     reloads = sum(load.out is not None for load in tool_loads(operations, machine))
-    return WorkTime(seconds, reloads * machine.times.reload_s)
+    return WorkTime(seconds, reloads * machine.times.manual_change_s)
 
 
 def with_axes(machine: Machine, drill: Drill) -> Machine:

@@ -95,7 +95,7 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
         "drill": -drill_x,
         "saw": {
             "x": -(saw.x if saw else 0.0),
-            "square": saw.square if saw else 0.0, "sign": saw.angle_sign if saw else 1,
+            "square": saw.zero_angle if saw else 0.0, "sign": saw.angle_sign if saw else 1,
             "pivot": saw.pivot if saw else "o",
             "rotation": _axis(machine, "angle", None), "stroke": _axis(machine, "saw", None),
         },

@@ -63,7 +63,7 @@ class _Simulation:
         self.events, self.dialect = events, dialect
         self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
         self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
-        self.reload_s, self.text_s = machine.times.reload_s, machine.times.text_s
+        self.reload_s, self.text_s = machine.times.manual_change_s, machine.times.text_s
         self.clock_s = 0.0
         self.state = State()
 

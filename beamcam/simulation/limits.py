@@ -202,7 +202,7 @@ def _beyond_reach(
         return
     sawing = np.array([state.sawing for state in trace.states])[trace.state]
     for k in np.flatnonzero(sawing & ~np.append(False, sawing[:-1])).tolist():
-        angle = abs(float(trace.positions[k, turns[0]]) - saw.square)
+        angle = abs(float(trace.positions[k, turns[0]]) - saw.zero_angle)
         most = _largest(saw, angle)
         if height > most[0] + SLACK or width > most[1] + SLACK:
             yield REACH.at(

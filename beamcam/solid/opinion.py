@@ -84,7 +84,7 @@ def _fit_of_drills(diameter: float, machine: Machine) -> tuple[float, float]:
     if drill is None or not drill.fits:
         return 0.0, 0.0
     row = next((r for r in drill.fits if diameter <= r.up_to), drill.fits[-1])
-    return row.plus + drill.twin, row.minus + drill.twin
+    return row.plus + drill.same_tool_tolerance, row.minus + drill.same_tool_tolerance
 
 
 def _sharpest(kind: ToolKind, machine: Machine) -> float:

@@ -211,7 +211,7 @@ class Comparison:
         faults.place(parts, ends)
         last = parts[-1]
         x = self.saw.x + faults.starts[-1] + last.length + ends[-1][1].kerf(self.saw) / 2
-        angle = f"{self.saw.square:g}"
+        angle = f"{self.saw.zero_angle:g}"
         # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
         self.said += faults.said or [
             rules.CUT_MISSING.at(last.source, angle=angle, x=f"{x:.6g}", end="end", mark=last.mark)

@@ -90,7 +90,7 @@ def reach_faults(
     if saw is None or not saw.max_sections:
         return
     for cut in cuts:
-        off = abs(cut.angle - saw.square)
+        off = abs(cut.angle - saw.zero_angle)
         rows = [row for row in saw.max_sections if off <= row.max_angle + 1e-6]
         near = min(rows, key=lambda row: row.max_angle, default=None)
         widest = near or max(saw.max_sections, key=lambda row: row.max_angle)

@@ -95,7 +95,7 @@ def _plane(cut: Cut, saw: Saw) -> CutPlane:
     which is along (1, tan w, tan f), so tan f = tan t / cos w.
     """
     at = cut.x - saw.x
-    web = saw.angle_sign * (cut.angle - saw.square)
+    web = saw.angle_sign * (cut.angle - saw.zero_angle)
     if not web and not cut.tilt:
         return CutPlane(cut, 0.0, 0.0, at, 0.0, 0.0, saw.kerf / 2)
     tan_web = tan(radians(web))

@@ -189,7 +189,7 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None, lip: f
         surface = shallow
         surface_per_y = bottom({**values, "y": 1.0}) - shallow
     else:
-        way = 1.0 if shallow >= spindle.stroke.start(values) else -1.0
+        way = 1.0 if shallow >= spindle.stroke.retract(values) else -1.0
         surface = way * values["face_depth"]
     clear_from, clear_to = -inf, inf
     if profile is not None and values["face_depth"] > 0 and profile.code in ("I", "U", "C", "L"):
@@ -198,7 +198,7 @@ def _station(spindle: Spindle, machine: Machine, profile: Profile | None, lip: f
     if profile is not None and profile.code == "T" and spindle.face in ("o", "u"):
         clear_from = profile.web_thickness or 0.0
     across, stroke = _AXIS_INDEX[spindle.across.axis], _AXIS_INDEX[spindle.stroke.axis]
-    start, near = spindle.stroke.start(values), spindle.stroke.near
+    start, near = spindle.stroke.retract(values), spindle.stroke.approach
     face_depth = values["face_depth"]
     retract_clearance = -(way * (start - surface) + face_depth)
     approach_clearance = (
@@ -242,7 +242,7 @@ def limits_of(machine: Machine, moves: str) -> tuple[str, float, float]:
 
 def tilts_of(saw: Saw, angle: float) -> tuple[float, float]:
     """Minimum and maximum tilt of the blade at an angle; none off the square cut, if not both."""
-    if saw.compound or abs(angle - saw.square) < SQUARE_DEG:
+    if saw.compound or abs(angle - saw.zero_angle) < SQUARE_DEG:
         return saw.min_tilt, saw.max_tilt
     return 0.0, 0.0
 

@@ -268,7 +268,11 @@ def _other_drills(op: DrillOp, plan: Plan, library: ToolLibrary) -> Iterator[str
         if tool != op.tool:
             off = max(abs(tool.diameter - d) for d in diameters)
             used = max(abs(op.tool.diameter - d) for d in diameters)
-            because = "no nearer" if off - used <= library.drill.twin + 1e-9 else "further off"
+            because = (
+                "no nearer"
+                if off - used <= library.drill.same_tool_tolerance + 1e-9
+                else "further off"
+            )
             yield f"{tool.name}: {off:g} mm off, {because}"
 
 

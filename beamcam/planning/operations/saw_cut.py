@@ -75,7 +75,7 @@ def _refuse_cut(end: End, saw: Saw, part: Part) -> Diagnostic | None:
     angle, tilt = saw_angles(end, saw)
     if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
         least, greatest = sorted(
-            (limit - saw.square) * saw.angle_sign for limit in (saw.min_angle, saw.max_angle)
+            (limit - saw.zero_angle) * saw.angle_sign for limit in (saw.min_angle, saw.max_angle)
         )
         return SAW_ANGLE.at(
             part.cut_source("web", end.at), found=f"{end.web_deg:g}", end=end.at,
@@ -123,7 +123,7 @@ def _refusals(ends: Ends, planner: PartPlanner) -> Iterator[Diagnostic]:
     height, width = part.profile.height, part.profile.width
     for each in ends:
         angle = saw_angles(each, saw)[0]
-        reach = _reach_at(abs(angle - saw.square), saw)
+        reach = _reach_at(abs(angle - saw.zero_angle), saw)
         if reach is None or (height <= reach.max_height and width <= reach.max_width):
             continue
         yield SAW_REACH.at(
@@ -153,7 +153,7 @@ def cuts_of(
         source, shares_start, shares_end = piece.part.source, common[index], common[index + 1]
         if index == 0 and start.is_square:
             x = saw.x + piece.start - saw.kerf / 2
-            yield SawOp(x, saw.square, "trim", (0,), source, 0.0, "start", ("cut-trim",))
+            yield SawOp(x, saw.zero_angle, "trim", (0,), source, 0.0, "start", ("cut-trim",))
         elif not start.is_square and not shares_start:
             yield _skew(piece, (index,), start, saw, "mitre")
         following = ends[index + 1][0] if index + 1 < len(pieces) else None
@@ -166,11 +166,13 @@ def cuts_of(
             # It makes the next part's square start too, which lies further on behind a mitre.
             x = saw.x + pieces[index + 1].start - saw.kerf / 2
             both = (index, index + 1)
-            yield SawOp(x, saw.square, "parting", both, source, 0.0, "end", ("cut-parting-both",))
+            yield SawOp(
+                x, saw.zero_angle, "parting", both, source, 0.0, "end", ("cut-parting-both",)
+            )
         elif end.is_square or following is not None or bar.left > NOTHING_LEFT:
             x = saw.x + piece.end + end.kerf / 2
             reason = "cut-parting" if end.is_square else "cut-wedge"
-            yield SawOp(x, saw.square, "parting", (index,), source, 0.0, "end", (reason,))
+            yield SawOp(x, saw.zero_angle, "parting", (index,), source, 0.0, "end", (reason,))
 
 
 def _skew(
@@ -197,7 +199,7 @@ def saw_angles(end: End, saw: Saw) -> tuple[float, float]:
     The blade turned by w and tilted by t has the normal (cos t cos w, cos t sin w, sin t), which
     is along (1, tan w, tan f) of the end if tan t = tan f cos w.
     """
-    angle = saw.square + saw.angle_sign * end.web_deg
+    angle = saw.zero_angle + saw.angle_sign * end.web_deg
     if not end.flange_deg:
         return angle, 0.0
     tilt = degrees(atan(tan(radians(end.flange_deg)) * cos(radians(end.web_deg))))

@@ -1,9 +1,9 @@
 """Which tool of a machine makes a hole of a given diameter.
 
 A drill fits if it differs from the hole by no more than the machine's tolerance for that
-diameter; of those that fit the nearest is taken. Tools that differ by less than `drill.twin` are
-one tool to the shop (20.64 and 13/16 in), so several may be equally near; which of them is taken
-is settled over the whole bar (`planning.beam`):
+diameter; of those that fit the nearest is taken. Tools that differ by less than
+`drill.same_tool_tolerance` are one tool to the shop (20.64 and 13/16 in), so several may be equally
+near; which of them is taken is settled over the whole bar (`planning.beam`):
 
     hole 26.99    drills 26.9875 (1 1/16 in) and 27.00    both within 0.02 of the nearest
     hole 27.00    the same two                            one drill for both holes
@@ -71,7 +71,9 @@ class ToolLibrary:
         known = self._drills.get(key)
         if known is None:
             fitting = self.fitting(diameters, faces)
-            known = self._drills.keep(key, nearest(fitting, diameters, self.drill.twin))
+            known = self._drills.keep(
+                key, nearest(fitting, diameters, self.drill.same_tool_tolerance)
+            )
         return known
 
     def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
@@ -104,7 +106,7 @@ class ToolLibrary:
         ]
         if whole:
             fitting = [t for t in cones if fit and is_within(t.diameter - diameter, fit)]
-            return nearest(tuple(fitting), (diameter,), self.drill.twin)
+            return nearest(tuple(fitting), (diameter,), self.drill.same_tool_tolerance)
         return tuple(t for t in cones if t.diameter >= diameter - ROUNDING)[:1]
 
     def taps(self, diameter: float, left: bool, faces: tuple[Face, ...]) -> Tools:
@@ -113,7 +115,7 @@ class ToolLibrary:
         return tuple(
             tap
             for tap in self.of_kind("tap", faces)
-            if tap.hand == hand and abs(tap.diameter - diameter) <= self.drill.twin
+            if tap.hand == hand and abs(tap.diameter - diameter) <= self.drill.same_tool_tolerance
         )[:1]
 
     def pre_drill(self, tap: Tool) -> float:
@@ -141,7 +143,7 @@ class ToolLibrary:
 
     def slot_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
         """The largest mill that is no wider than a slot."""
-        limit = diameter + self.drill.twin
+        limit = diameter + self.drill.same_tool_tolerance
         return tuple(t for t in self.of_kind("mill", faces) if t.diameter <= limit)[-1:]
 
     def largest_drill(self, faces: tuple[Face, ...]) -> float:
@@ -169,7 +171,7 @@ def fit_of(diameter: float, drill: Drill) -> Fit | None:
     fit = next((f for f in drill.fits if diameter <= f.up_to), None)
     if fit is None or not drill.never_under:
         return fit
-    return replace(fit, minus=min(fit.minus, drill.twin))
+    return replace(fit, minus=min(fit.minus, drill.same_tool_tolerance))
 
 
 def is_within(difference: float, fit: Fit) -> bool:
