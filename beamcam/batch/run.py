@@ -229,7 +229,9 @@ class Run:
         """The task of an input; None where it was done by an earlier run, as its key says."""
         slot.key = sha256(self._settings + key).digest()
         done = None if self._force else self._record.find(slot.key, slot.input)
-        if done is not None and not (self._shop.timed and _lacks_time(done)):
+        # A run that did not ask for times has not noted any.
+        lacks_time = done is not None and any(p["machine_time_s"] is None for p in done["parts"])
+        if done is not None and not (self._shop.timed and lacks_time):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}
             return None
         slot.size = len(task.data)
@@ -375,8 +377,3 @@ class Run:
             if stands and folded(output) not in self._claims:
                 said = STALE.at(Source(slot.input.path), found=output)
                 row["messages"].append(as_message(said))
-
-
-def _lacks_time(row: Row) -> bool:
-    """Whether a row was noted by a run that did not ask for times."""
-    return any(part["machine_time_s"] is None for part in row["parts"])

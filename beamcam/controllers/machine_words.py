@@ -26,7 +26,7 @@ from beamcam.controllers.dialect import (
     tool_words,
 )
 from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
-from beamcam.errors import Diagnostic, MachineError
+from beamcam.errors import MachineError
 from beamcam.machine.codes import key_for, plain_code
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
 from beamcam.machine.load import load, source_in
@@ -149,14 +149,14 @@ def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
 
 
 def _bar_faults(machine: Machine) -> Iterator[WordFault]:
-    stroke = _stroke(machine)
+    stroke = _STROKE_DOWN if machine.controller == "linuxcnc" else _STROKE
     unit = machine.marks.unit if machine.marks.is_told else ""
     lines = list(_bar_lines(machine, unit, stroke))
     dialect = dialect_of(machine)
-    events, said = cell_events(_text(lines), machine, "")
-    yield from _said(lines, said)
+    events, faults = _run(lines, machine)
+    yield from faults
     yield from _double_words(lines)
-    if said:
+    if faults:
         return
     of: dict[str, list[BarEvent]] = {}
     for event in events:
@@ -237,10 +237,6 @@ def _role(event: Switch, dialect: Dialect) -> str:
     return word.role if word else DOCUMENTED.get(event.number, "other")
 
 
-def _stroke(machine: Machine) -> dict[str, str]:
-    return _STROKE_DOWN if machine.controller == "linuxcnc" else _STROKE
-
-
 def _in_steel(event: Move[Place], stroke: dict[str, str]) -> bool:
     return not {*event.end[1:]}.isdisjoint((float(stroke["bottom_y"]), float(stroke["bottom_z"])))
 
@@ -317,8 +313,8 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
         if getattr(words, side):
             lines += (*_filled(machine, side), *feed, *_filled(machine, "straight"))
     lines += _filled(machine, "footer")
-    events, said = cell_events(_text(lines), machine, "")
-    yield from _said(lines, said)
+    events, faults = _run(lines, machine)
+    yield from faults
     yield from _unexplained(lines, events)
     yield from _standing(lines, events)
     torch = machine.needed(machine.torch, "torch")
@@ -365,8 +361,8 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     lines += _filled(machine, "cut_on")
     lines += _filled(machine, "feed", x="11", y="21", z="31", a="-90", inverse="100")
     lines += (*_filled(machine, "cut_off"), *_filled(machine, "footer"))
-    events, said = cell_events(_text(lines), machine, "")
-    yield from _said(lines, said)
+    events, faults = _run(lines, machine)
+    yield from faults
     yield from _standing(lines, events)
     for event in events:
         if isinstance(event, Move):
@@ -404,20 +400,20 @@ def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
                 yield fault_in(key, text, found, "the tool switched where it stands")
 
 
-def _text(lines: list[Line]) -> str:
-    return "\n".join(block for _, _, block in lines) + "\n"
-
-
-def _said(lines: list[Line], said: list[Diagnostic]) -> Iterator[WordFault]:
-    """What was said of a block, as a fault of the template that it comes from.
+def _run(lines: list[Line], machine: Machine) -> tuple[list[BarEvent], list[WordFault]]:
+    """The events of a program, and what is wrong with it as faults of its templates.
 
     What has to be set before the first move belongs into the header.
     """
-    for one in said:
+    program = "\n".join(block for _, _, block in lines) + "\n"
+    events, diagnostics = cell_events(program, machine, "")
+    faults: list[WordFault] = []
+    for one in diagnostics:
         key, text, _ = lines[min(one.source.line or len(lines), len(lines)) - 1]
         if one.code in (SETTING.code, SHEET_SETTING.code):
             key, text = "words.header", ""
-        yield key, text, one.message
+        faults.append((key, text, one.message))
+    return events, faults
 
 
 def fault_in(key: str, text: str, found: str, expected: str) -> WordFault:

@@ -14,7 +14,6 @@ from msgspec.structs import replace
 
 from beamcam.checks import rules
 from beamcam.checks.bars.cell_state import AXES, CellState
-from beamcam.checks.bars.machine_limits import EPSILON
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Bore,
@@ -25,6 +24,7 @@ from beamcam.checks.bars.stations import (
     Tip,
     made_in_order,
 )
+from beamcam.checks.bars.tools import EPSILON
 from beamcam.controllers.dialect import WORD
 from beamcam.controllers.events import (
     Acceleration,
