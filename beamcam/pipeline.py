@@ -210,18 +210,10 @@ def whole_job(request: Request, bar: float | None = None) -> Job:
 
 
 def post(
-    parts: Sequence[Part],
-    machine: Machine,
-    job: str = "JOB",
-    bar: float | None = None,
-    skips: Collection[str] = (),
-    verified: bool = True,
-    order: Order = "given",
-    turn: bool = False,
-    strict: bool = False,
-    style: str | None = None,
-    date: str = "",
-) -> Posted:
+    parts: Sequence[Part], machine: Machine, job: str = "JOB", bar: float | None = None,
+    skips: Collection[str] = (), verified: bool = True, order: Order = "given", turn: bool = False,
+    strict: bool = False, style: str | None = None, date: str = "",
+) -> Posted:  # fmt: skip
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
     `style` is the form of program for a controller that knows several: "chain" or "table" of

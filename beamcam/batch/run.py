@@ -57,19 +57,11 @@ class Slot(Struct):
 
 
 def run(
-    inputs: Sequence[Input],
-    folder: str,
-    shop: BatchSettings,
-    workers: Workers,
-    flat: bool = False,
-    force: bool = False,
-    claims: dict[str, str] | None = None,
-    read: FilesRead | None = None,
-    recipe: Recipe | None = None,
-    dry: bool = False,
-    asked: Asked = NEVER,
-    marks: dict[MarkKey, str] | None = None,
-) -> Generator[Row, None, None]:
+    inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
+    flat: bool = False, force: bool = False, claims: dict[str, str] | None = None,
+    read: FilesRead | None = None, recipe: Recipe | None = None, dry: bool = False,
+    asked: Asked = NEVER, marks: dict[MarkKey, str] | None = None,
+) -> Generator[Row, None, None]:  # fmt: skip
     """Post every input into `folder` and give its row, in the order of the inputs.
 
     `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
@@ -113,20 +105,10 @@ def recorded(
 
 class Run:
     def __init__(
-        self,
-        inputs: Sequence[Input],
-        folder: str,
-        shop: BatchSettings,
-        workers: Workers,
-        record: Record,
-        flat: bool,
-        force: bool,
-        claims: dict[str, str] | None,
-        read: FilesRead | None,
-        dry: bool,
-        asked: Asked,
-        marks: dict[MarkKey, str] | None = None,
-    ) -> None:
+        self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
+        record: Record, flat: bool, force: bool, claims: dict[str, str] | None,
+        read: FilesRead | None, dry: bool, asked: Asked, marks: dict[MarkKey, str] | None = None,
+    ) -> None:  # fmt: skip
         self._asked = asked
         self._inputs, self._folder, self._shop = inputs, folder, shop
         self._workers, self._record, self._flat, self._force = workers, record, flat, force

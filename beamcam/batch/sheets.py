@@ -73,12 +73,9 @@ def picture_style() -> str:
 
 
 def sheets_beside(
-    report: str,
-    rows: Iterable[Row],
-    shop: BatchSettings,
-    jobs: int,
+    report: str, rows: Iterable[Row], shop: BatchSettings, jobs: int,
     shares: Sequence[ShareTask] = (),
-) -> dict[str, Extra]:
+) -> dict[str, Extra]:  # fmt: skip
     """Write the sheet of each program of a run into a folder beside its report.
 
     `shares` are the programs of a run over stock.

@@ -316,13 +316,9 @@ def _post_job(
 
 
 def _post_chain(
-    part: Part,
-    called: Callable[[Machine, int, str], tuple[str, str]],
-    shop: BatchSettings,
-    row: Row,
-    names: FileNames,
-    found: Found,
-) -> Generator[str, None, None]:
+    part: Part, called: Callable[[Machine, int, str], tuple[str, str]], shop: BatchSettings,
+    row: Row, names: FileNames, found: Found,
+) -> Generator[str, None, None]:  # fmt: skip
     """Add the programs of a part on several machines, all of them or none, and what is between.
 
     One that a machine makes by itself is called as that of any part.

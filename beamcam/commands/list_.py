@@ -25,10 +25,8 @@ from beamcam.commands.common import (
 from beamcam.commands.options import quantity
 from beamcam.commands.parts import (
     drawing_choice,
-    drawing_options,
+    list_options,
     member_choice,
-    member_options,
-    torch_options,
 )
 from beamcam.commands.settings import (
     files_read,
@@ -80,16 +78,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
     "--table", type=click.Choice(["parts", "bars", "cuts"]), default="parts", show_default=True,
     help="Which table a .csv holds.",
 )  # fmt: skip
-@options.skips
-@options.order
-@options.turn
-@options.mark_from
-@member_options
-@drawing_options
-@torch_options
-@options.strict
-@options.as_json
-@options.voiced
+@list_options
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, bars: tuple[float, ...],
     remnants: tuple[str, ...], table: str, order: Order, turn: bool, as_json: bool,

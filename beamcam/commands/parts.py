@@ -224,6 +224,11 @@ def member_choice(
 
 #: Which parts are meant, and how drawings and sheets are taken.
 part_options = options.group(member_options, options.mark_from, drawing_options, torch_options)
+#: The parts of a shop's lists and labels, and how they are laid.
+list_options = options.group(
+    options.skips, options.order, options.turn, options.mark_from, member_options, drawing_options,
+    torch_options, options.strict, options.as_json, options.voiced,
+)  # fmt: skip
 #: What a job is posted by, for commands that show what comes of it.
 job_options = options.group(
     options.by, options.skips, options.order, options.turn, part_options, options.strict,

@@ -48,14 +48,9 @@ from beamcam.reports.run import as_message, ledger_of
 @options.turn
 @looking_options
 def command(
-    inputs: tuple[str, ...],
-    output: str,
-    order: Order,
-    turn: bool,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], output: str, order: Order, turn: bool, as_json: bool,
+    console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Explain the work that makes parts, step by step.
 
     Each operation is listed with its machine X, its tool, its time and a code for each reason: why
@@ -119,16 +114,9 @@ def _planned(request: Request) -> list[Planned]:
 
 
 def _print(
-    output: str,
-    read: FilesRead,
-    console: Console,
-    as_json: bool,
-    lines: Iterable[str],
-    record: dict[str, object],
-    said: tuple[Diagnostic, ...],
-    config: Config,
-    machine: Machine,
-) -> None:
+    output: str, read: FilesRead, console: Console, as_json: bool, lines: Iterable[str],
+    record: dict[str, object], said: tuple[Diagnostic, ...], config: Config, machine: Machine,
+) -> None:  # fmt: skip
     if as_json:
         from beamcam.commands.configuration import used
 
@@ -203,12 +191,9 @@ def _load_line(loaded: ToolLoad) -> str:
 
 
 def plan_record(
-    plan: Plan,
-    explained: Explanation,
-    machine: Machine,
-    trials: Trials,
+    plan: Plan, explained: Explanation, machine: Machine, trials: Trials,
     said: tuple[Diagnostic, ...],
-) -> dict[str, object]:
+) -> dict[str, object]:  # fmt: skip
     """The plan as data."""
     bar = plan.bar
     return {

@@ -76,21 +76,10 @@ FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (
 @options.json_messages
 @options.voiced
 def command(
-    inputs: tuple[str, ...],
-    output: str,
-    order: Order,
-    style: str | None,
-    turn: bool,
-    first: int | None,
-    contour: int | None,
-    frame: str | None,
-    rest_name: str | None,
-    no_verify: bool,
-    exit_left_out: int | None,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], output: str, order: Order, style: str | None, turn: bool,
+    first: int | None, contour: int | None, frame: str | None, rest_name: str | None,
+    no_verify: bool, exit_left_out: int | None, as_json: bool, console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Turn parts into a machine program.
 
     Several INPUTs are laid on one bar in the order given; an input named twice is made twice. With

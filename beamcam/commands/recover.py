@@ -41,14 +41,9 @@ READ_BY = ("codesys", "linuxcnc", "grbl", "mach3")
 @options.json_messages
 @options.voiced
 def command(
-    program: str,
-    output: str,
-    to: str | None,
-    profile: str | None,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    program: str, output: str, to: str | None, profile: str | None, as_json: bool,
+    console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Write the part that PROGRAM makes as DSTV, JSON or a drawing of its faces.
 
     Of a bar each piece between two cuts is a part, with its end cuts, holes, slots and marks;

@@ -8,7 +8,6 @@ from contextlib import suppress
 from functools import partial
 from pathlib import PurePath
 from time import monotonic, perf_counter
-from types import TracebackType
 from typing import IO, Any, Self
 
 import click
@@ -237,12 +236,7 @@ class Progress:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._clear()
 
     def show(self, row: Row) -> None:

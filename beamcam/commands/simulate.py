@@ -99,20 +99,11 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 @job_options
 @options.voiced
 def command(
-    inputs: tuple[str, ...],
-    against: bool,
-    output: str | None,
-    every: float | None,
-    encoder: "Encoder | Literal['machine'] | None",
-    modbus: tuple[str, int] | None,
-    serve: tuple[str, int] | None,
-    pace: float | None,
-    order: Order,
-    turn: bool,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], against: bool, output: str | None, every: float | None,
+    encoder: "Encoder | Literal['machine'] | None", modbus: tuple[str, int] | None,
+    serve: tuple[str, int] | None, pace: float | None, order: Order, turn: bool, as_json: bool,
+    console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Run a program on a model of its machine and write its axes over time.
 
     INPUTs are a program, and behind it (and --against) the parts that it has to make; or parts,

@@ -311,12 +311,9 @@ def merged(
 
 
 def _overlay(
-    table: dict[str, Any],
-    over: dict[str, Any],
-    files: dict[str, tuple[str, str]],
-    origin: tuple[str, str],
-    prefix: str,
-) -> None:
+    table: dict[str, Any], over: dict[str, Any], files: dict[str, tuple[str, str]],
+    origin: tuple[str, str], prefix: str,
+) -> None:  # fmt: skip
     """Lay `over` over `table` in place: tables key by key, everything else as a whole.
 
     False in the place of a table takes it away: `saw = false`.

@@ -134,12 +134,9 @@ LEDGER_TOLERANCE = 0.001  #: mm
 
 
 def plan_bar(
-    parts: Sequence[Part],
-    machine: Machine,
-    bar: float | None = None,
-    skips: Collection[str] = (),
+    parts: Sequence[Part], machine: Machine, bar: float | None = None, skips: Collection[str] = (),
     order: Order = "given",
-) -> Plan:
+) -> Plan:  # fmt: skip
     """The work that makes `parts`, as they lie, from one bar of length `bar`, or as they need.
 
     `skips` names what may be left out (`rules.SKIP_NAMES`), `order` whether the parts lie as they
@@ -211,13 +208,9 @@ def _balance(plan: Plan, machine: Machine) -> None:
 
 
 def plan_oriented(
-    parts: Sequence[Part],
-    machine: Machine,
-    bar: float | None = None,
-    skips: Collection[str] = (),
-    order: Order = "given",
-    turn: bool = False,
-) -> Plan:
+    parts: Sequence[Part], machine: Machine, bar: float | None = None, skips: Collection[str] = (),
+    order: Order = "given", turn: bool = False,
+) -> Plan:  # fmt: skip
     """The plan of `plan_bar`; with `turn`, of the parts in the orientations that are best.
 
     Raises PlanError as `plan_bar` does; without `turn`, with the turn that would help.

@@ -173,13 +173,9 @@ def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
 
 
 def _write_feature(
-    feature: Feature,
-    index: int,
-    part: Part,
-    sheet: _Sheet,
-    valid: dict[str, str],
+    feature: Feature, index: int, part: Part, sheet: _Sheet, valid: dict[str, str],
     tolerance: float | None,
-) -> None:
+) -> None:  # fmt: skip
     anchor = f"feature:{index}"
     # Rows of a block share the face, and whether they have a reference letter: a row without one
     # would inherit that of the row before.
@@ -210,13 +206,9 @@ def _write_feature(
 
 
 def _code(
-    code: str,
-    face: str,
-    what: str,
-    planes: tuple[Plane, ...],
-    valid: dict[str, str],
+    code: str, face: str, what: str, planes: tuple[Plane, ...], valid: dict[str, str],
     source: Source,
-) -> str:
+) -> str:  # fmt: skip
     """The block code for a feature on `face`; that of a plane takes its number."""
     if face in FACES:
         return code

@@ -142,15 +142,9 @@ def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFea
 
 
 def verify(
-    text: str,
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-    order: str = "given",
-    turn: bool = False,
-    bar: float | None = None,
-) -> tuple[Diagnostic, ...]:
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
+    name: str = "program", order: str = "given", turn: bool = False, bar: float | None = None,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a program, by itself and against the parts on its bar.
 
     The parts are those that were asked for, in the order asked; `order` and `turn` say whether

@@ -210,12 +210,9 @@ def is_of(plane: CutPlane, end: End, machine: Machine, saw: Saw) -> bool:
 
 
 def wedge_cuts(
-    laid: Sequence[LaidPart],
-    cuts: Sequence[CutPlane],
-    machine: Machine,
-    saw: Saw,
+    laid: Sequence[LaidPart], cuts: Sequence[CutPlane], machine: Machine, saw: Saw,
     bar: float | None,
-) -> set[int] | None:
+) -> set[int] | None:  # fmt: skip
     """The lines of the square cuts that remove the wedge behind each skew end.
 
     None where one is missing. None is needed behind an end that is the next part's start too, and

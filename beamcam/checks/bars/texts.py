@@ -44,12 +44,9 @@ CHORDS = 48  #: of a hole
 
 
 def texts_of(
-    part: Part,
-    ends: tuple[End, End],
-    paths: Sequence[MachinedPath],
-    from_x: float,
+    part: Part, ends: tuple[End, End], paths: Sequence[MachinedPath], from_x: float,
     shop: ToolCatalogue,
-) -> tuple[list[MarkingPath], list[Diagnostic]]:
+) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
 
     One that it does not letter is needed where the part has it, unless it can stand nowhere: then
@@ -109,13 +106,9 @@ class PrintedTexts:
         return face in self.shop.machine.marks.faces and face not in missing
 
     def _take(
-        self,
-        p: int,
-        of: tuple[Part, tuple[End, End]],
-        texts: Sequence[Wanted],
-        start: float,
+        self, p: int, of: tuple[Part, tuple[End, End]], texts: Sequence[Wanted], start: float,
         steel: Steel,
-    ) -> list[DrawnText | None]:
+    ) -> list[DrawnText | None]:  # fmt: skip
         """The texts of a part's face as they are told over it."""
         from_x, face = self.at + start, texts[0].feature.face
         over = [one for one in self.left if one.face == face]

@@ -131,14 +131,9 @@ def _parabola(start: Point, end: Point, vertex: Point) -> Bezier | str:
 
 
 def _ellipse(
-    start: Point,
-    end: Point,
-    centre: Point,
-    angle: float,
-    ratio: float,
-    clockwise: bool,
+    start: Point, end: Point, centre: Point, angle: float, ratio: float, clockwise: bool,
     resolution: float,
-) -> EllipseArc | str:
+) -> EllipseArc | str:  # fmt: skip
     c, s = cos(radians(angle)), sin(radians(angle))
 
     def local(p: Point) -> Point:

@@ -29,14 +29,9 @@ MIN_RADIUS = 1e-6
 
 
 def pocket_path(
-    centre: Point,
-    size: tuple[float, float],
-    angle_deg: float,
-    diameter: float,
-    mill: float,
-    tolerance: float,
-    is_blind: bool,
-) -> tuple[Point, ...]:
+    centre: Point, size: tuple[float, float], angle_deg: float, diameter: float, mill: float,
+    tolerance: float, is_blind: bool,
+) -> tuple[Point, ...]:  # fmt: skip
     """Points of the path that mills a pocket, first and last the same one.
 
     `size` is the distance of the corner circles' centres along and across `angle_deg`, `diameter`

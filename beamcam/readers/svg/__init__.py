@@ -16,13 +16,9 @@ __all__ = ["looks_like", "read"]
 
 
 def read(
-    data: bytes,
-    name: str,
-    units: str | None = None,
-    width: str | float | None = None,
-    layers: Sequence[str] = (),
-    fit: Sequence[str] = (),
-) -> Reading:
+    data: bytes, name: str, units: str | None = None, width: str | float | None = None,
+    layers: Sequence[str] = (), fit: Sequence[str] = (),
+) -> Reading:  # fmt: skip
     """The part that an SVG file draws, and remarks on it; never raises.
 
     `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
