@@ -14,7 +14,6 @@ from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import MISSING_EXTRA, options
 from beamcam.commands.common import (
-    REFUSED,
     STANDARD,
     Console,
     Grouped,
@@ -36,7 +35,7 @@ from beamcam.commands.settings import (
     with_thickness,
 )
 from beamcam.config.values import Config, Stock
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.description import marked
 from beamcam.model.part import Part
@@ -114,9 +113,7 @@ def command(
         console.stop(error.diagnostics)
     write(output, data, console, files_read(config, inputs))
     said = (*said, *not_made(counts))
-    console.say(said)
-    if errors_in(said):
-        raise SystemExit(REFUSED)
+    console.finish(said)
 
 
 def _asked(config: Config, lengths: Sequence[float], order: Order, turn: bool) -> Request:

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from beamcam.commands import SECTION, options
-from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, read_all, write
+from beamcam.commands.common import STANDARD, Console, Grouped, read_all, write
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes, torch_options
@@ -87,9 +87,7 @@ def command(
             write(output, only_text(name, parts, target, output), console, read)
     except BeamcamError as error:
         console.stop((*said, *error.diagnostics))
-    console.say(said)
-    if errors_in(said):
-        raise SystemExit(REFUSED)
+    console.finish(said)
 
 
 def _stock(
