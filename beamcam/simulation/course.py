@@ -60,7 +60,7 @@ class _Simulation:
         self.events, self.dialect = events, dialect
         self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
         self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
-        self.reload_s, self.text_s = machine.times.manual_change_s, machine.times.text_s
+        self.manual_change_s, self.text_s = machine.times.manual_change_s, machine.times.text_s
         self.clock_s = 0.0
         self.state = State()
 
@@ -118,7 +118,7 @@ class _Simulation:
             takes_s = self.cell.switch(False)
             self.state = replace(self.state, turning=0)
         elif role == "change":
-            takes_s = self.reload_s
+            takes_s = self.manual_change_s
         elif role in ("coolant-on", "coolant-off"):
             self.state = replace(self.state, coolant=role == "coolant-on")
         elif role == "saw":
