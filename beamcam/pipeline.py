@@ -26,10 +26,9 @@ from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
-from beamcam.planning import Share, shares_of
+from beamcam.planning import Share, from_store, shares_of
 from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_kinds, told
 from beamcam.planning.rules import named_skips
-from beamcam.planning.stock import from_store
 from beamcam.posts import Written, beginning, post_of
 from beamcam.readers.content import Reading, content, shown_name
 from beamcam.reconcile import head_differences, other_than_planned

@@ -28,9 +28,9 @@ from beamcam.model.plan import Order, Plan, SheetPlan, ToolLoad
 from beamcam.model.request import Request
 from beamcam.pipeline import Planned, remarks_on, whole_job
 from beamcam.plain_text import terminal_text
+from beamcam.planning import from_store
 from beamcam.planning.beam import Trial, try_turns
 from beamcam.planning.explain import Explanation, explain
-from beamcam.planning.stock import from_store
 from beamcam.posts import post_of
 from beamcam.reports.run import as_message, ledger_of
 

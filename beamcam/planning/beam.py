@@ -30,7 +30,7 @@ from beamcam.model.plan import (
     TextOp,
     WorkOp,
 )
-from beamcam.planning import rules
+from beamcam.planning import is_too_short, rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.nesting import LaidParts, lay
 from beamcam.planning.operations.part_planner import BarLine, line_of
@@ -38,7 +38,7 @@ from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
-from beamcam.planning.stock import is_too_short, refuse_stock
+from beamcam.planning.stock import refuse_stock
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
