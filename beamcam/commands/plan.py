@@ -1,4 +1,4 @@
-"""`beamcam plan`: the work that makes parts, step by step, with reasons and time, as text or data."""
+"""`beamcam plan`: the work that makes parts, step by step, with reasons and time; text or data."""
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
