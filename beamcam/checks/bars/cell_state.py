@@ -51,9 +51,8 @@ class CellState:
         self, machine: Machine, dialect: Dialect, choices: dict[int, Choice], data: CuttingData,
         name: str,
     ) -> None:  # fmt: skip
-        self.machine, self.dialect, self.choices = machine, dialect, choices
+        self.machine, self.dialect, self.choices, self.name = machine, dialect, choices, name
         self.data, self.limits = data, limits_of_cell(machine)
-        self.name = name
         self.said: list[Diagnostic] = []
         self.section: dict[str, float] = {}
         self.unsaid = dialect.section_fields  #: what the program has not said of its bar yet
@@ -72,8 +71,7 @@ class CellState:
         self.x = self.furthest = self.feed_mm_min = nan
         self.at: dict[int, Tip] = {}  #: of each spindle
         self.fed_since: dict[int, float] = {}  #: depth at which each fed on since it was back
-        #: X, across and depth to which each spindle fed last, in steel or before it
-        self.fed_to: dict[int, tuple[float, float, float]] = {}
+        self.fed_to: dict[int, tuple[float, float, float]] = {}  #: X, across, depth of each, last
         self.fed_from: dict[int, float] = {}  #: stroke at which a tool's feed into the bar began
         self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
@@ -135,10 +133,7 @@ class CellState:
             )  # fmt: skip
 
     def _cool(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
-        self.cooling = True
-
-    def _dry(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
-        self.cooling = False
+        self.cooling = self.dialect.m_words[switch.number].role == "coolant-on"
 
     def _describe(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.section.update(values)
@@ -401,7 +396,7 @@ class CellState:
 
 _DOES: dict[Role, Callable[[CellState, Switch, Values, Cycle | None], None]] = {
     "on": CellState._start, "off": CellState._stop, "coolant-on": CellState._cool,
-    "coolant-off": CellState._dry, "choose": CellState._choose, "change": CellState._change,
+    "coolant-off": CellState._cool, "choose": CellState._choose, "change": CellState._change,
     "saw": CellState._saw, "section": CellState._describe, "other": CellState._set_pitch,
     "end": CellState._end,
 }  # fmt: skip
