@@ -11,7 +11,7 @@ import shapely
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from beamcam.checks.sheets.grid import Elements, Grid, Pairs
+from beamcam.checks.sheets.grid import NARROW, SPARE, Elements, Grid, Pairs
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, arc_ends
@@ -61,6 +61,7 @@ class Toolpaths:
         found.count, found._first, found._behind = self.count, self._first, self._behind
         found.owner, found.rest = self.owner, self.rest
         found._put(self.elements.moved(shift))
+        found._grids = [grid.moved(found.elements, shift) for grid in self._grids]
         return found
 
     def _build(
@@ -128,7 +129,7 @@ class Toolpaths:
 
     def _grid(self, reach: float) -> Grid:
         for grid in self._grids:
-            if reach <= grid.reach <= WIDER * reach:
+            if reach * SPARE <= grid.reach <= max(WIDER * reach, NARROW * grid.size):
                 return grid
         self._grids.append(Grid(self.elements, reach))
         return self._grids[-1]
