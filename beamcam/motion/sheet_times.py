@@ -50,7 +50,7 @@ HOME: Point = (0.0, 0.0)
 SMOOTH_COS = cos(radians(1.0))
 
 
-class Segment(Struct, frozen=True):
+class Segment(Struct, frozen=True, gc=False):
     """A move as the look-ahead sees it."""
 
     length: float
@@ -121,15 +121,19 @@ def segment_of(
     here: Point, move: Movement, feed_mm_s: float, limits: PathLimits | None
 ) -> Segment | None:
     """A move that starts `here`; None if it goes nowhere."""
-    curve = curve_of(here, move)
-    length = curve.length
+    straight = type(move) is Feed
+    if straight:
+        x, y = move.x - here[0], move.y - here[1]
+        length = hypot(x, y)
+        enters = leaves = (x / length, y / length) if length else (1.0, 0.0)
+    else:
+        curve = curve_of(here, move)
+        length, enters, leaves = curve.length, curve.tangent(0.0), curve.tangent(1.0)
     if length == 0.0:
         return None
-    enters, leaves = curve.tangent(0.0), curve.tangent(1.0)
     if limits is None:
         return Segment(length, feed_mm_s, inf, enters, leaves)
     speed = min(feed_mm_s, feasible_mm_s(here, move, limits))
-    straight = isinstance(curve, Line)
     along = limits.straight_mm_s2 if straight else limits.along_mm_s2
     return Segment(length, speed, along, enters, leaves)
 

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from beamcam.checks.asked import by_hand, is_by_hand, left_out
 from beamcam.checks.sheets import rules
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, Curve, Line, signed_area, unit_vector
+from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow, is_row_for, material_said
@@ -78,6 +78,13 @@ class Need(Struct):
         """Where the input has a curve of a process, which is known by its number."""
         return self.sources[self.features[process][curve]]
 
+    def without_cuts(self, features: Collection[int]) -> None:
+        """Take away the cuts of some features."""
+        kept = [feature not in features for feature in self.features["cut"]]
+        for rows in (self.curves, self.looks, self.features):
+            rows["cut"] = list(compress(rows["cut"], kept))  # type: ignore[arg-type]
+        self._forget("cut")
+
     def _forget(self, process: TorchProcess) -> None:
         """Curves of a process are others now."""
         self.drawn = {key: drawn for key, drawn in self.drawn.items() if key[0] != process}
@@ -112,6 +119,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     machine can make is needed whatever is named; marks that the machine file leaves for manual work
     are told.
     """
+    from beamcam.checks.sheets.small_openings import leave_small_openings
+
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
     hand = [is_by_hand(feature, machine) for feature in part.features]
     need = Need(said=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows)
@@ -140,7 +149,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                 continue
             lack = None
         if lack is not None and lack not in skips:
-            _not_made(need, part, feature, lack)
+            not_made(need, part, feature, lack)
             continue
         # A bevel that may be missing leaves a contour that is cut square.
         if lack is not None and lack != "bevel":
@@ -156,7 +165,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                     known[look] = process_of(feature, table)
                 process = known[look]
             if process is None:
-                _not_made(need, part, feature, "map")
+                not_made(need, part, feature, "map")
             elif process != "ignore":
                 key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
                 own = torch.settings.get(key or "")
@@ -176,59 +185,8 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
         corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
         ends = zip(corners, [*corners[1:], corners[0]], strict=True)
         need.add("cut", [Line(a, b) for a, b in ends], OUTLINE, part.source)
-    _leave_small_openings(need, part, machine, torch, skips)
+    leave_small_openings(need, part, machine, torch, skips)
     return need
-
-
-def _leave_small_openings(
-    need: Need, part: Part, machine: Machine, torch: Torch, skips: Collection[str]
-) -> None:
-    """Have openings of drawings that the torch cannot cut marked for the drill, or left out."""
-    least = max(torch.min_hole, torch.min_hole_share * thickness_of(part, torch))
-    ways, owners = need.curves.get("cut", []), need.features.get("cut", [])
-    drawn = [
-        k for k, feature in enumerate(owners)
-        if feature != OUTLINE and isinstance(part.features[feature], Contour)
-    ]  # fmt: skip
-    features: dict[int, list[Curve]] = {}
-    for k in drawn:
-        features.setdefault(owners[k], []).append(ways[k])
-    if not any(_may_be_narrower(curves, least) for curves in features.values()):
-        return
-    from beamcam.checks.sheets.region import small_openings
-
-    left: set[int] = set()
-    for opening in small_openings(need.region(torch), ways, owners, drawn, torch, least):
-        left.update(opening.features, opening.twins)
-        for index in opening.features:
-            feature = part.features[index]
-            if torch.drilled != "refuse":
-                need.said.append(by_hand(feature, part, machine))
-                for place in opening.centres:
-                    need.add_centre(place, torch, index, feature.source)
-            elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
-                need.said += left_out(part, (index,))
-            else:
-                _not_made(need, part, feature, lack)
-    if not left:
-        return
-    kept = [feature not in left for feature in owners]
-    need.curves["cut"] = list(compress(ways, kept))
-    need.looks["cut"] = list(compress(need.looks["cut"], kept))
-    need.features["cut"] = list(compress(owners, kept))
-    need._forget("cut")
-
-
-def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:
-    """Whether a contour, or one that a curve is part of, may be a slot narrower than `least`.
-
-    Twice the area by the length all round is less than the width.
-    """
-    if len(curves) > 1:
-        around = sum(curve.length for curve in curves)
-        return 2 * abs(signed_area(tuple(curves))) < least * around
-    x0, y0, x1, y1 = curves[0].bbox
-    return max(x1 - x0, y1 - y0) < least
 
 
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
@@ -281,7 +239,8 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
             return "other"
 
 
-def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
+def not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
+    """Report a feature that nothing is known to make."""
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
     need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
