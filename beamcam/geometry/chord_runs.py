@@ -110,7 +110,9 @@ def _kept_chords(points: Floats, tolerance: float) -> list[bool]:
     over = way[1:] + way[:-1]
     across = np.abs(way[:-1, 0] * over[:, 1] - way[:-1, 1] * over[:, 0])
     # What rounding leaves of a distance is left to `_is_straight`.
-    no_line = np.append(across > (1 + ROUNDING) * tolerance * np.hypot(over[:, 0], over[:, 1]), True)
+    no_line = np.append(
+        across > (1 + ROUNDING) * tolerance * np.hypot(over[:, 0], over[:, 1]), True
+    )
     kept: list[bool] = (no_arc & no_line).tolist()
     return kept
 

@@ -90,6 +90,11 @@ def _passes(
     segments: list[Segment] = []
     for command in program.commands:
         match command:
+            case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
+                segment = segment_of(here, command, feed, limits)
+                if segment is not None:
+                    segments.append(segment)
+                here = command.x, command.y
             case Traverse():
                 seconds += _traverse_seconds(here, (command.x, command.y), rapid, limits)
                 here = command.x, command.y
@@ -99,11 +104,6 @@ def _passes(
                 seconds += waits if standing is None else standing(command)
             case SetFeed():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
-            case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
-                segment = segment_of(here, command, feed, limits)
-                if segment is not None:
-                    segments.append(segment)
-                here = command.x, command.y
             case ToolOff() | PassEnd():
                 yield seconds + seconds_along(segments, limits)
                 seconds, segments = 0.0, []

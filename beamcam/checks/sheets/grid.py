@@ -135,7 +135,7 @@ class Elements:
 MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
 SPARE = 1.001  #: of a reach, for the last digits of elements that were moved
 NARROW = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
-MOST_IN_A_CELL = 8.0
+MOST_IN_A_CELL = 8  #: else cells are made smaller once
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
 MOST_PAIRS = 1 << 21  #: of points and elements that are measured at once
 
@@ -173,13 +173,9 @@ class Grid:
         mean = float(elements.length.sum()) / max(len(elements), 1)
         least = max(2.0 * SPARE * reach, wide / MOST_CELLS, 1e-6)
         self._fill(max(mean, least), reach)
-        # Long elements beside one another: cells of half the size hold fewer of them.
-        while self._crowd() > MOST_IN_A_CELL and self.size / 2 > least:
-            self._fill(self.size / 2, reach)
-
-    def _crowd(self) -> float:
-        """How many elements a cell has, as one of them meets it on an average."""
-        return float(np.square(self._sizes).sum()) / max(len(self._members), 1)
+        # Long elements beside one another: a cell that one is in has many others.
+        if np.square(self._sizes).sum() > MOST_IN_A_CELL * len(self._members):
+            self._fill(max(mean / 4, least), reach)
 
     def _fill(self, size: float, reach: float) -> None:
         """Put the elements into the cells that they come near."""

@@ -94,9 +94,11 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     again, under = _same_rings(polygons, gap)
     closed, apart = np.zeros(toolpaths.count, dtype=bool), rings.gaps(drawn) + SAME_PLACE * twins
     closed[rings.ways[wide[rings.ring]]] = True
-    closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
+    if twins.any():
+        closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
     twins[rings.ways_of(again)] = True
-    apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(toolpaths, gap)))
+    if len(opened := np.flatnonzero(~closed)):
+        apart[opened] = np.maximum(apart[opened], _loose_ends(toolpaths, opened, gap))
     apart[rings.ways_of(again | under)] += gap
     wide[list(again)] = False
     apart[rings.ways_of(_looped(polygons, gap))] += gap
@@ -162,27 +164,30 @@ def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
     return found
 
 
-def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:
-    """How far the ends of each way are from other ends that they may be joined to, at most."""
+def _loose_ends(toolpaths: Toolpaths, which: Counts, gap: float) -> Floats:
+    """How far the ends of some ways are from other ends that they may be joined to, at most."""
     ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
-    places, which = np.unique(ends.view(np.complex128).ravel(), return_inverse=True)
-    points = shapely.points(places.real, places.imag)
-    a, b = shapely.STRtree(points).query(points, "dwithin", distance=gap + SAME_POINT)
-    apart = np.zeros(len(places))
-    np.maximum.at(apart, a, np.abs(places[a] - places[b]))
-    found: Floats = apart[which.ravel()].reshape(2, -1).max(axis=0)
+    own = np.concatenate((which, which + toolpaths.count))
+    tree, points = shapely.STRtree(shapely.points(ends)), shapely.points(ends[own])
+    a, b = tree.query(points, "dwithin", distance=gap + SAME_POINT)
+    apart = np.zeros(len(own))
+    np.maximum.at(apart, a, np.hypot(*(ends[own[a]] - ends[b]).T))
+    found: Floats = apart.reshape(2, -1).max(axis=0)
     return found
 
 
 def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:
     """Rings that are nowhere farther than a gap from an earlier one, and those earlier ones."""
+    boxes = shapely.bounds(polygons).reshape(-1, 4)
     # Rings that are equal to the last digit are told apart from the others without measuring.
-    texts = shapely.to_wkb(shapely.normalize(polygons)).tolist()
+    _, box, count = np.unique(boxes, axis=0, return_inverse=True, return_counts=True)
+    alike = np.flatnonzero(count[box.ravel()] > 1)
+    texts = shapely.to_wkb(shapely.normalize(polygons[alike])).tolist()
     first: dict[bytes, int] = {}
-    copy_of = [first.setdefault(text, k) for k, text in enumerate(texts)]
-    copies = {k for k, own in enumerate(copy_of) if own != k}
-    kept = np.array(sorted(first.values()), dtype=np.int64)
-    boxes = shapely.bounds(polygons[kept]).reshape(-1, 4)
+    copy_of = {k: first.setdefault(text, k) for k, text in zip(alike.tolist(), texts, strict=True)}
+    copies = {k for k, own in copy_of.items() if own != k}
+    kept = np.setdiff1d(np.arange(len(polygons)), list(copies))
+    boxes = boxes[kept]
     corners = shapely.points(boxes[:, :2])
     a, b = shapely.STRtree(corners).query(corners, "dwithin", distance=2 * gap)
     near = (a < b) & (np.abs(boxes[a] - boxes[b]).max(axis=1) <= gap + SAME_POINT)

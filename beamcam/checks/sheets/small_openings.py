@@ -17,7 +17,6 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Contour, Part, extent
 
-
 SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
 
 
