@@ -172,26 +172,7 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     if torch.tolerance < step:
         expected = f"at least {step:g}, the step of its numbers"
         yield "torch.tolerance", torch.tolerance, expected
-    for index, row in enumerate(torch.rows):
-        if 0.0 < row.kerf < KERF_STEPS * step:
-            expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
-            yield f"torch.rows.{index}.kerf", row.kerf, expected
-        slow = "hole_feed_share" if row.slows_holes else "corner_share" if row.slows_corners else ""
-        paces = words.pace or (words.slow and words.full) or _names(words.modal, "feed")
-        if slow and not (worded and paces):
-            expected = "1, as there are no words for another feed in a contour (`words.pace`)"
-            yield f"torch.rows.{index}.{slow}", getattr(row, slow), expected
-    if not torch.rows:
-        yield "torch.rows", [], "a row for each process"
-    for process in {row.process for row in torch.rows}:
-        for name in (f"{process}_on", f"{process}_off") if worded else ():
-            if not getattr(words, name):
-                yield f"words.{name}", [], f"a template, since there is a row for {process}"
-    if not any(row.process == "cut" for row in torch.rows):
-        yield "torch.rows", [row.process for row in torch.rows], "a row for cut"
-    for colour, meaning in torch.colours.items():
-        if meaning != "ignore" and not any(row.process == meaning for row in torch.rows):
-            yield f"torch.colours.{colour}", meaning, "ignore, or what has a row in torch.rows"
+    yield from _row_faults(machine, torch, worded)
     if torch.kerf_by == "machine" and not words.left:
         yield "torch.kerf_by", torch.kerf_by, "none or offset, as there are no words for left"
     if torch.bevel == "head":
@@ -217,6 +198,31 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.frame_power", torch.frame_power, expected
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
+
+
+def _row_faults(machine: Machine, torch: Torch, worded: bool) -> Iterator[Fault]:
+    """Each row that contradicts the words, and what colours or the tool lack a row for."""
+    words, step = machine.words, machine.format.resolution
+    for index, row in enumerate(torch.rows):
+        if 0.0 < row.kerf < KERF_STEPS * step:
+            expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
+            yield f"torch.rows.{index}.kerf", row.kerf, expected
+        slow = "hole_feed_share" if row.slows_holes else "corner_share" if row.slows_corners else ""
+        paces = words.pace or (words.slow and words.full) or _names(words.modal, "feed")
+        if slow and not (worded and paces):
+            expected = "1, as there are no words for another feed in a contour (`words.pace`)"
+            yield f"torch.rows.{index}.{slow}", getattr(row, slow), expected
+    if not torch.rows:
+        yield "torch.rows", [], "a row for each process"
+    for process in {row.process for row in torch.rows}:
+        for name in (f"{process}_on", f"{process}_off") if worded else ():
+            if not getattr(words, name):
+                yield f"words.{name}", [], f"a template, since there is a row for {process}"
+    if not any(row.process == "cut" for row in torch.rows):
+        yield "torch.rows", [row.process for row in torch.rows], "a row for cut"
+    for colour, meaning in torch.colours.items():
+        if meaning != "ignore" and not any(row.process == meaning for row in torch.rows):
+            yield f"torch.colours.{colour}", meaning, "ignore, or what has a row in torch.rows"
 
 
 _LIFTING = ("linuxcnc", "grbl", "mach3")  #: controllers whose Z a table's program may move

@@ -125,7 +125,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     hand = [is_by_hand(feature, machine) for feature in part.features]
     need = Need(said=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows)
     table = cast("dict[str, Process]", torch.colours)
-    known: dict[tuple[str | None, str | None], str | None] = {}
+    processes: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
     outlined = False
     for index, feature in enumerate(part.features):
@@ -157,36 +157,43 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
-            if look == (None, None):
-                said = feature.process
-                process: str | None = "mark" if said in ("punch", "powder") else said
-            else:
-                if look not in known:
-                    known[look] = process_of(feature, table)
-                process = known[look]
-            if process is None:
-                not_made(need, part, feature, "map")
-            elif process != "ignore":
-                key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
-                own = torch.settings.get(key or "")
-                closes = feature.closed or feature.curves[0].start == feature.curves[-1].end
-                if own is not None and own.hatch is not None and not own.hatch_outline and closes:
-                    need.filled.setdefault(key or "", []).append(feature)
-                    continue
-                kind = cast("TorchProcess", process)
-                need.add(kind, feature.curves, index, feature.source, key or "")
+            if look not in processes:
+                processes[look] = process_of(feature, table)
+            _follow(need, part, index, feature, torch, processes[look])
         elif isinstance(feature, Hole) and feature.kind == "mark":
             need.add_centre((feature.x, feature.y), torch, index, feature.source)
         else:
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
-        width = part.profile.height
-        corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
-        ends = zip(corners, [*corners[1:], corners[0]], strict=True)
-        need.add("cut", [Line(a, b) for a, b in ends], OUTLINE, part.source)
+        need.add("cut", _rectangle(part.length, part.profile.height), OUTLINE, part.source)
     leave_small_openings(need, part, machine, torch, skips)
     return need
+
+
+def _follow(
+    need: Need, part: Part, index: int, contour: Contour, torch: Torch, process: str | None
+) -> None:
+    """Require the curves of a contour; or its inside, if only that is filled.
+
+    `process` is that of its colour or layer; one that has neither says its own.
+    """
+    is_plain = contour.layer is None and contour.colour is None
+    if is_plain:
+        process = "mark" if contour.process in ("punch", "powder") else contour.process
+    if process is None:
+        not_made(need, part, contour, "map")
+        return
+    if process == "ignore":
+        return
+    is_set = torch.settings and (contour.layer or contour.colour)
+    key = (key_of(contour, torch.colours) or "") if is_set else ""
+    own = torch.settings.get(key)
+    closes = contour.closed or contour.curves[0].start == contour.curves[-1].end
+    if own is not None and own.hatch is not None and not own.hatch_outline and closes:
+        need.filled.setdefault(key, []).append(contour)
+        return
+    need.add(cast("TorchProcess", process), contour.curves, index, contour.source, key)
 
 
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
@@ -244,6 +251,11 @@ def not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
     need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
+
+
+def _rectangle(length: float, width: float) -> list[Curve]:
+    corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)]
+    return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
 
 
 def _cross(x: float, y: float, size: float) -> list[Curve]:

@@ -228,6 +228,22 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     return found
 
 
+def ring_depths(polygons: Sequence[shapely.Polygon | None]) -> list[int | None]:
+    """Number of larger rings around each; None where one crosses it."""
+    shapes = np.array([shapely.Polygon() if p is None else p for p in polygons], dtype=object)
+    tree = shapely.STRtree(shapes)
+    areas = shapely.area(shapes)
+    found: list[int | None] = [0] * len(shapes)
+    for inner, outer in tree.query(shapes, predicate="intersects").T.tolist():
+        if areas[outer] <= areas[inner] or inner == outer or found[inner] is None:
+            continue
+        if shapely.covers(shapely.buffer(shapes[outer], 0.01), shapes[inner]):
+            found[inner] = (found[inner] or 0) + 1
+        elif shapely.area(shapely.intersection(shapes[inner], shapes[outer])) > 0.0:
+            found[inner] = None
+    return found
+
+
 class _Rings(Struct, frozen=True):
     """Rings as arrays, one behind the other."""
 
