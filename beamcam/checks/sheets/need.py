@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from msgspec import Struct, field
-from msgspec.structs import replace
 
 from beamcam.checks.asked import by_hand, is_by_hand, left_out
 from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch, TorchProcess, TorchRow, is_row_for, material_said
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import key_of, process_of
 from beamcam.model.description import policy_on
 from beamcam.model.part import (
@@ -119,8 +119,6 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     machine can make is needed whatever is named; marks that the machine file leaves for manual work
     are told.
     """
-    from beamcam.checks.sheets.small_openings import leave_small_openings
-
     rows = {row.process: row for row in reversed(rows_on(part, torch))}
     hand = [is_by_hand(feature, machine) for feature in part.features]
     need = Need(said=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows)
@@ -149,7 +147,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
                 continue
             lack = None
         if lack is not None and lack not in skips:
-            not_made(need, part, feature, lack)
+            _not_made(need, part, feature, lack)
             continue
         # A bevel that may be missing leaves a contour that is cut square.
         if lack is not None and lack != "bevel":
@@ -167,8 +165,36 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
         need.add("cut", _rectangle(part.length, part.profile.height), OUTLINE, part.source)
-    leave_small_openings(need, part, machine, torch, skips)
+    _leave_small_openings(need, part, machine, torch, skips)
     return need
+
+
+def _leave_small_openings(
+    need: Need, part: Part, machine: Machine, torch: Torch, skips: Collection[str]
+) -> None:
+    """Have openings of drawings that the torch cannot cut marked for the drill, or left out."""
+    least = max(torch.min_hole, torch.min_hole_share * thickness_of(part, torch))
+    ways, owners = need.curves.get("cut"), need.features.get("cut")
+    if not least or not ways or not owners:
+        return
+    from beamcam.checks.sheets.small_openings import small_openings
+
+    drawn = [k != OUTLINE and isinstance(part.features[k], Contour) for k in owners]
+    left: set[int] = set()
+    for opening in small_openings(need.region(torch), ways, owners, drawn, torch, least):
+        left.update(opening.features, opening.twins)
+        for index in opening.features:
+            feature = part.features[index]
+            if torch.drilled != "refuse":
+                need.said.append(by_hand(feature, part, machine))
+                for place in opening.centres:
+                    need.add_centre(place, torch, index, feature.source)
+            elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
+                need.said += left_out(part, (index,))
+            else:
+                _not_made(need, part, feature, lack)
+    if left:
+        need.without_cuts(left)
 
 
 def _follow(
@@ -182,7 +208,7 @@ def _follow(
     if is_plain:
         process = "mark" if contour.process in ("punch", "powder") else contour.process
     if process is None:
-        not_made(need, part, contour, "map")
+        _not_made(need, part, contour, "map")
         return
     if process == "ignore":
         return
@@ -246,8 +272,7 @@ def lack_of(feature: Feature, torch: Torch, thickness: float) -> str | None:
             return "other"
 
 
-def not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
-    """Report a feature that nothing is known to make."""
+def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
     need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
@@ -328,57 +353,3 @@ def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
     corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
     x, y = corners.min(axis=0).tolist()
     return x, y
-
-
-def thickness_of(part: Part, torch: Torch) -> float:
-    """Of the part's sheet in mm, what the machine's file takes where it does not say; 0 unknown."""
-    own = part.profile.web_thickness
-    return own if own is not None else torch.thickness or 0.0
-
-
-def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
-    """The rows that may run on the part's sheet: of each process, then of colours and layers."""
-    rows = rows_on(part, torch)
-    looked = [
-        replace(
-            row,
-            feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
-            power=row.power if own.power is None else own.power,
-            passes=row.passes if own.passes is None else own.passes,
-        )
-        for key, own in torch.settings.items()
-        for row in rows
-        if torch.colours.get(key) == row.process
-    ]
-    return [*rows, *looked]
-
-
-def _at_feed(row: TorchRow, torch: Torch, thickness: float) -> TorchRow:
-    """A row at the feed that the chart has for a thickness, where the file says it lies between."""
-    if torch.between_rows != "interpolate":
-        return row
-    alike = [
-        r for r in torch.rows
-        if (r.process, r.material, r.amps, r.nozzle)
-        == (row.process, row.material, row.amps, row.nozzle)
-    ]  # fmt: skip
-    thinner = [r for r in alike if r.up_to <= thickness]
-    if not thinner or row.up_to == thickness:
-        return row
-    below = max(thinner, key=lambda r: r.up_to)
-    share = (thickness - below.up_to) / (row.up_to - below.up_to)
-    feed = below.feed_mm_min + share * (row.feed_mm_min - below.feed_mm_min)
-    return replace(row, feed_mm_min=feed)
-
-
-def rows_on(part: Part, torch: Torch) -> list[TorchRow]:
-    """The row of each process on the part's sheet, as the machine's file has it."""
-    thickness = thickness_of(part, torch)
-    material = material_said(part.grade, torch.material)
-    found: dict[TorchProcess, TorchRow] = {}
-    for row in torch.rows:
-        if 0.0 < thickness <= row.up_to and is_row_for(row.material, material):
-            found.setdefault(row.process, _at_feed(row, torch, thickness))
-    if torch.drilled == "spot" and "cut" in found:
-        found.setdefault("spot", found["cut"].spotting())
-    return list(found.values())

@@ -1,21 +1,18 @@
 """Round openings and slots of drawings that are smaller than a torch cuts."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from math import pi
 
 import numpy as np
 import shapely
 from msgspec import Struct
 
-from beamcam.checks.asked import by_hand, left_out
-from beamcam.checks.sheets.need import OUTLINE, Need, not_made, thickness_of
 from beamcam.checks.sheets.region import Region
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch
-from beamcam.model.part import Contour, Part, extent
+from beamcam.model.part import extent
 
 SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
 
@@ -28,38 +25,16 @@ class SmallOpening(Struct, frozen=True):
     twins: tuple[int, ...]  #: that draw it again
 
 
-def leave_small_openings(
-    need: Need, part: Part, machine: Machine, torch: Torch, skips: Collection[str]
-) -> None:
-    """Have openings of drawings that the torch cannot cut marked for the drill, or left out."""
-    least = max(torch.min_hole, torch.min_hole_share * thickness_of(part, torch))
-    if not least or not need.curves.get("cut"):
-        return
-    left: set[int] = set()
-    for opening in _small_openings(need, part, torch, least):
-        left.update(opening.features, opening.twins)
-        for index in opening.features:
-            feature = part.features[index]
-            if torch.drilled != "refuse":
-                need.said.append(by_hand(feature, part, machine))
-                for place in opening.centres:
-                    need.add_centre(place, torch, index, feature.source)
-            elif (lack := "slot" if len(opening.centres) > 1 else "tool") in skips:
-                need.said += left_out(part, (index,))
-            else:
-                not_made(need, part, feature, lack)
-    if left:
-        need.without_cuts(left)
-
-
-def _small_openings(need: Need, part: Part, torch: Torch, least: float) -> list[SmallOpening]:
+def small_openings(
+    region: Region, ways: Sequence[Curve], owners: Sequence[int], drawn: Sequence[bool],
+    torch: Torch, least: float,
+) -> list[SmallOpening]:  # fmt: skip
     """The openings among the cuts that are circles or slots narrower than `least`, by their ways.
 
     An opening is what an odd number of contours enclose, or what lies within one that is too small.
+    `owners` are the features of the `ways`, `drawn` tells which of them are contours.
     """
-    region, ways, owners = need.region(torch), need.curves["cut"], need.features["cut"]
-    is_drawn = [k != OUTLINE and isinstance(part.features[k], Contour) for k in owners]
-    twins = [k for k in np.flatnonzero(region.twins).tolist() if is_drawn[k]]
+    twins = [k for k in np.flatnonzero(region.twins).tolist() if drawn[k]]
     openings = []
     for number, centres in _openings(region, ways, torch.tolerance, least).items():
         mine = sorted({owners[way] for way, _ in region.rings[number]})
@@ -78,18 +53,23 @@ def _openings(
     around = shapely.length(region.polygons)
     # A slot that has this area and this length all round is as wide as this; chords make it less.
     widths = (around - np.sqrt(np.maximum(around**2 - 4 * pi * areas, 0.0))) / pi
-    for number in np.flatnonzero(widths < least + tolerance).tolist():
-        curves = [ways[k] for k, _ in region.rings[number]]
+    narrow = np.flatnonzero(widths < least + tolerance)
+    x0, y0, x1, y1 = shapely.bounds(region.polygons[narrow]).reshape(-1, 4).T
+    # The middle of a circle or a slot lies in it, and in what is around it.
+    middles = shapely.points((x0 + x1) / 2, (y0 + y1) / 2)
+    own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
+    own = own[areas[around_it] > areas[narrow[own]]]
+    for k in np.unique(own).tolist():
+        number = int(narrow[k])
+        curves = [ways[way] for way, _ in region.rings[number]]
         corners = np.asarray(region.polygons[number].exterior.coords)
         if centres := _centres(corners, curves, tolerance, least):
             found[number] = centres
     if not found:
         return {}
     rings = np.array(list(found), dtype=np.int64)
-    middles = shapely.points([centres[0] for centres in found.values()])
-    own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
-    larger = areas[around_it] > areas[rings[own]]
-    openings = rings[np.bincount(own[larger], minlength=len(rings)) % 2 == 1]
+    larger = np.bincount(own, minlength=len(narrow))[np.searchsorted(narrow, rings)]
+    openings = rings[larger % 2 == 1]
     wider = shapely.STRtree(shapely.buffer(region.polygons[openings], tolerance))
     inside, _ = wider.query(region.polygons[rings], "covered_by")
     return {k: found[k] for k in sorted({*openings.tolist(), *rings[inside].tolist()})}

@@ -142,7 +142,7 @@ def _is_out(
             return True
         found.wanted += [
             AssignedCurve(curve, "mark", index, feature.source)
-            for at in centres_of(hole) for curve in cross(at, torch.cross)
+            for at in centres_of(hole) for curve in cross_at(at, torch.cross)
         ]  # fmt: skip
         return True
     said = refuse_mark(feature, machine.marks) or refusal(feature, torch, thickness)
@@ -278,13 +278,13 @@ def _unknown_processes(
 def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
     """The closed contour of a hole or a slot, counter-clockwise; of a centre mark its cross."""
     if feature.kind == "mark":
-        return cross((feature.x, feature.y), cross)
+        return cross_at((feature.x, feature.y), cross)
     if isinstance(feature, Hole):
         return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
     return tuple(_slot_curves(feature))
 
 
-def cross(at: Point, size: float) -> tuple[Line, Line]:
+def cross_at(at: Point, size: float) -> tuple[Line, Line]:
     """The two lines that mark a centre."""
     (x, y), half = at, size / 2
     return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))

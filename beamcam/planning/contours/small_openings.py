@@ -13,7 +13,7 @@ from beamcam.machine.torch import Torch
 from beamcam.model.part import Part
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours.ability import min_hole
-from beamcam.planning.contours.assign_process import Assigned, cross, spot
+from beamcam.planning.contours.assign_process import Assigned, cross_at, spot
 from beamcam.planning.contours.outline import Shape, points_of
 from beamcam.planning.left_out import DRILL
 
@@ -48,7 +48,7 @@ def drill_small_openings(
             else:
                 crosses += (
                     Shape("mark", (line,), False, shape.features, shape.source)
-                    for centre in opening.centres for line in cross(centre, torch.cross)
+                    for centre in opening.centres for line in cross_at(centre, torch.cross)
                 )  # fmt: skip
             continue
         said = _too_small(shape.source, opening, least, thickness)
