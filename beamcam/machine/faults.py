@@ -55,21 +55,21 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
 def _square_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
     """Each limit that keeps the saw from a square cut, which every bar needs."""
     for key, limit, square in (
-        ("min_angle", saw.min_angle, saw.square), ("min_tilt", saw.min_tilt, 0.0),
+        ("min_angle", saw.min_angle, saw.zero_angle), ("min_tilt", saw.min_tilt, 0.0),
     ):  # fmt: skip
         if limit > square:
             yield f"saw.{key}", limit, f"at most {square:g}, the square cut"
     for key, limit, square in (
-        ("max_angle", saw.max_angle, saw.square), ("max_tilt", saw.max_tilt, 0.0),
+        ("max_angle", saw.max_angle, saw.zero_angle), ("max_tilt", saw.max_tilt, 0.0),
     ):  # fmt: skip
         if limit < square:
             yield f"saw.{key}", limit, f"at least {square:g}, the square cut"
     for index, axis in enumerate(machine.axes):
         if axis.moves == "angle" and axis.spindle is None:
-            if axis.min is not None and axis.min > saw.square:
-                yield f"axes.{index}.min", axis.min, f"at most {saw.square:g}, the square cut"
-            if axis.max is not None and axis.max < saw.square:
-                yield f"axes.{index}.max", axis.max, f"at least {saw.square:g}, the square cut"
+            if axis.min is not None and axis.min > saw.zero_angle:
+                yield f"axes.{index}.min", axis.min, f"at most {saw.zero_angle:g}, the square cut"
+            if axis.max is not None and axis.max < saw.zero_angle:
+                yield f"axes.{index}.max", axis.max, f"at least {saw.zero_angle:g}, the square cut"
 
 
 #: Controllers that run a saw and drilling line; a cutting table may have any.
@@ -201,7 +201,7 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
 
 
 def _row_faults(machine: Machine, torch: Torch, worded: bool) -> Iterator[Fault]:
-    """Each row that contradicts the words, and what colours or the tool lack a row for."""
+    """Rows of a cut chart without their words, and processes without a row."""
     words, step = machine.words, machine.format.resolution
     for index, row in enumerate(torch.rows):
         if 0.0 < row.kerf < KERF_STEPS * step:
@@ -296,7 +296,7 @@ def spindle_faults(machine: Machine) -> Iterator[Fault]:
             yield f"spindles.{index}", spindle.name, "a [drill] table for it"
         elif _drawn_back(machine, spindle) < 0.0:
             expected = "a place outside of the bar, where the tool is drawn back"
-            yield f"spindles.{index}.stroke.start", spindle.stroke.start, expected
+            yield f"spindles.{index}.stroke.retract", spindle.stroke.retract, expected
 
 
 def _follows_y(spindle: Spindle) -> bool:
@@ -317,7 +317,7 @@ _SAMPLE_BAR = {
 def _drawn_back(machine: Machine, spindle: Spindle) -> float:
     """Clearance of the tool from the bar between two strokes, in mm; negative inside the bar."""
     values = {**_SAMPLE_BAR, "clearance": machine.drill.clearance if machine.drill else 0.0}
-    start, surface = spindle.stroke.start(values), spindle.stroke.bottom(values)
+    start, surface = spindle.stroke.retract(values), spindle.stroke.bottom(values)
     deeper = spindle.stroke.bottom({**values, "depth": 1.0})
     if deeper == surface:  # a fixed stroke, from 0 on the bar
         return -start if surface >= start else start
@@ -346,8 +346,8 @@ def _moved_by(spindle: Spindle) -> dict[str, str]:
         "across.axis": across.axis,
         "across.position": across.position,
         "stroke.axis": stroke.axis,
-        "stroke.start": stroke.start,
-        "stroke.near": stroke.near or stroke.start,
+        "stroke.retract": stroke.retract,
+        "stroke.approach": stroke.approach or stroke.retract,
         "stroke.bottom": stroke.bottom,
     }
 

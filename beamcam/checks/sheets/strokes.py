@@ -19,7 +19,7 @@ from beamcam.checks.sheets.controller_state import (
     near_corners,
 )
 from beamcam.checks.sheets.row_words import RowWords, words_of
-from beamcam.controllers.dialect import IDLE_SWITCHES, STOPS
+from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS
 from beamcam.controllers.events import (
     Other,
     Output,
@@ -30,7 +30,6 @@ from beamcam.controllers.events import (
     TableEvent,
 )
 from beamcam.controllers.moves import Moves, TableRun
-from beamcam.controllers.rules import SHEET_END
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc
