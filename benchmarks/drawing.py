@@ -6,14 +6,13 @@ The large drawing has 20,000 segments, 2,000 arcs and 500 splines; the jagged on
 contours with 200 sharp corners each and 2,500 open curves.
 
 Of each it prints the processor time of `beamcam post` step by step, in a process that has its
-libraries
-loaded, and the time that ezdxf takes to read the same DXF and to flatten its entities at the
-tolerance of the machine; then the number of moves of both; and at the end both as processes of
-their own, start and imports included, as a user waits for them; both find their bytecode, as
-installed packages do. Each figure is the least of three runs, taken in turns. The garbage
-collector is tuned as in `beamcam post`, for ezdxf too. --kerf keeps off by half a kerf and leads
-in, which takes two or three times as long to plan and to read back; the jagged drawing, in whose
-corners no beam has room, is left out then.
+libraries loaded, and the time that ezdxf takes to read the same DXF and to flatten its entities at
+the tolerance of the machine; then the number of moves of both; and at the end both as processes of
+their own, start and imports included, as a user waits for them, whose bytecode is at hand as that
+of installed packages. Each figure is the least of three runs, taken in turns. The garbage collector
+is tuned as in `beamcam post`, for ezdxf too. --kerf keeps off by half a kerf and leads in, which
+takes two or three times as long to plan and to read back; the jagged drawing, in whose corners no
+beam has room, is left out then.
 """
 
 import os
