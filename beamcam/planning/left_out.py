@@ -14,7 +14,7 @@ from beamcam.machine.stations import Marks
 from beamcam.machine.torch import OTHERS, Torch
 from beamcam.model.colour import colour_name, key_of
 from beamcam.model.description import description, mark_kind, policy_on
-from beamcam.model.part import Contour, Dashed, Feature, Part, TextMark
+from beamcam.model.part import Bend, Contour, Dashed, Feature, Part, TextMark
 from beamcam.model.plan import HATCH, AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.planning import rules
 from beamcam.planning.rules import SKIP_NAMES
@@ -44,11 +44,8 @@ BY_POLICY, NO_UNIT = "marks", "no-unit"
 NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
 CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
 NOT_MOVED = "not-moved"
-DRILL, BEVEL, ROOT = (
-    "drill",
-    "bevel",
-    "root",
-)  #: of a sheet's features that are only begun by the machine
+#: Of features that are only begun by the machine.
+DRILL, BEVEL, ROOT, BEND = "drill", "bevel", "root", "bend"
 REASONS = {
     BY_POLICY: "the machine file leaves such marks for manual work",
     NO_UNIT: "the machine has no unit that letters",
@@ -63,6 +60,7 @@ REASONS = {
     DRILL: "the torch cannot make it and marks its centre for the drill",
     BEVEL: "the torch cuts its bevelled edges square",
     ROOT: "the torch leaves steel along a flange, where it does not reach",
+    BEND: "the machine makes the blank, and does not bend",
 }
 
 
@@ -71,7 +69,9 @@ def listed_by(feature: Feature, marks: Marks) -> str | None:
     policy = policy_on(feature, marks)
     if policy == "make" and isinstance(feature, TextMark) and marks.unit == "none":
         return NO_UNIT
-    return BY_POLICY if policy == "list" else None
+    if policy != "list":
+        return None
+    return BEND if isinstance(feature, Bend) else BY_POLICY
 
 
 def refuse_mark(feature: Feature, marks: Marks) -> Diagnostic | None:
