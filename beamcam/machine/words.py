@@ -172,6 +172,8 @@ class Words(Keys, frozen=True):
 
     traverse: tuple[str, ...] = ()  #: the head to a place, its tool off
     turn: tuple[str, ...] = ()  #: the torch of a coper about the bar, its tool off
+    measured_height: tuple[str, ...] = ()  #: of a coper behind its header: the bar's, as measured
+    measured_width: tuple[str, ...] = ()  #: likewise its width
     feed: tuple[str, ...] = ()  #: the tool along a line
     arc_cw: tuple[str, ...] = ()  #: the tool along an arc, clockwise
     arc_ccw: tuple[str, ...] = ()  #: counter-clockwise
@@ -266,6 +268,8 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "change": frozenset({"spindle", "station", "diameter", "text"}),
     "traverse": frozenset({"x", "y", "z"}),
     "turn": frozenset({"x", "y", "z", "a", "b"}),
+    "measured_height": frozenset({"height"}),
+    "measured_width": frozenset({"width"}),
     "feed": _TO_NAMES | {"z", "a", "inverse"},
     "arc_cw": _ARC_NAMES,
     "arc_ccw": _ARC_NAMES,
