@@ -80,6 +80,41 @@ def random_mitre(seed: int) -> Part:
     )
 
 
+def random_slant(seed: int) -> Part:
+    """A part whose copes cross their roots on a slant: of the web at the upper flange, and of the
+    lower flange, whose end leans over a web that ends square."""
+    random = Random(seed)
+    profile = random.choice([one for one in SECTIONS if one.code != "L"])
+    high, wide = profile.height, profile.width
+    web, flange = profile.web_thickness or 0.0, profile.flange_thickness
+    length = round(random.uniform(600.0, 1200.0), 1)
+    rise, lean = (
+        tan(radians(random.choice((-1, 1)) * round(random.uniform(3.0, 27.0), 1)))
+        for _ in range(2)
+    )  # fmt: skip
+    middle = round(high / 2, 1)
+    first = round(random.uniform(60.0, 120.0) + max(0.0, -rise) * middle, 1)
+    at = round(first + rise * (high - flange - middle), 3)  # of the web below the upper flange
+    back = (wide - web) / 2 if profile.code == "I" else 0.0
+    ends = length - max(0.0, lean) * wide, length - max(0.0, lean) * wide + lean * wide
+    ends = ends[0] + length - max(ends), ends[1] + length - max(ends)
+    end = round(ends[0] + lean * (back + (web if lean > 0.0 else 0.0)), 3)
+    deep = flange + profile.radius + 32.0
+    return Part(f"S{seed}", profile, length, AT, grade="S235JR", features=(
+        Contour("v", "outer", polygon([
+            (0.0, 0.0), (end, 0.0), (end, high - deep), (end - 70.0, high - deep),
+            (end - 70.0, high), (first + rise * (high - middle), high), (first, middle),
+            (0.0, middle),
+        ]), AT),
+        Contour("o", "outer", polygon([
+            (at, 0.0), (end - 70.0, 0.0), (end - 70.0, wide), (at, wide),
+        ]), AT),
+        Contour("u", "outer", polygon([
+            (0.0, 0.0), (ends[0], 0.0), (ends[1], wide), (0.0, wide),
+        ]), AT),
+    ))  # fmt: skip
+
+
 def random_bevel(seed: int) -> Part:
     """A part whose flanges, or legs, have bevels at their ends on the outside, with lands."""
     random = Random(seed)

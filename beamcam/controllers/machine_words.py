@@ -360,9 +360,9 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     coper = machine.needed(machine.coper, "coper")
     lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
     for name in ("height", "width"):
-        said = [*_filled(machine, f"measured_{name}", height="201", width="101")]
-        yield from _unmeasured(said, {"height": 201.0, "width": 101.0}[name], machine)
-        lines += said
+        measured = [*_filled(machine, f"measured_{name}", height="201", width="101")]
+        yield from _unmeasured(measured, {"height": 201.0, "width": 101.0}[name], machine)
+        lines += measured
     lines += _filled(machine, "turn", x="0", y="0", z="50", a="-90", b="10")
     lines += _filled(machine, "traverse", x="10", y="20", z="30")
     lines += _filled(machine, "cut_on")

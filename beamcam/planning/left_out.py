@@ -59,7 +59,7 @@ REASONS = {
     HEIGHT: "the machine does not letter at that height, which is binding",
     DRILL: "the torch cannot make it and marks its centre for the drill",
     BEVEL: "the torch cuts its bevelled edges square",
-    ROOT: "the torch leaves steel along a flange, where it does not reach",
+    ROOT: "the torch leaves steel at a root, where it does not reach",
     BEND: "the machine makes the blank, and does not bend",
 }
 

@@ -22,6 +22,7 @@ from beamcam.checks.coping.skew import (
     own_bevels,
     skew_ends,
 )
+from beamcam.checks.coping.slants import with_square_roots
 from beamcam.checks.coping.stock import Stock
 from beamcam.checks.coping.strokes import Stroke
 from beamcam.checks.coping.wanted import Wanted, wanted_on, with_round_corners
@@ -130,6 +131,9 @@ def walls_asked(
         if end is not None and not is_tilted_to:
             by_face = _with_square_end(wanted, end, section, strokes, widest)
             off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
+    on_walls = {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces}
+    for face, mm in with_square_roots(wanted, on_walls, section, strokes, widest).items():
+        off[face] = max(mm, off.get(face, 0.0))
     passes = [] if any(ends) else passes_of(part, section, coper, strokes)
     for face in {one.stroke.face for one in passes}:
         own = [one for one in passes if one.stroke.face == face]
@@ -141,7 +145,7 @@ def walls_asked(
             )
             wanted[face, down] = Wanted(drawn, cut, plain.short, most)
     return WallsAsked(
-        wanted, {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces},
+        wanted, on_walls,
         [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes],
         {face: mm for face, mm in off.items() if mm >= LEAST_OFF},
         passes,

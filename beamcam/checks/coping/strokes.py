@@ -32,7 +32,8 @@ LONGEST_PAUSE_S = 60.0  #: with the torch off
 ENDS = (2, 30)
 #: What words of a torch are filled with to see which M words they are.
 _FIGURES = {
-    "height": "200", "width": "100", "feed": "1000", "power": "0", "pierce": "1", "pierce_height": "1", "cut_height": "1",
+    "height": "200", "width": "100", "feed": "1000", "power": "0", "pierce": "1",
+    "pierce_height": "1", "cut_height": "1",
 }  # fmt: skip
 
 

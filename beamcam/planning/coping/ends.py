@@ -255,13 +255,13 @@ def squared(
         ys = (high - depth - EDGE, high) if face == "o" else (0.0, depth + EDGE)
         x = plane.farthest(ys, zs)
         for one, edge, band in ((face, line, zs), ("v", web_line, ys)):
-            more = _stepped(edge, band, x, plane.side, regions[one].wall.width)
+            more = stepped(edge, band, x, plane.side, regions[one].wall.width)
             found[one] = replace(found[one], shape=found[one].shape.union(more))
             off[one] = max(off[one], *(abs(x - edge.x(y)) for y in band))
     return found, off
 
 
-def _stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wide: float) -> Shape:
+def stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wide: float) -> Shape:
     """What a wall has more where it ends at x on a band of it.
 
     Off the band it goes on until it meets the line where that is steep and reaches farther.

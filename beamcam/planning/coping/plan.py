@@ -31,7 +31,7 @@ from beamcam.planning.coping.ends import (
     with_skew,
 )
 from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
-from beamcam.planning.coping.roots import root_faults, with_ledges
+from beamcam.planning.coping.roots import root_faults, with_ledges, with_steps
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
@@ -152,7 +152,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
         said += denied
     said += more
-    ledges: list[Diagnostic] = []
+    ledges, off = list[Diagnostic](), dict[Face, float]()
     if not errors_in(said):
         if part.made is None:
             over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
@@ -160,6 +160,8 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
             deep = chart.depth(walls["u"].root_depth)
             regions, ledges = with_ledges(regions, deep, kerf, coper, part.source)
         said += ledges
+        regions, more, off = with_steps(regions, chart.depth(walls["u"].root_depth), part.source)
+        said += more
         depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
         said += root_faults(regions, depths, coper, part.source)
     if errors_in(said):
@@ -172,6 +174,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     if slant:
         said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
                                    faces=", ".join(slant)))  # fmt: skip
+    at_root = {face for face, mm in off.items() if mm >= LEAST_SLANT} | ({"v"} if ledges else set())
     if errors_in(said):
         raise PlanError(errors_in(said))
     if not cuts:
@@ -179,7 +182,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
     said += _told_of(part, given, needed, coper)
     outcomes = tuple(
-        replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
+        replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o
         for o in outcomes_of(
             part, found, coper.min_bevel,
@@ -388,10 +391,10 @@ def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:
     ))  # fmt: skip
 
 
-def _left(feature: Feature, slant: Mapping[Face, float], ledges: bool) -> str:
+def _left(feature: Feature, slant: Mapping[Face, float], at_root: Collection[str]) -> str:
     """Why an outline is manual work though it is cut; "" if it is not."""
     if is_slanted(feature, slant):
         return BEVEL
-    if not ledges or not isinstance(feature, Contour) or feature.kind != "outer":
+    if not isinstance(feature, Contour) or feature.kind != "outer":
         return ""
-    return ROOT if feature.face in ("v", "h") else ""
+    return ROOT if {"h": "v"}.get(feature.face, feature.face) in at_root else ""

@@ -15,6 +15,8 @@ web    |
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from math import atan, degrees
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -24,8 +26,9 @@ from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
+from beamcam.planning.coping.ends import STEEPEST_DEG, is_on, stepped
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Region, Shape
-from beamcam.planning.coping.walls import EDGE, Root, Wall
+from beamcam.planning.coping.walls import EDGE, EndLine, Root, Wall
 
 SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
 
@@ -71,8 +74,8 @@ def root_faults(
 def _band(root: Root, depth: float, web: Wall) -> tuple[float, float]:
     """The y of the web between the flange's inner surface and where a pass through it ends."""
     if root.low == 0.0:
-        return root.inner + EDGE, max(root.high, depth)
-    return min(root.low, web.width - depth), root.inner - EDGE
+        return root.inner + EDGE, max(root.high, depth - EDGE)
+    return min(root.low, web.width - depth + EDGE), root.inner - EDGE
 
 
 def crossings(
@@ -137,6 +140,74 @@ def _unpaired(
                     source, what="a cut to the root", x=f"{one.x:g}", face=wall.face,
                     expected=f"one of face {other.face} at that x, which the root goes with",
                 )  # fmt: skip
+
+
+class _Slanted(Struct, frozen=True):
+    """A straight cut through the whole of a root, at whatever angle."""
+
+    line: EndLine
+    xs: tuple[float, float]  #: at both sides of the root
+    right: bool  #: whether the scrap lies at greater x
+
+    @property
+    def is_square(self) -> bool:
+        return abs(self.xs[1] - self.xs[0]) <= EDGE
+
+    def meets(self, other: "_Slanted") -> bool:
+        """Whether it and one of the other wall are one cut, which either crosses on a slant."""
+        apart = max(min(self.xs) - max(other.xs), min(other.xs) - max(self.xs))
+        slanted = not (self.is_square and other.is_square)
+        return slanted and self.right == other.right and apart <= OUTLINE_NOISE
+
+
+def with_steps(
+    regions: Mapping[Face, Region], depth: float, source: Source
+) -> tuple[dict[Face, Region], list[Diagnostic], dict[Face, float]]:
+    """Regions whose walls meet square at roots that a cut crosses on a slant; a warning of
+    each, and mm too much by wall.
+
+    `depth` is that to which a pass through a root cuts. What is more than drawn reaches as far as
+    either of the walls does there, so that no steel is missing.
+    """
+    found, said, off = dict(regions), list[Diagnostic](), dict[Face, float]()
+    for root in regions["v"].wall.roots:
+        web, flange = regions["v"].wall, regions[root.face].wall
+        (behind,) = flange.roots
+        low = root.low == 0.0
+        ys = (0.0, depth + EDGE) if low else (web.width - depth - EDGE, web.width)
+        zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
+        inner = _band(root, depth, web)
+        across = max(EDGE, behind.low), min(flange.width - EDGE, behind.high)
+        pairs = product(_slants(regions["v"], inner), _slants(regions[root.face], across))
+        for one, other in pairs:
+            if not one.meets(other):
+                continue
+            side = 1.0 if one.right else -1.0
+            reach = (*map(one.line.x, ys), *map(other.line.x, zs))
+            x = side * max(side * at for at in reach)
+            for face, line, band, wall in (
+                ("v", one.line, ys, web), (root.face, other.line, zs, flange)
+            ):  # fmt: skip
+                more = stepped(line, band, x, side, wall.width)
+                found[face] = replace(found[face], shape=found[face].shape.union(more))
+                off[face] = max(off.get(face, 0.0), *(abs(x - line.x(y)) for y in band))
+            said.append(rules.STEP.at(
+                source, x=f"{x:g}", face=root.face, found=f"{max(off['v'], off[root.face]):.1f}",
+            ))  # fmt: skip
+    return found, said, off
+
+
+def _slants(region: Region, band: tuple[float, float]) -> Iterator[_Slanted]:
+    """The straight cuts through a band of a wall that lie on none of its skew ends."""
+    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
+        (xa, ya), (xb, yb) = chain.points[0], chain.points[-1]
+        if {chain.start, chain.end} != {"low", "high"}:
+            continue
+        slope = (xb - xa) / (yb - ya)
+        line = EndLine(xa - slope * ya, slope)
+        on_end = any(end is not None and is_on(end, chain.points) for end in region.wall.skew)
+        if not on_end and is_on(line, chain.points) and degrees(atan(abs(slope))) <= STEEPEST_DEG:
+            yield _Slanted(line, (xa, xb), chain.start == "low")
 
 
 FAR = 1e5
