@@ -132,7 +132,12 @@ def walls_asked(
             by_face = _with_square_end(wanted, end, section, strokes, widest)
             off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
     on_walls = {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces}
-    for face, mm in with_square_roots(wanted, on_walls, section, strokes, widest).items():
+    known = {
+        face: [(at, then - at) for at, then, _ in stock.ends[face]] if stock.is_piece
+        else [(one.at, one.more) for one in on_walls[face]]
+        for face in faces
+    }  # fmt: skip
+    for face, mm in with_square_roots(wanted, known, section, strokes, widest).items():
         off[face] = max(mm, off.get(face, 0.0))
     passes = [] if any(ends) else passes_of(part, section, coper, strokes)
     for face in {one.stroke.face for one in passes}:

@@ -10,7 +10,7 @@ from math import atan, degrees
 from msgspec import Struct
 
 from beamcam.checks.coping.section import Section, areas_of, pieces_of
-from beamcam.checks.coping.skew import ON_PLANE, EndOnWall, Shape, step_of
+from beamcam.checks.coping.skew import ON_PLANE, Shape, step_of
 from beamcam.checks.coping.strokes import Stroke
 from beamcam.checks.coping.wanted import Wanted, with_round_corners
 from beamcam.geometry.plane import Point
@@ -35,9 +35,12 @@ class Crossing(Struct, frozen=True):
 
 
 def crossings_of(
-    shape: Shape, band: tuple[float, float], ends: Sequence[EndOnWall]
+    shape: Shape, band: tuple[float, float], ends: Sequence[Point]
 ) -> Iterator[Crossing]:
-    """The straight edges from side to side of a band of a wall, but for skew ends of the bar."""
+    """The straight edges from side to side of a band of a wall, but for its ends.
+
+    Of an end `ends` has x at y 0, and how much more at y 1.
+    """
     from shapely import LineString, box, line_merge
     from shapely import Point as Place
 
@@ -55,8 +58,8 @@ def crossings_of(
             continue
         more = (xb - xa) / (yb - ya)
         at = xa - more * ya
-        if any(abs(x - end.at - end.more * y) <= ON_PLANE for end in ends
-               for x, y in [((xa + xb) / 2, (ya + yb) / 2)]):  # fmt: skip
+        x, y = (xa + xb) / 2, (ya + yb) / 2
+        if any(abs(x - there - rise * y) <= ON_PLANE for there, rise in ends):
             continue
         if degrees(atan(abs(more))) <= STEEPEST_DEG:
             beyond = Place((xa + xb) / 2 + 2 * ON_PLANE, (ya + yb) / 2)
@@ -64,7 +67,7 @@ def crossings_of(
 
 
 def with_square_roots(
-    wanted: dict[tuple[str, float], Wanted], ends: Mapping[str, Sequence[EndOnWall]],
+    wanted: dict[tuple[str, float], Wanted], ends: Mapping[str, Sequence[Point]],
     section: Section, strokes: Sequence[Stroke], widest: float,
 ) -> dict[str, float]:  # fmt: skip
     """Puts what stays where a root is crossed on a slant into `wanted`, on all surfaces that it
