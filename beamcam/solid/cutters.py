@@ -283,7 +283,8 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
     body = prism(Polygon(), 0.0, 0.0, wall.frame)
     if not bevel.curve < len(contour.curves):
         return body
-    deep = wall.thickness - bevel.land
+    # Its land counts from the far side, whichever of them it takes.
+    deep = wall.thickness - bevel.land if bevel.angle > 0.0 else bevel.land
     wide = deep * tan(radians(min(abs(bevel.angle), 89.0)))
     if deep <= 0.0 or wide <= 0.0:
         return body

@@ -86,7 +86,7 @@ class WallsAsked(Struct, frozen=True):
 
     def has_bevels_left(self, k: int, feature: Feature, coper: Coper) -> bool:
         """Whether the feature k of a part has bevels that neither an end nor a pass makes."""
-        there = [one.bevel for one in self.passes if one.feature == k]
+        there = [one.drawn for one in self.passes if one.feature == k]
         return any(one not in there for one in own_bevels(feature, self.made, coper.min_bevel))
 
 

@@ -387,7 +387,8 @@ def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:
     if last:
         order["far"] = (*last, *sorted({*ORDER["far"]} - {*last}, key=ORDER["far"].index))
     return sorted(cuts, key=lambda cut: (
-        tuple(order).index(cut.kind), order[cut.kind].index(cut.face), cut.bevel, cut.path[0],
+        tuple(order).index(cut.kind), order[cut.kind].index(cut.face),
+        cut.bevel - 2 * cut.lower, cut.path[0],
     ))  # fmt: skip
 
 
