@@ -34,7 +34,14 @@ from beamcam.posts import post_of
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS
 from benchmarks.script import arguments, at_least, start
 from tests.random_boxes import random_box
-from tests.random_copes import random_bevel, random_cope, random_mitre, random_slant, random_tee
+from tests.random_copes import (
+    random_bevel,
+    random_cope,
+    random_mitre,
+    random_prepared_web,
+    random_slant,
+    random_tee,
+)  # fmt: skip
 from tests.random_tubes import random_tube
 
 OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
@@ -300,7 +307,7 @@ def wrong_land(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 def bevel_first(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A bevel before the square cut along its edge."""
-    which = [k for k, cut in enumerate(plan.operations) if cut.bevel]
+    which = [k for k, cut in enumerate(plan.operations) if cut.bevel and not cut.lower]
     if not which:
         return None
     k = chance.choice(which)
@@ -318,6 +325,17 @@ def bevel_last(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     cut = chance.choice(which)
     rest = [one for one in plan.operations if one is not cut]
     return replace(plan, operations=(*rest, cut)) if plan.operations[-1] is not cut else None
+
+
+def lower_behind(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel of the far side behind the square cut along its edge."""
+    which = [cut for cut in plan.operations if cut.lower]
+    if not which:
+        return None
+    cut = chance.choice(which)
+    rest = [one for one in plan.operations if one is not cut]
+    at = max(j for j, one in enumerate(rest) if (one.kind, one.face) == (cut.kind, cut.face))
+    return replace(plan, operations=(*rest[: at + 1], cut, *rest[at + 1 :]))
 
 
 def plan_faults(machine: Machine) -> dict[str, OfPlan]:
@@ -341,7 +359,7 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
         "mirrored across": mirrored_across, "face left out": face_left_out,
         "other face": on_other_face, "pierced in the part": pierced_in_part,
         **TILTS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
-        "bevel behind the parting": bevel_last,
+        "bevel behind the parting": bevel_last, "lower bevel behind": lower_behind,
     }  # fmt: skip
 
 
@@ -409,6 +427,7 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
         ("coper", random_cope), ("tube", random_tube), ("coper", random_piece),
         ("tube", random_box), ("coper", random_tee), ("coper-tilt", random_mitre),
         ("coper", random_mitre), ("coper-tilt", random_bevel), ("coper", random_slant),
+        ("coper-tilt", random_prepared_web),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

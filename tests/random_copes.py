@@ -134,6 +134,45 @@ def random_bevel(seed: int) -> Part:
     return Part(f"W{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
 
 
+def random_prepared_web(seed: int) -> Part:
+    """A part whose web is coped at all flanges and has bevels at its ends: on the outside, on the
+    far side or on both with a land between, drawn on v or h."""
+    random = Random(seed)
+    profile = random.choice([one for one in SECTIONS if one.code != "L"] + list(TEES))
+    is_tee = profile.code == "T"
+    if is_tee:  # as it lies: an I without an upper flange
+        high, wide = profile.width, profile.height
+    else:
+        high, wide = profile.height, profile.width
+    web = profile.web_thickness or 0.0
+    length = round(random.uniform(500.0, 1200.0), 1)
+    deep = round(profile.flange_thickness + profile.radius + random.uniform(34.0, 45.0), 1)
+    back, top = round(random.uniform(40.0, 90.0), 1), high if is_tee else high - deep
+    upper = [] if is_tee else [
+        (length - back, top), (length - back, high), (back, high), (back, top)
+    ]  # fmt: skip
+    points = [
+        (back, 0.0), (length - back, 0.0), (length - back, deep), (length, deep),
+        (length, top), *upper, (0.0, top), (0.0, deep), (back, deep),
+    ]  # fmt: skip
+    bevels: list[Bevel] = []
+    for curve in random.choice(((3,), (len(points) - 3,), (3, len(points) - 3))):
+        angle, kind = round(random.uniform(25.0, 44.0), 1), random.choice("uulkk")
+        split = round(random.uniform(0.35, 0.6) * web, 2)
+        land = round(random.uniform(0.0, 2.0), 1)
+        bevels += [Bevel(curve, angle, split + land)] if kind in "uk" else []
+        bevels += [Bevel(curve, -angle, split)] if kind in "lk" else []
+    drawn = Contour("v", "outer", polygon(points), AT, bevels=tuple(bevels))
+    short = polygon([(back, 0.0), (length - back, 0.0), (length - back, wide), (back, wide)])
+    flanges = [Contour(face, "outer", short, AT) for face in ("u" if is_tee else "ou")]
+    features: list[Feature] = [drawn, *flanges]
+    if is_tee:
+        features = [_on_tee(feature, profile, random) for feature in features]
+    elif random.random() < 0.3:
+        features[0] = replace(drawn, face="h")
+    return Part(f"K{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
 def _skew_web(profile: Profile, length: float, cuts: EndCuts) -> tuple[Curve, ...]:
     """The outline of a web between ends that are skew in the view of it alone."""
     high = profile.height
