@@ -148,6 +148,11 @@ def pass_faults(
                     Source(name, one.stroke.line), face=one.stroke.face,
                     expected="before the square cut along its edge, through all of the wall",
                 )  # fmt: skip
+        elif one.strip(0.0).distance(Place(one.stroke.points[0])) > BESIDE:
+            x, y = one.stroke.points[0]
+            yield rules.AIR.at(
+                Source(name, one.stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=one.stroke.face
+            )
         elif not along or min(along) > one.stroke.line:
             yield rules.PASSES.at(
                 Source(name, one.stroke.line), face=one.stroke.face,
