@@ -1,6 +1,6 @@
 """Random parts for a coper: I, U, L and T with copes at their ends, notches, windows and holes."""
 
-from math import radians, tan
+from math import atan, degrees, radians, tan
 from random import Random
 
 from msgspec.structs import replace
@@ -100,7 +100,10 @@ def random_slant(seed: int) -> Part:
     ends = ends[0] + length - max(ends), ends[1] + length - max(ends)
     end = round(ends[0] + lean * (back + (web if lean > 0.0 else 0.0)), 3)
     deep = flange + profile.radius + 32.0
-    return Part(f"S{seed}", profile, length, AT, grade="S235JR", features=(
+    # A header has the angle of an end though one flange is coped back from it, or it has none.
+    said = random.random() < 0.5
+    cuts = EndCuts(flange_end=-degrees(atan(lean))) if said else EndCuts()
+    return Part(f"S{seed}", profile, length, AT, grade="S235JR", cuts=cuts, features=(
         Contour("v", "outer", polygon([
             (0.0, 0.0), (end, 0.0), (end, high - deep), (end - 70.0, high - deep),
             (end - 70.0, high), (first + rise * (high - middle), high), (first, middle),

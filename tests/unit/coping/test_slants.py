@@ -13,7 +13,7 @@ from beamcam.checks.coping import verify_coping
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import load
 from beamcam.machine_choice import chain_of
-from beamcam.model.part import Contour, Hole, Part
+from beamcam.model.part import Contour, EndCuts, Hole, Part
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.reports.hand_list import hand_rows
@@ -88,6 +88,20 @@ def test_a_square_cut_is_no_step() -> None:
     for name in ("coped", "hanger", "girder"):
         codes = {d.code for d in plan_coping((sample(name),), COPER).remarks}
         assert "plan-coping-step" not in codes
+
+
+def test_a_flange_that_is_coped_back_does_not_deny_the_header() -> None:
+    drawn = leaning(-15.0)
+    part = replace(drawn, cuts=EndCuts(flange_end=15.0))
+    codes = [d.code for d in plan_coping((part,), COPER).remarks]
+    assert "plan-coping-slant" in codes
+    assert "plan-coping-step" not in codes
+    assert faults(program_of(part), part) == set()
+    assert faults(program_of(leaning(-12.0)), part)
+    other = replace(drawn, cuts=EndCuts(flange_end=12.0))
+    with pytest.raises(PlanError) as caught:
+        plan_coping((other,), COPER)
+    assert "plan-cut-denied" in {d.code for d in caught.value.diagnostics}
 
 
 @given(st.integers(0, 5000), st.sampled_from([COPER, TILT]))
