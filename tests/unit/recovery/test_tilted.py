@@ -54,7 +54,7 @@ def test_skew_ends_come_back_as_angles_of_the_header() -> None:
     assert not [*again.contours]
 
 
-@pytest.mark.parametrize("name", ["splice", "tie"])
+@pytest.mark.parametrize("name", ["splice", "knee"])
 def test_bevels_come_back_with_angle_and_land(name: str) -> None:
     part = sample(name)
     again = recovered(text_of(part), part)
