@@ -62,6 +62,7 @@ def ledges_of(
     if profile.code not in ("I", "U", "L", "T") or not burns:
         return
     rows = [burn.row for burn in burns if burn.a_deg]
+    ends = [*end_planes(part, drawn=True)]
     # The round jet leaves a little more in the corner between the hole and what stays.
     deep = max((row.up_to for row in rows), default=0.0) + 2 * slack
     deep += max(burn.row.kerf for burn in burns)
@@ -83,7 +84,11 @@ def ledges_of(
             for a, b in slabs
         ]
         stays = (drawn ^ boxes[0]).bounding_box()
-        strip = prism(section_of(part), stays[0], stays[3], ALONG_BAR) ^ boxes[1]
+        # At a skew end the web may go on farther than its flange.
+        more = deep * max(abs(normal[1]) for _, normal in ends)
+        strip = prism(section_of(part), stays[0] - more, stays[3] + more, ALONG_BAR) ^ boxes[1]
+        for place, normal in ends if more else ():
+            strip = behind(strip, place, normal)
         ledge = strip - drawn
         if ledge.volume() > 1.0:
             yield ledge

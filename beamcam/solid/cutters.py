@@ -103,7 +103,7 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
 
     A skew plane leaves the end of a wall skew through its thickness, and an outline shows either
     surface; exporters round outlines by up to OUTLINE_NOISE. A cut that comes to such an end goes
-    on along x there, and the rest of the end is the plane's.
+    on as it is drawn and along x there, and the rest of the end is the plane's.
     """
     from shapely import LineString, Polygon, box, make_valid, union_all
 
@@ -137,6 +137,11 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
                 if one.geom_type == "LineString" and not one.is_empty
                 for (xa, qa), (xb, qb) in [(one.coords[0], one.coords[-1])]
             ]
+            near = [
+                box(-FAR, min(qa, qb) - 2 * OUTLINE_NOISE, FAR, max(qa, qb) + 2 * OUTLINE_NOISE)
+                for _, qa, _, qb in (cut.bounds for cut in cuts)
+            ]
+            cuts += [gone.intersection(beyond).intersection(one) for one in near]
             gone = union_all([gone.difference(beyond), *cuts])
     return gone
 

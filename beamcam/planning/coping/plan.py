@@ -152,18 +152,10 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
         said += denied
     said += more
-    ledges, off = list[Diagnostic](), dict[Face, float]()
+    at_root: set[Face] = set()
     if not errors_in(said):
-        if part.made is None:
-            over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
-            kerf = over_web.kerf if over_web else EDGE
-            deep = chart.depth(walls["u"].root_depth)
-            regions, ledges = with_ledges(regions, deep, kerf, coper, part.source)
-        said += ledges
-        regions, more, off = with_steps(regions, chart.depth(walls["u"].root_depth), part.source)
+        regions, more, at_root = _at_roots(part, regions, chart, coper)
         said += more
-        depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
-        said += root_faults(regions, depths, coper, part.source)
     if errors_in(said):
         raise PlanError(errors_in(said))
     cuts, more = _cuts(part, regions, found, chart, coper)
@@ -174,7 +166,6 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     if slant:
         said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
                                    faces=", ".join(slant)))  # fmt: skip
-    at_root = {face for face, mm in off.items() if mm >= LEAST_SLANT} | ({"v"} if ledges else set())
     if errors_in(said):
         raise PlanError(errors_in(said))
     if not cuts:
@@ -196,6 +187,26 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")
     return plan
+
+
+def _at_roots(
+    part: Part, regions: dict[Face, Region], chart: Chart, coper: Coper
+) -> tuple[dict[Face, Region], list[Diagnostic], set[Face]]:
+    """Regions with what stays at the roots, what is told and wrong of them, and the walls that have
+    more than is drawn."""
+    said: list[Diagnostic] = []
+    more: set[Face] = set()
+    web, flange = regions["v"].wall, regions["u"].wall
+    depths = _depths(flange.root_depth, flange, chart)
+    if part.made is None:
+        over_web = chart.row(web.thickness + web.fillets)
+        kerf = over_web.kerf if over_web else EDGE
+        regions, said = with_ledges(regions, depths, kerf, coper, part.source)
+        more = {"v"} if said else set()
+    regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), part.source)
+    more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
+    faults = root_faults(regions, depths, coper, part.source)
+    return regions, [*said, *steps, *faults], more
 
 
 def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:
