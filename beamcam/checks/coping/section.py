@@ -111,7 +111,8 @@ def _seen(feature: Feature, tee: Profile) -> Feature:
 
 def other_side(bevel: Bevel, thickness: float) -> Bevel:
     """A bevel as it is seen from the other side of its wall; its land counts from the far side."""
-    return replace(bevel, angle=-bevel.angle, land=thickness - bevel.land)
+    land = thickness if bevel.angle < 0.0 and not bevel.land else bevel.land
+    return replace(bevel, angle=-bevel.angle, land=thickness - land)
 
 
 class Section:

@@ -121,7 +121,11 @@ def _seen(feature: Feature, tee: Profile) -> Feature:
 def from_behind(contour: Contour, face: Face, thickness: float) -> Contour:
     """The contour of a wall that is drawn on its other side, its bevels as they are seen from here:
     their lands count from the far side."""
-    bevels = tuple(replace(b, angle=-b.angle, land=thickness - b.land) for b in contour.bevels)
+    ends = [b.land or (thickness if b.angle < 0.0 else 0.0) for b in contour.bevels]
+    bevels = tuple(
+        replace(b, angle=-b.angle, land=thickness - end)
+        for b, end in zip(contour.bevels, ends, strict=True)
+    )
     return replace(contour, face=face, bevels=bevels)
 
 
