@@ -8,7 +8,6 @@ from contextlib import suppress
 from functools import partial
 from pathlib import PurePath
 from time import monotonic, perf_counter
-from types import TracebackType
 from typing import IO, Any, Self
 
 import click
@@ -20,7 +19,7 @@ from beamcam.batch.pool import Here, Workers
 from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings
 from beamcam.commands import SETTINGS, options
-from beamcam.commands.common import Console, say_lines
+from beamcam.commands.common import REFUSED, Console, say_lines
 from beamcam.commands.options import quantity
 from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import (
@@ -42,7 +41,7 @@ from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
 from beamcam.reports.run import Counts, Message, Row, dumped, ledger_line, loaded, message_line
-from beamcam.system import cores
+from beamcam.system import INTERRUPTED, cores
 
 
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -95,13 +94,10 @@ run_options = options.group(
     click.option("--jobs", type=click.IntRange(min=1), help="Worker processes; default all cores."),
     click.option("--scheduler", metavar="ADDRESS", help="Work on this Dask cluster."),
     click.option(
-        "--json",
-        "as_json",
-        is_flag=True,
-        help="Print only the outcome of each file, as JSON.",
+        "--json", "as_json", is_flag=True, help="Print only the outcome of each file, as JSON.",
     ),
     options.voiced,
-)
+)  # fmt: skip
 
 
 def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> BatchSettings:
@@ -127,28 +123,15 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Ba
     if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
         raise click.UsageError(f"--style is not for {sheets.name}.")
     return BatchSettings(
-        bars,
-        config.job,
-        config.stock_lengths,
-        config.quantity,
-        config.allow_skips,
-        config.strict,
-        not asked["no_verify"],
-        config.name,
-        None if sheets == bars else sheets,
+        bars, config.job, config.stock_lengths, config.quantity, config.allow_skips, config.strict,
+        not asked["no_verify"], config.name, None if sheets == bars else sheets,
         drawing_choice(asked, config.map) | member_choice(asked, kernel=True, workers=1),
-        timed=timed,
-        clock=perf_counter,
-        more=(*more_bars, *more_sheets),
-        date=asked.get("date") or "",
-        order=asked.get("order", "given"),
-        turn=asked.get("turn", False),
-        mark_from=asked.get("mark_from", "mark"),
-        style=style,
-        by=config.by,
-        rest_suffix=f".{asked.get('rest_as', 'nc1')}" if config.split else "",
+        timed=timed, clock=perf_counter, more=(*more_bars, *more_sheets),
+        date=asked.get("date") or "", order=asked.get("order", "given"),
+        turn=asked.get("turn", False), mark_from=asked.get("mark_from", "mark"), style=style,
+        by=config.by, rest_suffix=f".{asked.get('rest_as', 'nc1')}" if config.split else "",
         remnants=tuple(map(remnant_of, asked.get("remnants", ()))),
-    )
+    )  # fmt: skip
 
 
 def told_of(config: Config, shop: BatchSettings) -> tuple[Diagnostic, ...]:
@@ -253,12 +236,7 @@ class Progress:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._clear()
 
     def show(self, row: Row) -> None:
@@ -409,3 +387,13 @@ class Report:
         if self._rows is not None:
             self._rows.seek(0)
             yield from map(loaded, self._rows)
+
+
+def end_run(counts: Counts, interrupted: bool, left_out: int | None, refused: bool = False) -> None:
+    """Exit with the status of a run, if it has one; `left_out` is that of what is left out."""
+    if interrupted:
+        raise SystemExit(INTERRUPTED)
+    if refused or counts.refused or counts.failed:
+        raise SystemExit(REFUSED)
+    if counts.not_made and left_out is not None:
+        raise SystemExit(left_out)

@@ -13,12 +13,12 @@ from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
 from beamcam.batch.run import BatchError, run
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Console, Grouped, say_lines
-from beamcam.commands.running import Progress, run_options, shop_of, unused, workers_of
+from beamcam.commands.common import Console, Grouped, say_lines
+from beamcam.commands.running import Progress, end_run, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.reports.run import Row, as_message
-from beamcam.system import INTERRUPTED, asked_to_end
+from beamcam.system import asked_to_end
 from beamcam.watch import END_S, HotFolder, file_away, look
 
 
@@ -44,18 +44,10 @@ from beamcam.watch import END_S, HotFolder, file_away, look
 )  # fmt: skip
 @click.option("--once", is_flag=True, help="Exit once all present files have been posted.")
 def command(
-    folder: str,
-    output: str,
-    done: str | None,
-    refused: str | None,
-    settle: float,
-    end_wait: float,
-    every: float,
-    once: bool,
-    exit_left_out: int | None,
-    console: Console,
+    folder: str, output: str, done: str | None, refused: str | None, settle: float,
+    end_wait: float, every: float, once: bool, exit_left_out: int | None, console: Console,
     **asked: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Post the files put into IN_FOLDER as they arrive, until Ctrl-C.
 
     A file that is still being written is left until it stays the same for a while and has its
@@ -123,12 +115,7 @@ def command(
         except BeamcamError as error:
             console.stop(error.diagnostics)
         screen.end()
-    if interrupted:
-        raise SystemExit(INTERRUPTED)
-    if screen.counts.refused or screen.counts.failed:
-        raise SystemExit(REFUSED)
-    if screen.counts.not_made and exit_left_out is not None:
-        raise SystemExit(exit_left_out)
+    end_run(screen.counts, bool(interrupted), exit_left_out)
 
 
 def _make(folder: str) -> None:

@@ -57,13 +57,7 @@ from beamcam.solid.kernel import (
     walls,
 )
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import (
-    Margins,
-    Shape,
-    is_cut,
-    shape_of,
-    stock_solid,
-)
+from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
 from beamcam.solid.wrapped import (
     all_round,
     outline_gone,
