@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from beamcam.checks.coping import verify_coping
-from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import MachineError, errors_in
+from beamcam.machine_proof import load_machine
 from tests.unit.coping.samples import COPER, NAMES, program_of, sample
 
 MEASURING = replace(COPER, words=replace(
