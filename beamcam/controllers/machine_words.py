@@ -362,7 +362,8 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
 
 def _unmeasured(lines: list[Line], figure: float, machine: Machine) -> Iterator[WordFault]:
     """A template of a measured figure in which no M word carries it."""
-    events, _ = _run(lines, machine)
+    program = "\n".join(block for _, _, block in lines) + "\n"
+    events, _ = cell_events(program, machine, "")
     carried = [v for e in events if isinstance(e, Switch) for v in e.words.values()]
     if lines and figure not in carried:
         yield fault_in(lines[0][0], lines[0][1], "no M word with the figure", "one of M100 to M199")
