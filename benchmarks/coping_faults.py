@@ -186,13 +186,16 @@ def reordered(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 
 def pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A lead on the other side of its contour."""
+    """A lead on the other side of its contour; that of a bevel lies in scrap there too."""
 
     def change(cut: CopeCut) -> CopeCut:
         (xa, ya), (xb, yb) = cut.path[:2]
         return replace(cut, path=((2 * xb - xa, 2 * yb - ya), *cut.path[1:]))
 
-    return _changed(plan, chance, change, lambda cut: cut.kind == "inner" or cut.face == "v")
+    return _changed(
+        plan, chance, change,
+        lambda cut: (cut.kind == "inner" or cut.face == "v") and not cut.bevel,
+    )  # fmt: skip
 
 
 def other_row(machine: Machine) -> OfPlan:
