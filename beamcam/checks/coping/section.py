@@ -10,9 +10,11 @@ from itertools import pairwise
 from math import cos, hypot, inf, pi, radians, sin
 from typing import Any, Literal
 
+import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.bars.turned import Rotation, rotated
+from beamcam.geometry.array_types import Floats
 from beamcam.model.part import Feature, Part, Profile
 
 FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm
@@ -170,6 +172,10 @@ class Section:
             shapes.append(Polygon([(y, z), *arc]))
         return union_all(shapes)
 
+    def reach_along(self, ways: Floats) -> Floats:
+        """How far the box of the section reaches along ways (Y, Z) of length 1, from Y 0, Z 0."""
+        return np.maximum(ways * (self.high, self.wide), 0.0).sum(axis=1)
+
     def steel_through(self, face: str, y: float) -> float:
         """How much steel a torch square to a face cuts at a place of it, up to the first gap.
 
@@ -231,6 +237,10 @@ class TubeSection:
             return Point(0.0, 0.0).buffer(self.radius, FILLET_STEPS)
         inner = box(-self.flat_y, -self.flat_z, self.flat_y, self.flat_z)
         return inner.buffer(self.radius, FILLET_STEPS)
+
+    def reach_along(self, ways: Floats) -> Floats:
+        """How far the section reaches along ways (Y, Z) of length 1, from its axis."""
+        return np.abs(ways) @ (self.flat_y, self.flat_z) + self.radius
 
     def place(self, y: float, z: float, a_deg: float) -> tuple[float, float, float]:
         """s below a tip, how high it is over the surface, how far beside the normal it stands.

@@ -1,7 +1,7 @@
 """What the torch of a coper does: each stroke from pierce to end, and what is wrong on its way."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from math import cos, dist, isfinite, radians, sin, tan
 
 from msgspec import Struct
@@ -303,21 +303,3 @@ class _Filled(dict[str, str]):
 
     def __missing__(self, _: str) -> str:
         return ""
-
-
-def poses(way: Way, coper: Coper, step_deg: float) -> Iterator[tuple[float, float, float, float]]:
-    """Y, Z, A and B of the tip along a move, so often that the torch turns little between.
-
-    Over a bar that turns they are those that the torch has seen from the bar.
-    """
-    turn = max(abs(way.a_deg[1] - way.a_deg[0]), abs(way.b_deg[1] - way.b_deg[0]))
-    count = max(1, int(turn / step_deg) + 1) if turn else 1
-    for k in range(count + 1):
-        share = k / count
-        _, y, z = (a + share * (b - a) for a, b in zip(way.start, way.end, strict=True))
-        a_deg, b_deg = (a + share * (b - a) for a, b in (way.a_deg, way.b_deg))
-        a = radians(a_deg)
-        if coper.turns == "bar":
-            y, z = y * cos(a) - z * sin(a), y * sin(a) + z * cos(a)
-        _, y, z = below((0.0, y, z), coper.pivot, a_deg, b_deg)
-        yield y, z, a_deg, b_deg
