@@ -7,7 +7,7 @@ plane is cut where the wall reaches farthest, at its outside or at its inside.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import hypot, pi, radians, sin, tan
+from math import hypot, isnan, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
@@ -202,16 +202,13 @@ def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int
 
 def _line(wall: _Wall, side: int) -> Iterator[tuple[float, float]]:
     """y and x of places along the end of a face."""
-    from shapely import LineString
+    from shapely import LineString, bounds, intersection
 
-    for k in range(1, 20):
-        y = wall.wide * k / 20
-        across = wall.steel.intersection(LineString([(-FAR, y), (FAR, y)]))
-        if across.is_empty:
-            yield y, FAR  # on no plane
-        else:
-            low, _, high, _ = across.bounds
-            yield y, low if side < 0 else high
+    ys = [wall.wide * k / 20 for k in range(1, 20)]
+    across = [LineString([(-FAR, y), (FAR, y)]) for y in ys]
+    xs = bounds(intersection(across, wall.steel))[:, 0 if side < 0 else 2].tolist()
+    # What has no steel there is on no plane.
+    return zip(ys, (FAR if isnan(x) else x for x in xs), strict=True)
 
 
 def _skew(end: End | None, section: TubeSection, face: str) -> float:

@@ -16,7 +16,7 @@ from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import Section, TubeSection
 from beamcam.checks.coping.strokes import Way
 from beamcam.errors import MAX_OF_A_PROGRAM, Diagnostic, Source
-from beamcam.geometry.array_types import Floats
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.coper import Coper
 
 TURN_STEP_DEG = 3.0
@@ -79,7 +79,7 @@ def _steps(ways: Sequence[Way], coper: Coper) -> tuple[list[int], Floats, Floats
     return numbers[run].tolist(), at(step / counts[run]), at((step + 1) / counts[run])
 
 
-def _runs(ways: Sequence[Way]) -> tuple[Floats, Floats, Floats]:
+def _runs(ways: Sequence[Way]) -> tuple[Counts, Floats, Floats]:
     """The moves across the bar, those that follow one another along Y or along Z as one: the number
     of its first way, and Y, Z, A and B of its start and its end.
 

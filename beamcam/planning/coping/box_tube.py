@@ -10,7 +10,7 @@ reaches farthest, so that no steel is missing; the rest is manual work.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import cos, pi, radians, sin, tan
+from math import pi, radians, sin, tan
 from typing import Any, Literal
 
 import numpy as np
@@ -70,18 +70,21 @@ class _Face(Struct, frozen=True):
     shape: Shape
     drawn: bool
 
-    def crossings(self, off: float, from_high: bool) -> Floats:
-        """x where lines of the face are, at a distance from one of its edges; along the part."""
-        from shapely import LineString
+    def crossings(self, offs: Any, from_high: bool) -> list[Floats]:
+        """x where lines of the face are, at each distance from one of its edges; along the part."""
+        from shapely import bounds, get_parts, intersection, length, linestrings
 
         if self.shape.is_empty:
-            return np.array([])
-        off = min(max(off, EDGE), self.size - EDGE)
-        y = self.size - off if from_high else off
+            return [np.array([])] * len(offs)
+        offs = np.clip(offs, EDGE, self.size - EDGE)
+        ys = self.size - offs if from_high else offs
         x0, _, x1, _ = self.shape.bounds
-        cut = self.shape.intersection(LineString([(x0 - 1.0, y), (x1 + 1.0, y)]))
-        pieces = [p for p in getattr(cut, "geoms", (cut,)) if p.length > 0.0]
-        return np.array(sorted(x for p in pieces for x in (p.bounds[0], p.bounds[2])))
+        xs = np.tile((x0 - 1.0, x1 + 1.0), (len(ys), 1))
+        across = linestrings(np.stack((xs, np.repeat(ys[:, None], 2, axis=1)), axis=2))
+        pieces, of = get_parts(intersection(across, self.shape), return_index=True)
+        met = length(pieces) > 0.0
+        ends, of = bounds(pieces[met])[:, (0, 2)], of[met]
+        return [np.sort(ends[of == k].ravel()) for k in range(len(ys))]
 
 
 def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled, list[Diagnostic]]:
@@ -175,7 +178,7 @@ def _lines(faces: Mapping[Face, _Face], side: int) -> dict[Face, tuple[Floats, F
     for face, one in faces.items():
         if one.drawn:
             ys = np.linspace(2 * CHORD, one.size - 2 * CHORD, 9)
-            rows = [one.crossings(y, False) for y in ys]
+            rows = one.crossings(ys, False)
             if all(len(row) for row in rows):
                 found[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
     return found
@@ -284,8 +287,8 @@ def _corner(
     ):
         faces[face], ending = _ending(faces[face], high, r)
         gone += [_on_corner(void, faces[face].size, high, r, at, way) for void, _ in ending]
-    of_a = [faces[a].crossings(min(r * (1 - sin(t)), r - EDGE), a_high) for t in turns]
-    of_b = [faces[b].crossings(min(r * (1 - cos(t)), r - EDGE), b_high) for t in turns]
+    of_a = faces[a].crossings(np.minimum(r * (1 - np.sin(turns)), r - EDGE), a_high)
+    of_b = faces[b].crossings(np.minimum(r * (1 - np.cos(turns)), r - EDGE), b_high)
     source = next(
         (f.source for f in part.features if getattr(f, "face", "") in (a, b)), part.source
     )
@@ -318,7 +321,7 @@ def _corner(
     left = {}
     for face, other, high in ((b, a, a_high), (a, b, b_high)):
         # The inside of a wall lies in the view of the face beside it.
-        inside = faces[other].crossings(wall, high)
+        (inside,) = faces[other].crossings((wall,), high)
         if len(inside) == len(free):
             off = np.abs(inside - (edge_a if other == a else edge_b))[free]
             left[face] = float(off.max(initial=0.0))
