@@ -70,13 +70,14 @@ class Coper(Keys, frozen=True):
     min_bevel: NotNegative = 1.0  #: degrees; an edge with a smaller bevel is cut square
 
     def outer_radius(self, radius: float, wall: float) -> float:
-        """That of the corners of a rectangular tube: its own, or by the table if that is 0.
+        """That of the corners of a rectangular tube: its own, or by the table if that is none.
 
-        If the table has no row for so thick a wall it is `corner`, which may be 0.
+        No corner is less round outside than its wall is thick. If the table has no row for so thick
+        a wall it is `corner`, or without one what the file says.
         """
         rows = sorted(self.corners, key=lambda row: row.up_to)
         share = next((row.share for row in rows if wall <= row.up_to), 0.0)
-        return radius if radius > 0.0 else share * wall or self.corner
+        return radius if radius >= wall else share * wall or self.corner or radius
 
     def standoff(self, height: float, b_deg: float) -> float:
         """How far the tip of a tilted torch is from the steel along its axis, in mm.

@@ -25,7 +25,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Curve, Line
-from beamcam.model.part import Contour, Face, Hole, Part, Slot
+from beamcam.model.part import Contour, EndPlane, Face, Hole, Part, Slot
 from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape
 from beamcam.solid.kernel import CHORD, FREE, circle, extruded, kernel, minus, no_solid
 from beamcam.solid.stock_solid import Margins, Shape, end_planes, is_cut, shape_of, stock_solid
@@ -252,9 +252,10 @@ def square_to_surface(
 
 
 def skew_ends(part: Part) -> int:
-    """How many ends are skew through a wall."""
+    """How many ends are skew through a wall, by the header, drawn or planes of their own."""
     drawn = part.profile.code == "M"  # the outline of a round one is that of its surface
-    return sum(bool(n[1] or n[2]) for _, n in end_planes(part, drawn=drawn))
+    own = (f.normal for f in part.features if isinstance(f, EndPlane))
+    return sum(bool(n[1] or n[2]) for n in (*own, *(n for _, n in end_planes(part, drawn=drawn))))
 
 
 def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tuple[float, float]]]:

@@ -14,20 +14,19 @@ from msgspec import Struct
 
 from beamcam.checks.coping.section import TubeSection, pieces_of
 from beamcam.checks.coping.stock import outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.tube_planes import FAR, End, is_stated, kept, planes_of, round_corner
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Hole, Part, Slot
 
 Shape = Any  #: of shapely
-End = tuple[float, float, float]  #: x = first - second Y - third Z from the axis of the tube
 
 APART = 1.0  #: mm that a drawing may be off and mean it
 SQUARE_DEG = 0.2  #: of an end; less is noise
 PLACES = 48  #: across a corner
 LEVEL = tan(radians(SQUARE_DEG))
 INSIDE = 1e-6  #: mm off the edges of a band
-FAR = 1e5
 LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
 CORNERS = (("u", True, "v", False), ("v", True, "o", True), ("o", False, "h", True),
@@ -58,7 +57,9 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     features = [f for k, f in enumerate(part.features) if k not in left]
     walls = {face: _outlined(part, face, features) for face in "uvoh"}
     ends = [_end(part, walls, section, side) for side in (-1, 1)]
-    off = {face: max(_skew(end, section, face) for end in ends) for face in walls}
+    planes = [*planes_of(part, left, section)]
+    skew = [*ends, *(end for _, end in planes)]
+    off = {face: max(_skew(end, section, face) for end in skew) for face in walls}
     shapes, corners = [], list[Point]()
     ending: dict[str, list[Shape]] = {face: [] for face in walls}
     for face, wall in walls.items():
@@ -92,6 +93,8 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
         shapes.append(shape.difference(union_all(seen)) if seen else shape)
     one, turn = union_all(shapes), section.turn
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
+    for side, end in planes:
+        drawn = kept(drawn, side, end, section)
     everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
     cut = with_round_corners(drawn, everywhere, coper.corner_radius)
     return BoxWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
@@ -161,6 +164,8 @@ def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int
 
     cuts = part.cuts
     degs = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
+    if is_stated(part, side, *degs):
+        degs = (0.0, 0.0)
     web, flange = (tan(radians(d)) if abs(d) > SQUARE_DEG else 0.0 for d in degs)
     drawn = [wall for wall in walls.values() if wall.is_drawn]
     if not drawn:
@@ -333,7 +338,7 @@ def _rounded(
     for number, ((da, xa), (db, xb)) in enumerate(zip(lines_a, lines_b, strict=True)):
         at_end = ends[0] if number == 0 else ends[1] if number == len(lines_a) - 1 else None
         if at_end is not None:
-            curves.append(_plane_round(at_end, k, turns, section, number == 0))
+            curves.append(round_corner(at_end, k, turns, section, number == 0))
             continue
         if abs(xa[0] - xb[0]) > APART:
             return None
@@ -350,17 +355,3 @@ def _rounded(
         Polygon([*zip(low, ss, strict=True), *zip(high[::-1], ss[::-1], strict=True)])
         for low, high in zip(curves[::2], curves[1::2], strict=True)
     ])  # fmt: skip
-
-
-def _plane_round(end: End, k: int, turns: Any, section: TubeSection, is_start: bool) -> Any:
-    """x at which a plane is cut round a corner."""
-    import numpy as np
-
-    way = k * pi / 2 + turns  # of the normal, from -Y towards +Z
-    y = section.flat_y * (1 if k in (1, 2) else -1)
-    z = section.flat_z * (1 if k in (0, 1) else -1)
-    xs = [
-        end[0] - end[1] * (y - q * np.cos(way)) - end[2] * (z + q * np.sin(way))
-        for q in (section.radius, section.radius - section.wall)
-    ]
-    return np.minimum(*xs) if is_start else np.maximum(*xs)

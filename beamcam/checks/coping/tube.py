@@ -20,6 +20,7 @@ from beamcam.checks.coping.collisions import strike_faults
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
+from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
 from beamcam.controllers.events import BarEvent, Move, Place
 from beamcam.errors import Diagnostic, Source, errors_in
@@ -28,7 +29,7 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
 
 Shape = Any  #: of shapely
 
@@ -175,20 +176,22 @@ def tube_faults(
             return [*said, rules.LOST.at(part.source, found=box.lost)]
         drawn, wanted, off = box.drawn, box.cut, box.off
     else:
-        drawn, wanted = _wanted(part, coper, left, section.turn)
+        drawn, wanted = _wanted(part, coper, left, section)
         cuts = part.cuts
         leans = [
             hypot(*(tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in pair))
             for pair in ((cuts.web_start, cuts.flange_start), (cuts.web_end, cuts.flange_end))
         ]
+        leans += [hypot(*end[1:]) for _, end in planes_of(part, left, section)]
         off = {"v": deep} if (deep := section.wall * max(leans)) >= LEAST_OFF else {}
     found = [
         *said,
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
     ]
     for k, feature in enumerate(part.features):
-        outline = isinstance(feature, Contour) and feature.kind == "outer" and k not in left
-        if cut_square(feature, coper) or (outline and getattr(feature, "face", "") in off):
+        outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off
+        plane = isinstance(feature, EndPlane) and off
+        if cut_square(feature, coper) or ((outline or plane) and k not in left):
             found.append(by_hand(feature, part, machine))
     return found
 
@@ -279,11 +282,14 @@ def _places(shape: Shape) -> list[Point]:
     return [tuple(p) for p in get_coordinates(shape).tolist()]
 
 
-def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tuple[Shape, Shape]:
+def _wanted(
+    part: Part, coper: Coper, left: Collection[int], section: TubeSection
+) -> tuple[Shape, Shape]:
     """What has to stay of the surface on three turns, without and with its corners rounded."""
     from shapely import Polygon, box, make_valid, union_all
     from shapely.affinity import translate
 
+    turn = section.turn
     # An outline says more of an end than the header.
     features = [f for k, f in enumerate(part.features) if k not in left]
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
@@ -296,6 +302,8 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
         one = union_all([make_valid(Polygon(ring)) for ring in rings])
         one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
+    for side, end in planes_of(part, left, section):
+        drawn = kept(drawn, side, end, section)
     corners = [p for c in outlines for p in corners_of(c.curves, drawn)]
     radius = part.profile.height / 2
     for feature in features:

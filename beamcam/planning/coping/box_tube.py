@@ -33,25 +33,20 @@ from beamcam.planning.coping.regions import (
     shape_of,
     sharp_corners,
 )
+from beamcam.planning.coping.tube_ends import (
+    OVERLAP,
+    SKEW_DEG,
+    Plane,
+    header_slopes,
+    planes_of,
+    within,
+)
 from beamcam.planning.coping.walls import Wall
 
 LEVELS = 33  #: places across a corner; a line that bends by its radius is 0.005 mm off its chords
 EDGE = 1e-6  #: mm inside of an edge, where a face is cut across
-OVERLAP = 1e-4  #: mm by which patches overlap, so that they are one shape
 MEET = 1.0  #: mm that lines of two faces may be apart at their edge and mean the same place
-SKEW_DEG = 0.2  #: of an end; less is noise of a header
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round
-
-
-class Plane(Struct, frozen=True):
-    """A skew end: x = at - y tan(web) - z tan(flange) in the section's axes."""
-
-    at: float
-    by_y: float
-    by_z: float
-
-    def x(self, y: Any, z: Any) -> Any:
-        return self.at - self.by_y * y - self.by_z * z
 
 
 class Unrolled(Struct, frozen=True):
@@ -95,13 +90,15 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
     faces = {face: _face(part, face, own, way.on_face(face)) for face in FACES}
     said: list[Diagnostic] = [d for side in (-1, 1) for d in _denied(part, faces, side)]
     ends = [_end(part, faces, side) for side in (-1, 1)]
-    slant = dict.fromkeys(FACES, 0.0)
+    planes = [*filter(None, ends), *planes_of(part, features)]
+    slant = {
+        face: max((plane.slant(one.leg.patch.outward, part.profile.thickness(face))
+                   for plane in planes), default=0.0)
+        for face, one in faces.items()
+    }  # fmt: skip
     found: list[Point] = []
     for face, one in faces.items():
-        for plane in ends:
-            if plane is not None:
-                slant[face] = max(slant[face], _slant(plane, part, face))
-        shape = _at_ends(one, part, ends)
+        shape = _beyond_ends(one, part, ends)
         for feature in own:
             if feature.face != face:
                 continue
@@ -135,13 +132,13 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
 
         shapes.append(transform(flat, on_leg))
     for corner in way.legs[1::2]:
-        shape, left, more = _corner(part, faces, corner, ends)
+        shape, left, more = _corner(part, faces, corner)
         said += more
         if shape is not None:
             shapes.append(shape)
         for face, off in left.items():
             slant[face] = max(slant[face], off)
-    return Unrolled(union_all(shapes), tuple(found), slant), said
+    return Unrolled(within(union_all(shapes), planes, way), tuple(found), slant), said
 
 
 def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> _Face:
@@ -164,14 +161,6 @@ def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> _Face:
 # --- ends -----------------------------------------------------------------------------------------
 
 
-def _header(part: Part, side: int) -> tuple[float, float]:
-    """tan of the angles that the header has for an end, 0 for noise."""
-    cuts = part.cuts
-    both = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
-    web, flange = (tan(radians(deg)) if abs(deg) > SKEW_DEG else 0.0 for deg in both)
-    return web, flange
-
-
 def _lines(faces: Mapping[Face, _Face], side: int) -> dict[Face, tuple[Floats, Floats]]:
     """y and x along the end of each face that is drawn."""
     found: dict[Face, tuple[Floats, Floats]] = {}
@@ -186,19 +175,19 @@ def _lines(faces: Mapping[Face, _Face], side: int) -> dict[Face, tuple[Floats, F
 
 def _end(part: Part, faces: Mapping[Face, _Face], side: int) -> Plane | None:
     """The plane of an end; None where its faces are drawn square or as no plane has them."""
-    by_y, by_z = _header(part, side)
+    by_y, by_z = header_slopes(part, side)
     lines = _lines(faces, side)
     if not lines:
         if not (by_y or by_z):
             return None
         reach = [by_y * y + by_z * z for y, z in corners(part.profile)]
-        return Plane(max(reach) if side < 0 else part.length + min(reach), by_y, by_z)
+        return Plane(side, max(reach) if side < 0 else part.length + min(reach), by_y, by_z)
     slopes = {face: (x[0] - x[-1]) / (y[-1] - y[0]) for face, (y, x) in lines.items()}
     by_y = by_y or next((slopes[f] for f in ("v", "h") if f in slopes), 0.0)
     by_z = by_z or next((slopes[f] for f in ("o", "u") if f in slopes), 0.0)
     if max(abs(by_y), abs(by_z)) <= tan(radians(SKEW_DEG)):
         return None
-    plane, best = Plane(0.0, by_y, by_z), (MEET, 0.0)
+    plane, best = Plane(side, 0.0, by_y, by_z), (MEET, 0.0)
     for farthest in (True, False):  # outlines show where the wall reaches farthest, or the outside
         at = []
         for face, (ys, xs) in lines.items():
@@ -207,14 +196,14 @@ def _end(part: Part, faces: Mapping[Face, _Face], side: int) -> Plane | None:
             at.append(xs - (far if farthest else outside))
         every = np.concatenate(at)
         best = min(best, (float(np.ptp(every)), float(np.median(every))))
-    return Plane(best[1], by_y, by_z) if best[0] < MEET else None
+    return Plane(side, best[1], by_y, by_z) if best[0] < MEET else None
 
 
 def _denied(part: Part, faces: Mapping[Face, _Face], side: int) -> Iterator[Diagnostic]:
     """An error where the header has an end skew and the outlines have it otherwise."""
-    if any(_header(part, side)) and _end(part, faces, side) is None:
+    if any(header_slopes(part, side)) and _end(part, faces, side) is None:
         at: Literal["start", "end"] = "start" if side < 0 else "end"
-        kind: Literal["web", "flange"] = "web" if _header(part, side)[0] else "flange"
+        kind: Literal["web", "flange"] = "web" if header_slopes(part, side)[0] else "flange"
         angle = getattr(part.cuts, f"{kind}_{at}")
         yield bar_rules.CUT_DENIED.at(
             part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
@@ -233,29 +222,25 @@ def _traces(plane: Plane, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
     return plane.x(outside, ys), plane.x(inside, ys)
 
 
-def _slant(plane: Plane, part: Part, face: Face) -> float:
-    outside, inside = _traces(plane, part, face, 0.0)
-    return float(abs(outside - inside))
-
-
-def _at_ends(one: _Face, part: Part, ends: Sequence[Plane | None]) -> Shape:
-    """A face whose ends lie where planes are to be cut."""
+def _beyond_ends(one: _Face, part: Part, ends: Sequence[Plane | None]) -> Shape:
+    """A face that goes on beyond its ends where planes are to be cut."""
     from shapely import transform
 
     face: Face = one.leg.patch.name
 
     def moved(places: Floats) -> Floats:
         places = places.copy()
-        for side, plane in zip((-1, 1), ends, strict=True):
+        for plane in ends:
             if plane is None:
                 continue
-            traces = _traces(plane, part, face, places[:, 1])
-            low, high = np.minimum(*traces), np.maximum(*traces)
+            outside, inside = _traces(plane, part, face, places[:, 1])
+            low, high = np.minimum(outside, inside), np.maximum(outside, inside)
             x = places[:, 0]
             near = (x >= low - MEET) & (x <= high + MEET)
             if not one.drawn:
-                near = np.abs(x - (0.0 if side < 0 else part.length)) < CHORD
-            places[near, 0] = (low if side < 0 else high)[near]
+                near = np.abs(x - (0.0 if plane.side < 0 else part.length)) < CHORD
+            deep = part.profile.thickness(face) * (abs(plane.by_y) + abs(plane.by_z))
+            places[near, 0] = (outside + plane.side * (deep + MEET))[near]
         return places
 
     return transform(one.shape, moved)
@@ -271,7 +256,7 @@ BESIDE: dict[str, tuple[tuple[Face, bool], tuple[Face, bool]]] = {
 
 
 def _corner(
-    part: Part, faces: Mapping[Face, _Face], corner: Leg, ends: Sequence[Plane | None]
+    part: Part, faces: Mapping[Face, _Face], corner: Leg
 ) -> tuple[Shape | None, dict[Face, float], list[Diagnostic]]:
     """What stays of a corner, how much a square cut is off inside of the walls beside it."""
     from shapely import Polygon, union_all
@@ -301,14 +286,7 @@ def _corner(
     edge_a, edge_b = lines_a[-1], lines_b[0]
     share = np.linspace(0.0, 1.0, LEVELS)[:, None]
     lines = lines_a + lines_b - ((1 - share) * edge_b + share * edge_a)
-    free = np.ones(lines.shape[1], bool)
-    for side, plane in zip((0, -1), ends, strict=True):
-        if plane is not None:
-            pick = np.minimum if side == 0 else np.maximum
-            free[side] = False
-            lines[:, side] = pick(*_through(plane, corner, turns, wall))
-    if np.any(apart := np.abs(edge_a - edge_b)[free] > MEET):
-        off = float(np.abs(edge_a - edge_b)[free][apart].max())
+    if (off := float(np.abs(edge_a - edge_b).max())) > MEET:
         found = f"lines {off:.3g} mm apart at its edge"
         return None, {}, [rules.CORNER.at(source, found=found, a=a, b=b)]
     ss = corner.begin + r * turns
@@ -322,9 +300,8 @@ def _corner(
     for face, other, high in ((b, a, a_high), (a, b, b_high)):
         # The inside of a wall lies in the view of the face beside it.
         (inside,) = faces[other].crossings((wall,), high)
-        if len(inside) == len(free):
-            off = np.abs(inside - (edge_a if other == a else edge_b))[free]
-            left[face] = float(off.max(initial=0.0))
+        if len(inside) == lines.shape[1]:
+            left[face] = float(np.abs(inside - (edge_a if other == a else edge_b)).max())
     return union_all(shapes).difference(union_all(gone)), left, []
 
 
@@ -367,12 +344,3 @@ def _on_corner(void: Shape, size: float, high: bool, r: float, at: float, way: i
         return np.column_stack((places[:, 0], s))
 
     return transform(void.segmentize(CHORD * 20), laid)
-
-
-def _through(plane: Plane, corner: Leg, turns: Floats, wall: float) -> tuple[Floats, Floats]:
-    """x of a plane round a corner, on the outside and on the inside of the wall."""
-    first, r = corner.patch.first_rad, corner.patch.radius
-    y0, z0 = corner.patch.origin
-    c, s = np.cos(first + turns), np.sin(first + turns)
-    outside, inside = (plane.x(y0 - k * c, z0 + k * s) for k in (r, r - wall))
-    return outside, inside

@@ -90,10 +90,10 @@ NO_RADIUS = error("plan-coping-radius",
     "has it, or the machine file by the thickness of the wall, or else --corner (`corner` of "
     "beamcam.toml); it is not guessed.")
 GIVEN_RADIUS = note("plan-coping-given-radius",
-    "found no radius of the corners of {name} in the file; taken as {found} mm outside, as {by} "
-    "has it",
-    "Measure a corner of the bar: the torch follows it by this radius. What a file says itself "
-    "goes before the machine file, and that before --corner.")
+    "found no outer radius of the corners of {name} in the file; taken as {found} mm outside, as "
+    "{by} has it",
+    "One smaller than the wall is none. Measure a corner of the bar: the torch follows it by this "
+    "radius. What a file says itself goes before the machine file, and that before --corner.")
 SEAM = note("plan-coping-seam",
     "found the seam of a tube's outline {found} mm off its place; taken as closed",
     "The outline of an unrolled tube has two long sides along one line of its surface. Some draw "
