@@ -7,13 +7,13 @@ plane is cut where the wall reaches farthest, at its outside or at its inside.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import hypot, isnan, pi, radians, sin, tan
+from math import asin, hypot, isnan, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.checks.coping.section import TubeSection, pieces_of
-from beamcam.checks.coping.stock import outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.tube_planes import FAR, End, is_stated, kept, planes_of, round_corner
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
 from beamcam.geometry.plane import Point
@@ -74,9 +74,10 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
                 steel = steel.difference(void)
             if isinstance(feature, Contour):
                 corners += [
-                    (x, section.around(face, y))
+                    (x, s)
                     for x, y in corners_of(feature.curves, steel)
-                    if section.radius - INSIDE <= y <= wall.wide - section.radius + INSIDE
+                    if FINE < y < wall.wide - FINE
+                    for s in _on_surface(face, y, wall.wide, section)
                 ]
         walls[face] = _Wall(face, wall.wide, steel, wall.is_drawn)
         flat = steel.difference(union_all(ending[face])) if ending[face] else steel
@@ -281,6 +282,18 @@ def _in_corner(
     return transform(part.segmentize(0.2), laid)
 
 
+def _on_surface(face: str, y: float, wide: float, section: TubeSection) -> set[float]:
+    """s of a place of a face; over the corner beside it where its outside is seen, and its
+    inside."""
+    r = section.radius
+    flat = min(max(y, r), wide - r)
+    into, rises = abs(y - flat), (y > flat) == (face in "uv")
+    if into <= INSIDE:
+        return {section.around(face, y)}
+    shares = (min(1.0, into / q) if q else 1.0 for q in (r, r - section.wall))
+    return {section.around(face, flat) + (r if rises else -r) * asin(share) for share in shares}
+
+
 # --- round ----------------------------------------------------------------------------------------
 
 
@@ -310,6 +323,8 @@ def _lines(wall: _Wall, at_high: bool, radius: float) -> list[Any]:
     for piece in pieces_of(line_merge(band) if band.geom_type == "MultiLineString" else band):
         x, y = get_coordinates(piece).T
         off = wall.wide - y if at_high else y
+        if off[0] > off[-1]:  # places at one distance stay in their order from the edge on
+            off, x = off[::-1], x[::-1]
         order = np.argsort(off, kind="stable")
         found.append((off[order], x[order]))
     return sorted(found, key=lambda line: float(line[1][0]))
@@ -332,7 +347,11 @@ def _rounded(
     whole = all(d[0] <= 2 * INSIDE and d[-1] >= r - 2 * INSIDE for d, _ in (*lines_a, *lines_b))
     if len(lines_a) != len(lines_b) or len(lines_a) % 2 or not whole:
         return None
-    turns = np.linspace(0.0, pi / 2, PLACES)
+    depths = [q for q in (r, r - section.wall) if q]
+    bends = [np.arcsin(np.clip((r - d) / q, 0.0, 1.0)) for d, _ in lines_a for q in depths]
+    bends += [np.arccos(np.clip((r - d) / q, 0.0, 1.0)) for d, _ in lines_b for q in depths]
+    beside = [np.clip(one + by, 0.0, pi / 2) for one in bends for by in (-1e-5, 1e-5)]
+    turns = np.unique(np.concatenate((np.linspace(0.0, pi / 2, PLACES), *beside)))
     share = turns / (pi / 2)
     curves = []
     for number, ((da, xa), (db, xb)) in enumerate(zip(lines_a, lines_b, strict=True)):
@@ -343,12 +362,19 @@ def _rounded(
         if abs(xa[0] - xb[0]) > APART:
             return None
         edge = (1 - share) * xb[0] + share * xa[0]
-        curves.append(
-            np.interp(r * (1 - np.sin(turns)), da, xa)
-            + np.interp(r * (1 - np.cos(turns)), db, xb)
+        outside, inside = (
+            np.interp(r - q * np.sin(turns), da, xa) + np.interp(r - q * np.cos(turns), db, xb)
             - edge
-        )
-        for face, d, x in ((b, da, xa), (a, db, xb)):
+            for q in (r, r - section.wall)
+        )  # fmt: skip
+        along = [bool(np.any((np.diff(d) < FINE) & (np.abs(np.diff(x)) > FINE)))
+                 for d, x in ((da, xa), (db, xb))]  # fmt: skip
+        if any(along):  # the edge of a cope, which lies where the wall reaches farthest
+            outside = (np.maximum if number % 2 else np.minimum)(outside, inside)
+        curves.append(outside)
+        for face, d, x, is_along in ((b, da, xa, along[0]), (a, db, xb, along[1])):
+            if is_along:
+                continue
             off[face] = max(off[face], abs(float(np.interp(section.wall, d, x)) - float(x[0])))
     ss = section.corner(k) + r * turns
     return union_all([

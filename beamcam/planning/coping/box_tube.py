@@ -10,7 +10,7 @@ reaches farthest, so that no steel is missing; the rest is manual work.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import pi, radians, sin, tan
+from math import radians, tan
 from typing import Any, Literal
 
 import numpy as np
@@ -24,6 +24,7 @@ from beamcam.model.section import corners
 from beamcam.model.surface import Around, Leg
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.box_corners import MEET, BoxFace, corner_of, ending_in, on_surface
 from beamcam.planning.coping.regions import (
     CHORD,
     Cut,
@@ -43,9 +44,6 @@ from beamcam.planning.coping.tube_ends import (
 )
 from beamcam.planning.coping.walls import Wall
 
-LEVELS = 33  #: places across a corner; a line that bends by its radius is 0.005 mm off its chords
-EDGE = 1e-6  #: mm inside of an edge, where a face is cut across
-MEET = 1.0  #: mm that lines of two faces may be apart at their edge and mean the same place
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round
 
 
@@ -55,31 +53,6 @@ class Unrolled(Struct, frozen=True):
     shape: Shape
     corners: tuple[Point, ...]  #: re-entrant and sharp
     slant: Mapping[Face, float]  #: mm that a square cut is off at the inside of each wall
-
-
-class _Face(Struct, frozen=True):
-    """A face of the tube as it is drawn."""
-
-    leg: Leg
-    size: float
-    shape: Shape
-    drawn: bool
-
-    def crossings(self, offs: Any, from_high: bool) -> list[Floats]:
-        """x where lines of the face are, at each distance from one of its edges; along the part."""
-        from shapely import bounds, get_parts, intersection, length, linestrings
-
-        if self.shape.is_empty:
-            return [np.array([])] * len(offs)
-        offs = np.clip(offs, EDGE, self.size - EDGE)
-        ys = self.size - offs if from_high else offs
-        x0, _, x1, _ = self.shape.bounds
-        xs = np.tile((x0 - 1.0, x1 + 1.0), (len(ys), 1))
-        across = linestrings(np.stack((xs, np.repeat(ys[:, None], 2, axis=1)), axis=2))
-        pieces, of = get_parts(intersection(across, self.shape), return_index=True)
-        met = length(pieces) > 0.0
-        ends, of = bounds(pieces[met])[:, (0, 2)], of[met]
-        return [np.sort(ends[of == k].ravel()) for k in range(len(ys))]
 
 
 def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled, list[Diagnostic]]:
@@ -103,18 +76,19 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
             if feature.face != face:
                 continue
             if isinstance(feature, Contour):
-                low, high = one.leg.patch.low - CHORD, one.leg.patch.high + CHORD
-                turns = sharp_corners(feature)
-                found += [(x, one.leg.s(y)) for x, y in turns if low <= y <= high]
+                found += [
+                    (x, s) for x, y in sharp_corners(feature) if CHORD < y < one.size - CHORD
+                    for s in on_surface(one, y, part.profile.thickness(face))
+                ]  # fmt: skip
                 if feature.kind == "outer":
                     continue
             gone = shape_of(curves_of(feature))
             if not gone.intersects(shape):
                 said.append(rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}"))
             shape = shape.difference(gone)
-        faces[face] = _Face(one.leg, one.size, shape, one.drawn)
+        faces[face] = BoxFace(one.leg, one.size, shape, one.drawn)
         r, wall = way.legs[1].patch.radius, part.profile.thickness(face)
-        reaches = [into for high in (True, False) for _, into in _ending(faces[face], high, r)[1]]
+        reaches = [into for high in (True, False) for _, into in ending_in(faces[face], high, r)[1]]
         if reaches:
             into = max(reaches)
             source = next(f.source for f in own if f.face == face)
@@ -132,7 +106,7 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
 
         shapes.append(transform(flat, on_leg))
     for corner in way.legs[1::2]:
-        shape, left, more = _corner(part, faces, corner)
+        shape, left, more = corner_of(part, faces, corner)
         said += more
         if shape is not None:
             shapes.append(shape)
@@ -141,7 +115,7 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
     return Unrolled(within(union_all(shapes), planes, way), tuple(found), slant), said
 
 
-def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> _Face:
+def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> BoxFace:
     """A face within its outlines; h is as v without one of its own, and the other way round."""
     from shapely import box, union_all
 
@@ -152,16 +126,16 @@ def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> _Face:
     other = {"v": "h", "h": "v"}.get(face, "")
     mine = [c for c in outer if c.face == face] or [c for c in outer if c.face == other]
     if not mine:
-        return _Face(leg, size, box(0.0, 0.0, part.length, size), False)
+        return BoxFace(leg, size, box(0.0, 0.0, part.length, size), False)
     strip = box(-part.length, 0.0, 2 * part.length, size)
     shape = union_all([outline_on(wall, c.curves) for c in mine]).intersection(strip)
-    return _Face(leg, size, shape, True)
+    return BoxFace(leg, size, shape, True)
 
 
 # --- ends -----------------------------------------------------------------------------------------
 
 
-def _lines(faces: Mapping[Face, _Face], side: int) -> dict[Face, tuple[Floats, Floats]]:
+def _lines(faces: Mapping[Face, BoxFace], side: int) -> dict[Face, tuple[Floats, Floats]]:
     """y and x along the end of each face that is drawn."""
     found: dict[Face, tuple[Floats, Floats]] = {}
     for face, one in faces.items():
@@ -173,7 +147,7 @@ def _lines(faces: Mapping[Face, _Face], side: int) -> dict[Face, tuple[Floats, F
     return found
 
 
-def _end(part: Part, faces: Mapping[Face, _Face], side: int) -> Plane | None:
+def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
     """The plane of an end; None where its faces are drawn square or as no plane has them."""
     by_y, by_z = header_slopes(part, side)
     lines = _lines(faces, side)
@@ -199,7 +173,7 @@ def _end(part: Part, faces: Mapping[Face, _Face], side: int) -> Plane | None:
     return Plane(side, best[1], by_y, by_z) if best[0] < MEET else None
 
 
-def _denied(part: Part, faces: Mapping[Face, _Face], side: int) -> Iterator[Diagnostic]:
+def _denied(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Iterator[Diagnostic]:
     """An error where the header has an end skew and the outlines have it otherwise."""
     if any(header_slopes(part, side)) and _end(part, faces, side) is None:
         at: Literal["start", "end"] = "start" if side < 0 else "end"
@@ -222,7 +196,7 @@ def _traces(plane: Plane, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
     return plane.x(outside, ys), plane.x(inside, ys)
 
 
-def _beyond_ends(one: _Face, part: Part, ends: Sequence[Plane | None]) -> Shape:
+def _beyond_ends(one: BoxFace, part: Part, ends: Sequence[Plane | None]) -> Shape:
     """A face that goes on beyond its ends where planes are to be cut."""
     from shapely import transform
 
@@ -244,103 +218,3 @@ def _beyond_ends(one: _Face, part: Part, ends: Sequence[Plane | None]) -> Shape:
         return places
 
     return transform(one.shape, moved)
-
-
-# --- corners --------------------------------------------------------------------------------------
-
-#: The faces beside a corner, and whether it lies at the greatest y of each.
-BESIDE: dict[str, tuple[tuple[Face, bool], tuple[Face, bool]]] = {
-    "u-v": (("u", True), ("v", False)), "v-o": (("v", True), ("o", True)),
-    "o-h": (("o", False), ("h", True)), "h-u": (("h", False), ("u", False)),
-}  # fmt: skip
-
-
-def _corner(
-    part: Part, faces: Mapping[Face, _Face], corner: Leg
-) -> tuple[Shape | None, dict[Face, float], list[Diagnostic]]:
-    """What stays of a corner, how much a square cut is off inside of the walls beside it."""
-    from shapely import Polygon, union_all
-
-    (a, a_high), (b, b_high) = BESIDE[corner.patch.name]
-    r, wall = corner.patch.radius, corner.patch.thickness
-    turns = np.linspace(0.0, pi / 2, LEVELS)
-    gone: list[Shape] = []
-    faces = dict(faces)
-    for face, high, at, way in (
-        (a, a_high, corner.begin, 1),
-        (b, b_high, corner.begin + r * pi / 2, -1),
-    ):
-        faces[face], ending = _ending(faces[face], high, r)
-        gone += [_on_corner(void, faces[face].size, high, r, at, way) for void, _ in ending]
-    of_a = faces[a].crossings(np.minimum(r * (1 - np.sin(turns)), r - EDGE), a_high)
-    of_b = faces[b].crossings(np.minimum(r * (1 - np.cos(turns)), r - EDGE), b_high)
-    source = next(
-        (f.source for f in part.features if getattr(f, "face", "") in (a, b)), part.source
-    )
-    counts = {len(row) for row in (*of_a, *of_b)}
-    if len(counts) > 1:
-        return None, {}, [rules.CORNER.at(source, found="a line that ends in it", a=a, b=b)]
-    if counts == {0}:
-        return None, {}, []
-    lines_a, lines_b = np.array(of_a), np.array(of_b)
-    edge_a, edge_b = lines_a[-1], lines_b[0]
-    share = np.linspace(0.0, 1.0, LEVELS)[:, None]
-    lines = lines_a + lines_b - ((1 - share) * edge_b + share * edge_a)
-    if (off := float(np.abs(edge_a - edge_b).max())) > MEET:
-        found = f"lines {off:.3g} mm apart at its edge"
-        return None, {}, [rules.CORNER.at(source, found=found, a=a, b=b)]
-    ss = corner.begin + r * turns
-    shapes = [
-        Polygon(
-            [*zip(lines[:, k], ss, strict=True), *zip(lines[::-1, k + 1], ss[::-1], strict=True)]
-        )
-        for k in range(0, lines.shape[1], 2)
-    ]
-    left = {}
-    for face, other, high in ((b, a, a_high), (a, b, b_high)):
-        # The inside of a wall lies in the view of the face beside it.
-        (inside,) = faces[other].crossings((wall,), high)
-        if len(inside) == lines.shape[1]:
-            left[face] = float(np.abs(inside - (edge_a if other == a else edge_b)).max())
-    return union_all(shapes).difference(union_all(gone)), left, []
-
-
-def _ending(one: _Face, high: bool, r: float) -> tuple[_Face, list[tuple[Shape, float]]]:
-    """A face without the cut-outs that end in a corner, and these, each with how far into it.
-
-    A face sees the corner beside it up to its middle, where the other one begins.
-    """
-    from shapely import box, union_all
-
-    if one.shape.is_empty:  # nothing of it stays
-        return one, []
-    x0, _, x1, _ = one.shape.bounds
-    low, top = (one.size - r, one.size) if high else (0.0, r)
-    within = box(x0 - 1.0, low, x1 + 1.0, top).difference(one.shape)
-    found = []
-    for void in getattr(within, "geoms", (within,)):
-        _, y0, _, y1 = void.bounds if not void.is_empty else (0.0, 0.0, 0.0, one.size)
-        into = y1 - low if high else top - y0
-        if EDGE < into <= r * sin(pi / 4) and void.area > 0.0:
-            found.append((void, into))
-    if not found:
-        return one, found
-    filled = union_all([one.shape, *(void.buffer(OVERLAP) for void, _ in found)])
-    filled = filled.intersection(box(x0, 0.0, x1, one.size))
-    return _Face(one.leg, one.size, filled, one.drawn), found
-
-
-def _on_corner(void: Shape, size: float, high: bool, r: float, at: float, way: int) -> Shape:
-    """A cut-out that ends in a corner, seen square to its face, on the surface.
-
-    `at` is where the corner begins for the face, from where the surface goes `way` into it.
-    """
-    from shapely import transform
-
-    def laid(places: Floats) -> Floats:
-        into = places[:, 1] - (size - r) if high else r - places[:, 1]
-        turned = np.arcsin(np.clip(into / r, 0.0, 1.0))
-        s = np.where(into <= EDGE, at - way * OVERLAP, at + way * r * turned)
-        return np.column_stack((places[:, 0], s))
-
-    return transform(void.segmentize(CHORD * 20), laid)

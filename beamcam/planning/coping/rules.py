@@ -104,10 +104,11 @@ CORNER = error("plan-coping-corner",
     "What is cut over a corner has to be drawn on both faces beside it, up to the edge at which "
     "they meet; holes and slots lie beside the corner.")
 REACHES = warning("plan-coping-reaches",
-    "found a cut-out of face {face} that reaches {into} mm into a corner; cut square to its round, "
-    "up to {found} mm narrower at the inside of the wall",
-    "It is as wide as drawn where it is seen square to its face. Beyond the middle of the corner, "
-    "where the other face begins, a cut-out has to be drawn on both.")
+    "found a line of face {face} that reaches {into} mm into a corner; cut square to its round, up "
+    "to {found} mm of steel more at one surface of the wall",
+    "A cut-out is as wide as drawn where it is seen square to its face; the edge of a cope lies "
+    "where the wall reaches farthest. Beyond the middle of the corner, where the other face "
+    "begins, a cut-out has to be drawn on both.")
 SLANT = warning("plan-coping-slant",
     "found ends or sides skew through the wall, cut square to the surface; up to {found} mm off at "
     "the inside of the walls {faces}",

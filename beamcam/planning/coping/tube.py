@@ -22,7 +22,8 @@ from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
 from beamcam.model.surface import Around, around
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
-from beamcam.planning.coping.box_tube import MEET, Unrolled, unrolled
+from beamcam.planning.coping.box_corners import MEET
+from beamcam.planning.coping.box_tube import Unrolled, unrolled
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import ROUND, Chain, borders_of, chains_of, led
 from beamcam.planning.coping.regions import (
