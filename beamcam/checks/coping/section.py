@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.turned import Rotation, rotated
+from beamcam.checks.bars.pieces import Rotation, rotated
 from beamcam.geometry.array_types import Floats
 from beamcam.model.part import Feature, Part, Profile
 
