@@ -34,6 +34,8 @@ class Coper(Keys, frozen=True):
     max_height: Positive  #: of the section, along Y
     max_width: Positive  #: of the section, along Z
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
+    #: at which feed steel between two rows is cut: that of the row for thicker, or one in between
+    between_rows: Literal["row above", "interpolate"] = "row above"
     turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a tube
     #: what A counts: degrees, or mm of the surface of a round tube, from its lowest line towards v
     a_unit: Literal["deg", "mm"] = "deg"

@@ -7,6 +7,7 @@ from math import cos, dist, isfinite, radians, sin, tan
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
+from beamcam.checks.coping.chart import row_at
 from beamcam.checks.coping.section import Section
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import (
@@ -251,13 +252,12 @@ class ProfileTorch(Torch):
             self._say(rules.TILT.at(source, found=f"{b_deg:g}", expected=expected))
             return
         feeds = {m.feed_mm_min for m in moves}
-        rows = [row for row in self._rows if abs(row.feed_mm_min - min(feeds)) < 0.01]
-        if len(feeds) > 1 or not rows:
+        row = row_at(self._rows, self._coper, min(feeds))
+        if len(feeds) > 1 or row is None:
             shown = ", ".join(f"{feed:g}" for feed in sorted(feeds))
             of_chart = ", ".join(f"{row.feed_mm_min:g}" for row in self._rows)
             self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
             return
-        row = rows[0]
         self._pierce_time(source, row)
         places = (moves[0].start, *(m.end for m in moves))
         tips = [self._tip_of(place, a_deg, b_deg) for place in places]

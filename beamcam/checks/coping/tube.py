@@ -16,6 +16,7 @@ from msgspec.structs import replace
 from beamcam.checks.asked import by_hand
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.box_tube import LEAST_OFF, box_wanted
+from beamcam.checks.coping.chart import row_for
 from beamcam.checks.coping.collisions import strike_faults
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
@@ -53,7 +54,8 @@ class TubeTorch(Torch):
         self, machine: Machine, coper: Coper, section: TubeSection, rows: Sequence[TorchRow],
         name: str,
     ) -> None:  # fmt: skip
-        super().__init__(machine, coper, rows, name)
+        fits = row_for(rows, coper, section.wall)
+        super().__init__(machine, coper, [*((fits,) if fits else ()), *rows], name)
         self._section = section
         #: mm that a way may be off as its ends are written
         self._written = 2 * written_step(machine, section)
@@ -212,7 +214,7 @@ def _compared(
     from shapely.affinity import translate
 
     turn, wall = section.turn, section.wall
-    fits = next((r for r in sorted(rows, key=lambda r: r.up_to) if r.up_to >= wall - 1e-6), None)
+    fits = row_for(rows, coper, wall)
     kept = wanted.buffer(-slack, join_style="mitre")
     prepare(kept)
     edges = {row.kerf: wanted.boundary.buffer(row.kerf / 2 + slack)
