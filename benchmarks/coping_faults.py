@@ -269,6 +269,28 @@ def ends_before_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | No
     )  # fmt: skip
 
 
+def elsewhere_on_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """An end of a tube that is square, or of a round tube any, begun half a turn away."""
+    turn = around(plan.profile).turn
+
+    def is_square(cut: CopeCut) -> bool:
+        xs = [x for x, _ in cut.path[cut.lead :]]
+        return cut.kind != "inner" and max(xs) - min(xs) < 1e-6
+
+    return _changed(
+        plan, chance,
+        lambda cut: replace(cut, path=tuple((x, u + turn / 2) for x, u in cut.path)), is_square,
+    )  # fmt: skip
+
+
+def over_the_chuck(part: Part, machine: Machine, right: str) -> str:
+    """A travel, with the torch off, to where the chuck holds the bar."""
+    assert machine.coper is not None
+    lines, x = right.split("\n"), part.length + 2 * machine.coper.trim + 40.0
+    k = max(k for k, line in enumerate(lines) if line.startswith("G0 X"))
+    return "\n".join([*lines[: k + 1], f"G0 X{x:g}", *lines[k + 1 :]])
+
+
 def _is_tilted(cut: CopeCut) -> bool:
     return bool(cut.b_deg)
 
@@ -336,6 +358,7 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
         return of_all | {
             "mirrored round": mirrored_round, "elsewhere round": elsewhere_round,
             "ends before the seam": ends_before_the_seam, "other corners": other_corners,
+            "begun off the seam": elsewhere_on_the_seam,
         }  # fmt: skip
     return of_all | {
         "mirrored across": mirrored_across, "face left out": face_left_out,
@@ -363,6 +386,8 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
         lines = of_text(right.split("\n"), chance)
         if lines is not None and "\n".join(lines) != right:
             yield name, "\n".join(lines)
+    if coper.turns == "bar":
+        yield "over the chuck", over_the_chuck(part, machine, right)
     if part.made is not None:
         yield from piece_faults(part, machine)
     if any(_is_tilted(cut) and not cut.bevel for cut in plan.operations):
@@ -427,11 +452,35 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
     return tried, taken, refused
 
 
+def roots_taken(count: int) -> tuple[int, list[int]]:
+    """How many programs cut a root, and of which parts one was taken by a machine that has none
+    cut."""
+    machine = load("coper-linuxcnc")
+    kept = replace(machine, coper=replace(machine.needed(machine.coper, "coper"), k_area="refuse"))
+    tried, taken = 0, []
+    for number in range(count):
+        part = random_cope(number)
+        job = Job(Request((part,), machine, name="JOB"), (0,))
+        try:
+            plan = planner.plan_coping((part,), machine)
+        except PlanError:
+            continue
+        if any(cut.root for cut in plan.operations):
+            tried += 1
+            refuses = replace(job, request=replace(job.request, machine=kept))
+            if not errors_in(post_of(kept).verify(program_of(plan, job), refuses)):
+                taken.append(number)
+    return tried, taken
+
+
 def main() -> None:
     """Prints how many wrong programs of each class there were, and which were taken."""
     parser = arguments(__doc__)
     parser.add_argument("parts", type=at_least(1), nargs="?", default=20)
-    tried, taken, refused = survivors(parser.parse_args().parts)
+    count = parser.parse_args().parts
+    tried, taken, refused = survivors(count)
+    tried["root cut"], roots = roots_taken(count)
+    taken += [(number, "root cut", "") for number in roots]
     for name, count in sorted(tried.items()):
         print(f"{count:5}  {name}")
     for number, name, _ in taken:

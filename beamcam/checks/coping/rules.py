@@ -85,7 +85,12 @@ ORDER = error("verify-coping-order",
 PASSES = error("verify-coping-passes",
     "found the bevel of an edge on face {face} cut; expected {expected}",
     "A second pass takes the wedge off an edge that is cut, of a piece that is still held.")
+ZONE = error("verify-coping-zone",
+    "found {found}; expected {expected}",
+    "The machine file says where a torch may not cut or go: the root between web and flange "
+    "(k_area), other places of a tube than its seam where an end begins, the stretch of the bar "
+    "that the chuck holds.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES,
-    LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
+    LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES, ZONE,
 )  # fmt: skip

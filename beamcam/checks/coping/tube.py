@@ -23,6 +23,7 @@ from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
 from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
+from beamcam.checks.coping.zones import tube_zone_faults
 from beamcam.controllers.events import BarEvent, Move, Place
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.geometry.array_types import Floats
@@ -189,6 +190,7 @@ def tube_faults(
     found = [
         *said,
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
+        *tube_zone_faults(torch.strokes, torch.ways, part.length, section, coper, slack, name),
     ]
     for k, feature in enumerate(part.features):
         outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off
