@@ -278,7 +278,8 @@ def skew_ends(part: Part) -> int:
     """How many ends are skew through a wall, by the header, drawn or planes of their own."""
     drawn = part.profile.code == "M"  # the outline of a round one is that of its surface
     own = (f.normal for f in part.features if isinstance(f, EndPlane))
-    return sum(bool(n[1] or n[2]) for n in (*own, *(n for _, n in end_planes(part, drawn=drawn))))
+    normals = (*own, *(normal for _, normal in end_planes(part, drawn=drawn)))
+    return len({n[0] > 0.0 for n in normals if n[1] or n[2]})
 
 
 def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tuple[float, float]]]:
