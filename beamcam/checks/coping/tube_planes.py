@@ -16,6 +16,7 @@ End = tuple[float, float, float]  #: x = first - second Y - third Z from the axi
 PLACES = 240  #: of a plane across a corner, or a quarter of a round tube
 SAME_DEG = 0.2  #: by which a plane and the header may differ and mean the same end
 FAR = 1e5
+SAME = 1e-6  #: mm
 
 
 def planes_of(part: Part, left: Collection[int], section: TubeSection) -> Iterator[tuple[int, End]]:
@@ -66,6 +67,10 @@ def kept(shape: Shape, side: int, end: End, section: TubeSection) -> Shape:
     ss = [section.corner(k) + section.radius * turns for k in range(4)]
     x = np.tile(np.concatenate(xs), 5)
     s = np.concatenate([one + k * section.turn for k in range(-2, 3) for one in ss])
+    apart = (
+        np.diff(s, prepend=-np.inf) > SAME
+    )  # of a round tube one corner ends where another begins
+    x, s = x[apart], s[apart]
     away = -side * FAR
     return shape.intersection(
         Polygon([(away, s[0]), *zip(x, s, strict=True), (away, s[-1])]).buffer(0)
