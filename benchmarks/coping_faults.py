@@ -72,6 +72,8 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
         lines = of_text(right.split("\n"), chance)
         if lines is not None and "\n".join(lines) != right:
             yield name, "\n".join(lines)
+    if coper.turns == "bar":
+        yield "over the chuck", over_the_chuck(part, machine, right)
     if part.made is not None:
         yield from piece_faults(part, machine)
     if any(is_tilted(cut) and not cut.bevel for cut in plan.operations):
@@ -80,6 +82,14 @@ def faults(part: Part, machine: Machine, chance: random.Random) -> Iterator[tupl
     if any(said.code == "plan-coping-rounded" for said in plan.remarks):
         sharp = replace(machine, coper=replace(coper, corner_radius=2.5))
         yield "sharp corners", program_of(planner.plan_coping((part,), sharp), job)
+
+
+def over_the_chuck(part: Part, machine: Machine, right: str) -> str:
+    """A travel, with the torch off, to where the chuck holds the bar."""
+    assert machine.coper is not None
+    lines, x = right.split("\n"), part.length + 2 * machine.coper.trim + 40.0
+    k = max(k for k, line in enumerate(lines) if line.startswith("G0 X"))
+    return "\n".join([*lines[: k + 1], f"G0 X{x:g}", *lines[k + 1 :]])
 
 
 def random_piece(seed: int) -> Part:
@@ -137,11 +147,35 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
     return tried, taken, refused
 
 
+def roots_taken(count: int) -> tuple[int, list[int]]:
+    """How many programs cut a root, and of which parts one was taken by a machine that has none
+    cut."""
+    machine = load("coper-linuxcnc")
+    kept = replace(machine, coper=replace(machine.needed(machine.coper, "coper"), k_area="refuse"))
+    tried, taken = 0, []
+    for number in range(count):
+        part = random_cope(number)
+        job = Job(Request((part,), machine, name="JOB"), (0,))
+        try:
+            plan = planner.plan_coping((part,), machine)
+        except PlanError:
+            continue
+        if any(cut.root for cut in plan.operations):
+            tried += 1
+            refuses = replace(job, request=replace(job.request, machine=kept))
+            if not errors_in(post_of(kept).verify(program_of(plan, job), refuses)):
+                taken.append(number)
+    return tried, taken
+
+
 def main() -> None:
     """Prints how many wrong programs of each class there were, and which were taken."""
     parser = arguments(__doc__)
     parser.add_argument("parts", type=at_least(1), nargs="?", default=20)
-    tried, taken, refused = survivors(parser.parse_args().parts)
+    count = parser.parse_args().parts
+    tried, taken, refused = survivors(count)
+    tried["root cut"], roots = roots_taken(count)
+    taken += [(number, "root cut", "") for number in roots]
     for name, count in sorted(tried.items()):
         print(f"{count:5}  {name}")
     for number, name, _ in taken:

@@ -224,6 +224,20 @@ def other_corners(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     )
 
 
+def elsewhere_on_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """An end of a tube that is square, or of a round tube any, begun half a turn away."""
+    turn = around(plan.profile).turn
+
+    def is_square(cut: CopeCut) -> bool:
+        xs = [x for x, _ in cut.path[cut.lead :]]
+        return cut.kind != "inner" and max(xs) - min(xs) < 1e-6
+
+    return _changed(
+        plan, chance,
+        lambda cut: replace(cut, path=tuple((x, u + turn / 2) for x, u in cut.path)), is_square,
+    )  # fmt: skip
+
+
 def ends_before_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """An end of a tube that is not cut all round."""
     return _changed(
@@ -310,6 +324,7 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
         return of_all | {
             "mirrored round": mirrored_round, "elsewhere round": elsewhere_round,
             "ends before the seam": ends_before_the_seam, "other corners": other_corners,
+            "begun off the seam": elsewhere_on_the_seam,
         }  # fmt: skip
     return of_all | {
         "mirrored across": mirrored_across, "face left out": face_left_out,

@@ -34,6 +34,8 @@ class Coper(Keys, frozen=True):
     max_height: Positive  #: of the section, along Y
     max_width: Positive  #: of the section, along Z
     rows: tuple[TorchRow, ...]  #: of each thickness; of a root that of flange and root together
+    #: at which feed steel between two rows is cut: that of the row for thicker, or one in between
+    between_rows: Literal["row above", "interpolate"] = "row above"
     turns: Literal["torch", "bar"] = "torch"  #: what A turns; a bar that turns is a tube
     #: what A counts: degrees, or mm of the surface of a round tube, from its lowest line towards v
     a_unit: Literal["deg", "mm"] = "deg"
@@ -72,13 +74,14 @@ class Coper(Keys, frozen=True):
     rolled: NotNegative = 5.0
 
     def outer_radius(self, radius: float, wall: float) -> float:
-        """That of the corners of a rectangular tube: its own, or by the table if that is 0.
+        """That of the corners of a rectangular tube: its own, or by the table if that is none.
 
-        If the table has no row for so thick a wall it is `corner`, which may be 0.
+        No corner is less round outside than its wall is thick. If the table has no row for so thick
+        a wall it is `corner`, or without one what the file says.
         """
         rows = sorted(self.corners, key=lambda row: row.up_to)
         share = next((row.share for row in rows if wall <= row.up_to), 0.0)
-        return radius if radius > 0.0 else share * wall or self.corner
+        return radius if radius >= wall else share * wall or self.corner or radius
 
     def standoff(self, height: float, b_deg: float) -> float:
         """How far the tip of a tilted torch is from the steel along its axis, in mm.

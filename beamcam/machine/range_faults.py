@@ -206,6 +206,13 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
         if feeds.index(said) != index:
             expected = "another feed for each thickness, which is told by it"
             yield f"coper.rows.{index}.feed_mm_min", said[0], expected
+    if coper.between_rows == "interpolate":
+        for index, row in enumerate(coper.rows):
+            slower = [o.feed_mm_min for o in coper.rows
+                      if o.material == row.material and o.up_to < row.up_to]  # fmt: skip
+            if slower and row.feed_mm_min >= min(slower):
+                expected = "a feed below those of thinner steel, as between_rows is interpolate"
+                yield f"coper.rows.{index}.feed_mm_min", row.feed_mm_min, expected
     step = machine.format.resolution
     if not 4 * step <= coper.tolerance <= 1.0:
         expected = f"{4 * step:g} to 1 mm, four steps of its numbers at least"

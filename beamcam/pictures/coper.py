@@ -41,6 +41,7 @@ from beamcam.pictures.views import (
     titles,
     unshown,
 )
+from beamcam.recovery.box_tube import corner_radius
 
 NUMBER_SIZE = 9.0
 #: Of a T, which lies on its side.
@@ -116,7 +117,10 @@ def part_of(program: CoperProgram) -> Part:
         return lying(program.parts[0])
     head = head_of(program.text)
     profile = head_profile(head)
-    if profile is None or profile.code == "M":  # whose corners no head has
+    if profile is not None and profile.code == "M":  # whose corners no head has
+        radius = corner_radius(program.text, program.machine, profile)
+        profile = replace(profile, radius=radius) if radius else None
+    if profile is None:
         found = head.stock if head is not None and head.stock else "none"
         raise VerifyError(
             SECTION.at(Source(program.name), found=found, machine=program.machine.name)

@@ -104,12 +104,28 @@ def _burn(
         for move, way in zip(moves, ways, strict=True)
     ]
     speed = sum(ways) / sum(minutes) if sum(minutes) > 0.0 else 0.0
-    row = min(rows, key=lambda one: abs(one.feed_mm_min - speed), default=None)
+    row = _row_of(speed, rows, coper)
     if row is None or abs(row.feed_mm_min - speed) > SAME_SPEED * row.feed_mm_min:
         found = f"a cut at {speed:.0f} mm/min, the speed of no row of the chart"
         raise BeamcamError(NO_SOLID.at(source, found=found))
     path, heights = tuple((x, q) for x, q, _ in seen), tuple(h for *_, h in seen)
     return Burn(source.line or 0, row, places[0][1], path, heights, tilts[0])
+
+
+def _row_of(speed: float, rows: Sequence[TorchRow], coper: Coper) -> TorchRow | None:
+    """The row whose speed is nearest; of one between two, where the file has those, that for
+    thicker steel, as deep as that speed goes: at a fillet that is deepest at the kerf's side."""
+    row = min(rows, key=lambda one: abs(one.feed_mm_min - speed), default=None)
+    if row is None or coper.between_rows != "interpolate":
+        return row
+    alike = sorted((one for one in rows if one.material == row.material), key=lambda o: -o.up_to)
+    for slow, fast in pairwise(alike):
+        off = min(abs(one.feed_mm_min / speed - 1.0) for one in (slow, fast))
+        if slow.feed_mm_min < speed < fast.feed_mm_min and off > SAME_SPEED / 10:
+            share = (fast.feed_mm_min - speed) / (fast.feed_mm_min - slow.feed_mm_min)
+            deep = fast.up_to + share * (slow.up_to - fast.up_to)
+            return replace(slow, feed_mm_min=speed, up_to=min(deep + slow.kerf, slow.up_to))
+    return row
 
 
 def _across_bar(place: Place, a_deg: float, first_deg: float, coper: Coper, b_deg: float) -> Any:

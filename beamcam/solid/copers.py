@@ -45,7 +45,7 @@ from beamcam.solid.compare import (
 )
 from beamcam.solid.coper_roots import ledges_of, square_ends, steps_of
 from beamcam.solid.coper_solid import Burn, burns_of, pieces_of, stock_of
-from beamcam.solid.cutters import slot_shape, through_wall
+from beamcam.solid.cutters import slot_shape
 from beamcam.solid.kernel import (
     CHORD,
     FREE,
@@ -60,7 +60,9 @@ from beamcam.solid.part_solid import part_solid
 from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
 from beamcam.solid.wrapped import (
     all_round,
+    edges_on_rounds,
     outline_gone,
+    rounds_on,
     skew_ends,
     skin_of,
     square_to_surface,
@@ -164,15 +166,18 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     if part.made is None:
         ledges = list(ledges_of(drawn, part, burns, slack))
     steps = list(steps_of(part, burns, slack)) if coper.turns == "torch" else []
+    on_rounds = list(edges_on_rounds(part, slack))
     for many, what in (
         (len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange"),
-        (len(steps), "slant(s) at a root"),
+        (len(steps), "slant(s) at a root"), (len(on_rounds), "edge(s) in corners"),
     ):  # fmt: skip
         if many:
             square = f"{square}, {many} {what}" if square else f"{many} {what}"
-    if ends or ledges or steps:
+    if ends or ledges or steps or on_rounds:
         m = kernel()
-        most = m.Manifold.batch_boolean([most, *ends, *ledges, *steps], m.OpType.Add)
+        on_tube = [one ^ stock_solid(part, replace(narrow, end=-FREE)) for one in on_rounds]
+        more = [*ends, *ledges, *steps, *on_tube]
+        most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
     found = replace(found, least=least, most=most)
     return Asked(found, plain, corners, count, coper.corner_radius, square)
 
@@ -247,10 +252,10 @@ def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, in
         if face in sides:
             own = [c for c in part.contours if _wall_of(c.face, part) == face]
             for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
-                taken += through_wall(one, sides[face])
+                taken += rounds_on(face, (x, q), one, radius, sides[face], part)
                 found.add((face, x, q))
     whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
-    return whole ^ stock_solid(part, margins), len(found)
+    return (whole ^ stock_solid(part, margins)) - part_solid(part), len(found)
 
 
 def _wall_of(face: str, part: Part) -> str:

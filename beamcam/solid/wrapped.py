@@ -17,17 +17,27 @@ corners    lines that lean on a face go on over the round of its corner; both fa
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
-from math import acos, ceil, cos, floor, pi, radians, sin
+from math import acos, asin, ceil, copysign, cos, floor, pi, radians, sin
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec.structs import replace
 
 from beamcam.geometry.array_types import Floats
-from beamcam.geometry.curves import Curve, Line
-from beamcam.model.part import Contour, Face, Hole, Part, Slot
-from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape
-from beamcam.solid.kernel import CHORD, FREE, circle, extruded, kernel, minus, no_solid
+from beamcam.geometry.curves import Curve, Line, Point
+from beamcam.model.part import Contour, EndPlane, Face, Hole, Part, Slot
+from beamcam.solid.cutters import OUTLINE_NOISE, slot_shape, through_wall
+from beamcam.solid.kernel import (
+    CHORD,
+    FREE,
+    Wall,
+    circle,
+    extruded,
+    facets,
+    kernel,
+    minus,
+    no_solid,
+)
 from beamcam.solid.stock_solid import Margins, Shape, end_planes, is_cut, shape_of, stock_solid
 
 if TYPE_CHECKING:
@@ -92,6 +102,18 @@ class Skin:
         quarter = round((90.0 - a_deg) / 90.0)
         flats = quarter * sum(self._inner) + (at_z, at_y, -at_z, -at_y)[quarter % 4]
         return flats + self.radius * radians(90.0 - a_deg), away - self.radius, beside
+
+    def seen(self, face: Face, q: float, deep: float = 0.0) -> tuple[float, int, bool]:
+        """u of a place seen square to a face, so deep in the round of a corner; 1 where u rises
+        with q and -1 where it falls; whether it lies on such a round."""
+        k = "uvoh".index(face)
+        half, way = (self.half_y if k % 2 else self.half_z), (1 if k < 2 else -1)
+        flat, off = half - self.radius, q - half
+        middle = k * (sum(self._inner) + self.radius * pi / 2)
+        beyond, on = abs(off) - flat, abs(off)
+        if beyond > 0.0:
+            on = flat + self.radius * asin(min(beyond / (self.radius - deep or beyond), 1.0))
+        return middle + way * copysign(on, off), way, beyond > LAP
 
     def strips(self, low: float, high: float, most_rad: float) -> Iterator[tuple[float, float]]:
         """Stretches of u, on corners so short that they turn by an angle at most."""
@@ -222,6 +244,7 @@ def round_cutters(feature: Slot | Contour, part: Part, margins: Margins) -> Iter
 
 
 FAR = 1e4  #: mm beyond a part
+CORNER_SLACK = 0.2  #: mm round what a corner on the round of a tube keeps
 LEVELS = 33  #: places across a corner
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
 CORNERS: tuple[tuple[Face, bool, Face, bool], ...] = (
@@ -252,9 +275,11 @@ def square_to_surface(
 
 
 def skew_ends(part: Part) -> int:
-    """How many ends are skew through a wall."""
+    """How many ends are skew through a wall, by the header, drawn or planes of their own."""
     drawn = part.profile.code == "M"  # the outline of a round one is that of its surface
-    return sum(bool(n[1] or n[2]) for _, n in end_planes(part, drawn=drawn))
+    own = (f.normal for f in part.features if isinstance(f, EndPlane))
+    normals = (*own, *(normal for _, normal in end_planes(part, drawn=drawn)))
+    return len({n[0] > 0.0 for n in normals if n[1] or n[2]})
 
 
 def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tuple[float, float]]]:
@@ -272,8 +297,7 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
         if of_a is None or of_b is None or of_a.shape != of_b.shape:
             continue
         inner = slice(1 if is_plane[0] else 0, -1 if is_plane[1] else None)
-        bends = max(np.ptp(one[:, inner], axis=0).max(initial=0.0) for one in (of_a, of_b))
-        if bends < CHORD:
+        if max(_most_bent(one[:, inner]) for one in (of_a, of_b)) < CHORD:
             continue
         share = (turns / (pi / 2))[:, None]
         lines = of_a + of_b - ((1 - share) * of_b[0] + share * of_a[-1])
@@ -293,6 +317,54 @@ def _leaning(part: Part, skin: Skin) -> Iterator[tuple[float, float, Shape, tupl
             for j in range(0, lines.shape[1], 2)
         ]  # fmt: skip
         yield float(first), float(last), union_all(shapes), (low, high)
+
+
+def edges_on_rounds(part: Part, slack: float) -> "Iterator[Manifold]":
+    """What may stay of a rectangular tube at lines of its contours that go along it in the round of
+    a corner: they are cut square to the surface where the wall reaches farthest."""
+    from shapely import box
+
+    if part.profile.code != "M":
+        return
+    skin, wall = skin_of(part)
+    for contour in part.contours:
+        for side in contour.curves if is_cut(contour) else ():
+            (x0, y0), (x1, y1) = side.start, side.end
+            edges = min(abs(y0 - edge) for edge in (0.0, part.profile.face_width(contour.face)))
+            if not isinstance(side, Line) or abs(y1 - y0) > CHORD or edges < OUTLINE_NOISE:
+                continue
+            seen = [skin.seen(contour.face, y0, deep) for deep in (0.0, wall)]
+            if seen[0][2]:
+                low, high = sorted(u for u, _, _ in seen)
+                area = box(min(x0, x1), low, max(x0, x1), high).buffer(slack)
+                yield wrapped(area, skin, -FREE, wall + FREE)
+
+
+def rounds_on(
+    face: Face, at: Point, flat: Shape, radius: float, wall: Wall, part: Part
+) -> "Iterator[Manifold]":
+    """What a re-entrant corner keeps: `flat` of its wall, or on the round of a rectangular tube
+    that of 90 degrees on the surface, whatever way it is open."""
+    from shapely import Point as Place
+    from shapely import box, union_all
+
+    if part.profile.code == "M":
+        skin, thick = skin_of(part)
+        seen = [skin.seen(face, at[1], deep) for deep in (0.0, thick)]
+        if seen[0][2]:  # it is cut where the wall reaches farthest
+            for u, _, _ in seen:
+                ways = [(at[0] + a * radius, u + b * radius) for a in (-1, 1) for b in (-1, 1)]
+                discs = [Place(one).buffer(radius, facets(radius) // 4) for one in ways]
+                shape = box(*ways[0], *ways[3]).difference(union_all(discs))
+                yield wrapped(shape.buffer(CORNER_SLACK), skin, -FREE, thick + FREE)
+            return
+    yield from through_wall(flat, wall)
+
+
+def _most_bent(lines: Floats) -> float:
+    """mm along the part that lines beside an edge lean, but those that jump along the part."""
+    jumps = (np.abs(np.diff(lines, axis=0)) > OUTLINE_NOISE).any(axis=0)
+    return float(np.ptp(lines[:, ~jumps], axis=0).max(initial=0.0))
 
 
 def _steel(part: Part, face: Face) -> Shape:

@@ -82,6 +82,7 @@ def _profile_faults(
     from beamcam.checks.coping.section import Section
     from beamcam.checks.coping.stock import stock_of
     from beamcam.checks.coping.strokes import ProfileTorch
+    from beamcam.checks.coping.zones import root_faults
 
     section = Section(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
@@ -95,6 +96,7 @@ def _profile_faults(
         torch.strokes, asked.wanted, asked.ends, asked.passes, stock, section, coper, rows,
         machine.format.resolution, name,
     )  # fmt: skip
+    said += root_faults(torch.strokes, section, coper, name)
     hand = (
         by_hand(f, part, machine) for k, f in enumerate(part.features)
         if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))

@@ -7,27 +7,26 @@ plane is cut where the wall reaches farthest, at its outside or at its inside.
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import hypot, pi, radians, sin, tan
+from math import asin, hypot, isnan, pi, radians, sin, tan
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.checks.coping.section import TubeSection, pieces_of
-from beamcam.checks.coping.stock import outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
+from beamcam.checks.coping.tube_planes import FAR, End, is_stated, kept, planes_of, round_corner
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, Hole, Part, Slot
 
 Shape = Any  #: of shapely
-End = tuple[float, float, float]  #: x = first - second Y - third Z from the axis of the tube
 
 APART = 1.0  #: mm that a drawing may be off and mean it
 SQUARE_DEG = 0.2  #: of an end; less is noise
 PLACES = 48  #: across a corner
 LEVEL = tan(radians(SQUARE_DEG))
 INSIDE = 1e-6  #: mm off the edges of a band
-FAR = 1e5
 LEAST_OFF = 0.5  #: mm that a square cut is off inside of a wall, and that are manual work
 #: The faces beside each corner on the way round, and whether it is at the greatest y of each.
 CORNERS = (("u", True, "v", False), ("v", True, "o", True), ("o", False, "h", True),
@@ -58,7 +57,9 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
     features = [f for k, f in enumerate(part.features) if k not in left]
     walls = {face: _outlined(part, face, features) for face in "uvoh"}
     ends = [_end(part, walls, section, side) for side in (-1, 1)]
-    off = {face: max(_skew(end, section, face) for end in ends) for face in walls}
+    planes = [*planes_of(part, left, section)]
+    skew = [*ends, *(end for _, end in planes)]
+    off = {face: max(_skew(end, section, face) for end in skew) for face in walls}
     shapes, corners = [], list[Point]()
     ending: dict[str, list[Shape]] = {face: [] for face in walls}
     for face, wall in walls.items():
@@ -73,9 +74,10 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
                 steel = steel.difference(void)
             if isinstance(feature, Contour):
                 corners += [
-                    (x, section.around(face, y))
+                    (x, s)
                     for x, y in corners_of(feature.curves, steel)
-                    if section.radius - INSIDE <= y <= wall.wide - section.radius + INSIDE
+                    if FINE < y < wall.wide - FINE
+                    for s in _on_surface(face, y, wall.wide, section)
                 ]
         walls[face] = _Wall(face, wall.wide, steel, wall.is_drawn)
         flat = steel.difference(union_all(ending[face])) if ending[face] else steel
@@ -92,6 +94,8 @@ def box_wanted(part: Part, coper: Coper, left: set[int], section: TubeSection) -
         shapes.append(shape.difference(union_all(seen)) if seen else shape)
     one, turn = union_all(shapes), section.turn
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
+    for side, end in planes:
+        drawn = kept(drawn, side, end, section)
     everywhere = [(x, s + k * turn) for x, s in corners for k in (-1, 0, 1)]
     cut = with_round_corners(drawn, everywhere, coper.corner_radius)
     return BoxWanted(drawn, cut, {f: mm for f, mm in off.items() if mm >= LEAST_OFF})
@@ -161,6 +165,8 @@ def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int
 
     cuts = part.cuts
     degs = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
+    if is_stated(part, side, *degs):
+        degs = (0.0, 0.0)
     web, flange = (tan(radians(d)) if abs(d) > SQUARE_DEG else 0.0 for d in degs)
     drawn = [wall for wall in walls.values() if wall.is_drawn]
     if not drawn:
@@ -202,16 +208,13 @@ def _end(part: Part, walls: Mapping[str, _Wall], section: TubeSection, side: int
 
 def _line(wall: _Wall, side: int) -> Iterator[tuple[float, float]]:
     """y and x of places along the end of a face."""
-    from shapely import LineString
+    from shapely import LineString, bounds, intersection
 
-    for k in range(1, 20):
-        y = wall.wide * k / 20
-        across = wall.steel.intersection(LineString([(-FAR, y), (FAR, y)]))
-        if across.is_empty:
-            yield y, FAR  # on no plane
-        else:
-            low, _, high, _ = across.bounds
-            yield y, low if side < 0 else high
+    ys = [wall.wide * k / 20 for k in range(1, 20)]
+    across = [LineString([(-FAR, y), (FAR, y)]) for y in ys]
+    xs = bounds(intersection(across, wall.steel))[:, 0 if side < 0 else 2].tolist()
+    # What has no steel there is on no plane.
+    return zip(ys, (FAR if isnan(x) else x for x in xs), strict=True)
 
 
 def _skew(end: End | None, section: TubeSection, face: str) -> float:
@@ -279,6 +282,18 @@ def _in_corner(
     return transform(part.segmentize(0.2), laid)
 
 
+def _on_surface(face: str, y: float, wide: float, section: TubeSection) -> set[float]:
+    """s of a place of a face; over the corner beside it where its outside is seen, and its
+    inside."""
+    r = section.radius
+    flat = min(max(y, r), wide - r)
+    into, rises = abs(y - flat), (y > flat) == (face in "uv")
+    if into <= INSIDE:
+        return {section.around(face, y)}
+    shares = (min(1.0, into / q) if q else 1.0 for q in (r, r - section.wall))
+    return {section.around(face, flat) + (r if rises else -r) * asin(share) for share in shares}
+
+
 # --- round ----------------------------------------------------------------------------------------
 
 
@@ -308,6 +323,8 @@ def _lines(wall: _Wall, at_high: bool, radius: float) -> list[Any]:
     for piece in pieces_of(line_merge(band) if band.geom_type == "MultiLineString" else band):
         x, y = get_coordinates(piece).T
         off = wall.wide - y if at_high else y
+        if off[0] > off[-1]:  # places at one distance stay in their order from the edge on
+            off, x = off[::-1], x[::-1]
         order = np.argsort(off, kind="stable")
         found.append((off[order], x[order]))
     return sorted(found, key=lambda line: float(line[1][0]))
@@ -330,40 +347,37 @@ def _rounded(
     whole = all(d[0] <= 2 * INSIDE and d[-1] >= r - 2 * INSIDE for d, _ in (*lines_a, *lines_b))
     if len(lines_a) != len(lines_b) or len(lines_a) % 2 or not whole:
         return None
-    turns = np.linspace(0.0, pi / 2, PLACES)
+    depths = [q for q in (r, r - section.wall) if q]
+    bends = [np.arcsin(np.clip((r - d) / q, 0.0, 1.0)) for d, _ in lines_a for q in depths]
+    bends += [np.arccos(np.clip((r - d) / q, 0.0, 1.0)) for d, _ in lines_b for q in depths]
+    beside = [np.clip(one + by, 0.0, pi / 2) for one in bends for by in (-1e-5, 1e-5)]
+    turns = np.unique(np.concatenate((np.linspace(0.0, pi / 2, PLACES), *beside)))
     share = turns / (pi / 2)
     curves = []
     for number, ((da, xa), (db, xb)) in enumerate(zip(lines_a, lines_b, strict=True)):
         at_end = ends[0] if number == 0 else ends[1] if number == len(lines_a) - 1 else None
         if at_end is not None:
-            curves.append(_plane_round(at_end, k, turns, section, number == 0))
+            curves.append(round_corner(at_end, k, turns, section, number == 0))
             continue
         if abs(xa[0] - xb[0]) > APART:
             return None
         edge = (1 - share) * xb[0] + share * xa[0]
-        curves.append(
-            np.interp(r * (1 - np.sin(turns)), da, xa)
-            + np.interp(r * (1 - np.cos(turns)), db, xb)
+        outside, inside = (
+            np.interp(r - q * np.sin(turns), da, xa) + np.interp(r - q * np.cos(turns), db, xb)
             - edge
-        )
-        for face, d, x in ((b, da, xa), (a, db, xb)):
+            for q in (r, r - section.wall)
+        )  # fmt: skip
+        along = [bool(np.any((np.diff(d) < FINE) & (np.abs(np.diff(x)) > FINE)))
+                 for d, x in ((da, xa), (db, xb))]  # fmt: skip
+        if any(along):  # the edge of a cope, which lies where the wall reaches farthest
+            outside = (np.maximum if number % 2 else np.minimum)(outside, inside)
+        curves.append(outside)
+        for face, d, x, is_along in ((b, da, xa, along[0]), (a, db, xb, along[1])):
+            if is_along:
+                continue
             off[face] = max(off[face], abs(float(np.interp(section.wall, d, x)) - float(x[0])))
     ss = section.corner(k) + r * turns
     return union_all([
         Polygon([*zip(low, ss, strict=True), *zip(high[::-1], ss[::-1], strict=True)])
         for low, high in zip(curves[::2], curves[1::2], strict=True)
     ])  # fmt: skip
-
-
-def _plane_round(end: End, k: int, turns: Any, section: TubeSection, is_start: bool) -> Any:
-    """x at which a plane is cut round a corner."""
-    import numpy as np
-
-    way = k * pi / 2 + turns  # of the normal, from -Y towards +Z
-    y = section.flat_y * (1 if k in (1, 2) else -1)
-    z = section.flat_z * (1 if k in (0, 1) else -1)
-    xs = [
-        end[0] - end[1] * (y - q * np.cos(way)) - end[2] * (z + q * np.sin(way))
-        for q in (section.radius, section.radius - section.wall)
-    ]
-    return np.minimum(*xs) if is_start else np.maximum(*xs)

@@ -4,19 +4,20 @@
 |__    __|          already. The torch is a box across the bar, from its tip outwards,
    |  |             and the holder a wider one behind it.
    |__|  tip
+- - - - - - -       A torch that is all beyond a line square to it, which the section does
+  section           not reach, is clear of it. What is not is looked at by its shape.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby, pairwise
-from math import cos, radians, sin
+
+import numpy as np
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.section import Section, TubeSection
-from beamcam.checks.coping.strokes import Way, poses
+from beamcam.checks.coping.strokes import Way
 from beamcam.errors import MAX_OF_A_PROGRAM, Diagnostic, Source
+from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.coper import Coper
-
-Corner = tuple[float, float]
 
 TURN_STEP_DEG = 3.0
 HOLDER = 400.0  #: mm that it reaches outwards
@@ -27,73 +28,90 @@ def strike_faults(
     ways: Sequence[Way], section: Section | TubeSection, coper: Coper, name: str
 ) -> Iterator[Diagnostic]:
     """The first place of each move at which the torch comes nearer to the bar than it may."""
-    import numpy as np
     from shapely import convex_hull, distance, multipoints
 
-    swept: list[list[Corner]] = []
-    poses_of: list[tuple[int, tuple[float, float, float, float]]] = []
-    for way in _runs(ways):
-        places = list(poses(way, coper, TURN_STEP_DEG))
-        for before, after in pairwise(places):
-            poses_of.append((way.line, after))
-            for one, other in zip(_boxes(*before, coper), _boxes(*after, coper), strict=True):
-                swept.append([*one, *other])
-    if not swept:
+    if not ways:
         return
-    corners = np.array(swept).reshape(-1, 2)
-    hulls = convex_hull(multipoints(corners, indices=np.repeat(np.arange(len(swept)), 8)))
-    near = distance(section.steel, hulls).reshape(-1, 2).min(axis=1)
+    numbers, before, after = _steps(ways, coper)
+    swept = np.concatenate((_boxes(before, coper), _boxes(after, coper)), axis=2)
+    turned = np.radians((before[:, 2] + after[:, 2]) / 2)
+    out = np.column_stack((-np.sin(turned), np.cos(turned)))
+    least = coper.play - SLACK
+    beyond = np.einsum("nbkc,nc->nbk", swept, out).min(axis=2) - section.reach_along(out)[:, None]
+    close = beyond < least
+    if not close.any():
+        return
+    corners = swept[close]
+    each = np.repeat(np.arange(len(corners)), corners.shape[1])
+    hulls = convex_hull(multipoints(corners.reshape(-1, 2), indices=each))
+    near = np.full(close.shape, np.inf)
+    near[close] = distance(section.steel, hulls)
+    gaps = near.min(axis=1)
     told: set[int] = set()
-    for k in np.flatnonzero(near < coper.play - SLACK).tolist():
-        line, (y, z, a, _) = poses_of[k]
+    for step in np.flatnonzero(gaps < least).tolist():
+        line = ways[numbers[step]].line
         if line not in told and len(told) < MAX_OF_A_PROGRAM:
             told.add(line)
+            y, z, a, _ = after[step].tolist()
             yield rules.STRIKES.at(
-                Source(name, line), found=f"{near[k]:.2f}", a=f"{a:g}", y=f"{y:.1f}",
+                Source(name, line), found=f"{gaps[step]:.2f}", a=f"{a:g}", y=f"{y:.1f}",
                 z=f"{z:.1f}", expected=f"{coper.play:g}",
             )  # fmt: skip
 
 
-def _runs(ways: Sequence[Way]) -> Iterator[Way]:
-    """The moves across the bar, those that follow one another along Y or along Z as one.
+def _steps(ways: Sequence[Way], coper: Coper) -> tuple[list[int], Floats, Floats]:
+    """Steps of the moves, on each of which the torch turns little: the number of the first way of
+    each, and Y, Z, A and B of the tip where it begins and ends, seen from the bar."""
+    numbers, starts, ends = _runs(ways)
+    turns = np.abs(ends[:, 2:] - starts[:, 2:]).max(axis=1)
+    counts = np.where(turns > 0.0, turns // TURN_STEP_DEG + 1, 1).astype(int)
+    run = np.repeat(np.arange(len(counts)), counts)
+    step = np.arange(len(run)) - np.repeat(np.cumsum(counts) - counts, counts)
 
-    What the torch sweeps on the way is what it sweeps from the least place to the greatest.
+    def at(share: Floats) -> Floats:
+        y, z, a_deg, b_deg = (starts[run] + share[:, None] * (ends - starts)[run]).T
+        c, s = np.cos(np.radians(a_deg)), np.sin(np.radians(a_deg))
+        if coper.turns == "bar":
+            y, z = y * c - z * s, y * s + z * c
+        down = coper.pivot * np.cos(np.radians(b_deg))
+        return np.column_stack((y + down * s, z - down * c, a_deg, b_deg))
+
+    return numbers[run].tolist(), at(step / counts[run]), at((step + 1) / counts[run])
+
+
+def _runs(ways: Sequence[Way]) -> tuple[Counts, Floats, Floats]:
+    """The moves across the bar, those that follow one another along Y or along Z as one: the number
+    of its first way, and Y, Z, A and B of its start and its end.
+
+    What the torch sweeps on such moves is what it sweeps from the least place to the greatest.
     """
-    for (a_deg, b_deg, axis), group in groupby(ways, key=_kind_of):
-        run = list(group)
-        if axis is None:
-            yield from run
-            continue
-        across = sorted(place[axis] for way in run for place in (way.start, way.end))
-        start, end = list(run[0].start), list(run[0].start)
-        start[axis], end[axis] = across[0], across[-1]
-        yield Way(run[0].line, (*start,), (*end,), a_deg, b_deg)  # type: ignore[arg-type]
+    starts = np.array([(*way.start[1:], way.a_deg[0], way.b_deg[0]) for way in ways])
+    ends = np.array([(*way.end[1:], way.a_deg[1], way.b_deg[1]) for way in ways])
+    stands = starts == ends
+    along = stands[:, 2] & stands[:, 3] & (stands[:, 0] | stands[:, 1])
+    kinds = np.column_stack((np.where(stands[:, 1], 1.0, 2.0), starts[:, 2:]))
+    joins = along[1:] & along[:-1] & (kinds[1:] == kinds[:-1]).all(axis=1)
+    first = np.flatnonzero(np.concatenate(([True], ~joins)))
+    low = np.minimum.reduceat(np.minimum(starts, ends), first)
+    high = np.maximum.reduceat(np.maximum(starts, ends), first)
+    straight = along[first][:, None]
+    return first, np.where(straight, low, starts[first]), np.where(straight, high, ends[first])
 
 
-def _kind_of(way: Way) -> tuple[tuple[float, float], tuple[float, float], int | None]:
-    """A and B at both ends, and the axis across the bar that alone moves; None if more do."""
-    (_, ya, za), (_, yb, zb) = way.start, way.end
-    if way.a_deg[0] != way.a_deg[1] or way.b_deg[0] != way.b_deg[1] or (ya != yb and za != zb):
-        return way.a_deg, way.b_deg, None
-    return way.a_deg, way.b_deg, (1 if za == zb else 2)
-
-
-def _boxes(y: float, z: float, a_deg: float, b_deg: float, coper: Coper) -> list[list[Corner]]:
-    """The corners of the torch and of its holder at a place of the tip, in (Y, Z).
+def _boxes(places: Floats, coper: Coper) -> Floats:
+    """The corners (Y, Z) of the torch and of its holder at places (Y, Z, A, B) of the tip, an array
+    of places, boxes, corners and axes.
 
     One that is tilted along the bar is as wide as before; its lower edges go down by half its width
     times sin(B).
     """
-    a, b = radians(a_deg), abs(radians(b_deg))
-    out, side = (-sin(a), cos(a)), (cos(a), sin(a))
-
-    def at(along: float, across: float) -> tuple[float, float]:
-        return y + along * out[0] + across * side[0], z + along * out[1] + across * side[1]
-
+    a, b = np.radians(places[:, 2]), np.abs(np.radians(places[:, 3]))
+    s, c = np.sin(a), np.cos(a)
     torch, holder = coper.torch_width / 2, coper.head_width / 2
-    long = coper.torch_length * cos(b)
-    tip, back, far = -torch * sin(b), long - holder * sin(b), long + HOLDER
-    return [
-        [at(tip, -torch), at(tip, torch), at(long, torch), at(long, -torch)],
-        [at(back, -holder), at(back, holder), at(far, holder), at(far, -holder)],
-    ]
+    long = coper.torch_length * np.cos(b)
+    tip, back, far = -torch * np.sin(b), long - holder * np.sin(b), long + HOLDER
+    along = np.stack((tip, tip, long, long, back, back, far, far), axis=1)
+    across = np.array((-torch, torch, torch, -torch, -holder, holder, holder, -holder))
+    y = places[:, :1] - s[:, None] * along + c[:, None] * across
+    z = places[:, 1:2] + c[:, None] * along + s[:, None] * across
+    return np.stack((y, z), axis=2).reshape(-1, 2, 4, 2)

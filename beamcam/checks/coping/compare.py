@@ -16,6 +16,7 @@ from msgspec import Struct
 
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.bevels import Pass, pass_faults
+from beamcam.checks.coping.chart import SAME_FEED, row_for
 from beamcam.checks.coping.section import ARC, Section, jet_of, line_of, narrowed, pieces_of
 from beamcam.checks.coping.skew import EndOnWall
 from beamcam.checks.coping.stock import FINE, Stock
@@ -282,9 +283,10 @@ def _stroke_faults(
     least, most = _thickness(stroke, strokes, section, coper)
     if is_pass:
         least = most = section.thickness(stroke.face) / stroke.share
-    rising = sorted(rows, key=lambda row: row.up_to)
-    fits = {next((r.feed_mm_min for r in rising if r.up_to >= t), 0.0) for t in (least, most)}
-    if stroke.row.feed_mm_min not in fits:
+    found = (row_for(rows, coper, thickness) for thickness in (least, most))
+    fits = {row.feed_mm_min if row else 0.0 for row in found}
+    between = min(fits) < stroke.row.feed_mm_min < max(fits) + SAME_FEED
+    if stroke.row.feed_mm_min not in fits and not (between and coper.between_rows == "interpolate"):
         expected = " or ".join(f"{feed:g}" for feed in sorted(fits))
         yield rules.FEED.at(
             source, found=f"{stroke.row.feed_mm_min:g}", thickness=f"{least:.2f}",

@@ -9,7 +9,7 @@ _ON_THE_WAY = (
 _CUT = (
     "verify-coping-hurt", "verify-coping-left", "verify-coping-gone", "verify-coping-holds",
     "verify-coping-extra", "verify-coping-place", "verify-coping-height", "verify-coping-air",
-    "verify-coping-order", "verify-coping-passes",
+    "verify-coping-order", "verify-coping-passes", "verify-coping-zone",
 )  # fmt: skip
 _AGAIN = "says again what holds already, or what is said anew before it counts"
 _FAR = "goes where nothing is in the way and nothing is cut"

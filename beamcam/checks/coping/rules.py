@@ -90,8 +90,13 @@ MEASURED = error("verify-coping-measured",
     "`measured_height` and `measured_width` of a machine file say the bar's own figures to the "
     "machine, once and before the first cut. A figure that is farther off the section's than "
     "`coper.rolled` is that of another bar.")
+ZONE = error("verify-coping-zone",
+    "found {found}; expected {expected}",
+    "The machine file says where a torch may not cut or go: the root between web and flange "
+    "(k_area), other places of a tube than its seam where an end begins, the stretch of the bar "
+    "that the chuck holds.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES,
     LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
-    MEASURED,
+    MEASURED, ZONE,
 )  # fmt: skip

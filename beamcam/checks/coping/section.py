@@ -7,12 +7,14 @@ side: its flange stands at Y 0, seen from u, and its stem goes off it along Y, s
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
-from math import cos, hypot, inf, pi, radians, sin
+from math import cos, hypot, inf, pi, sin
 from typing import Any, Literal
 
+import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.bars.pieces import Rotation, rotated
+from beamcam.geometry.array_types import Floats
 from beamcam.model.part import Bevel, Contour, Feature, Part, Profile
 
 FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm
@@ -36,9 +38,9 @@ def areas_of(shape: Any) -> Any:
 
 def line_of(points: Sequence[tuple[float, float]]) -> Any:
     """A path as a line, or as a place where it has no length."""
-    from shapely import LineString, Point
+    from shapely import Point, linestrings
 
-    return LineString(points) if len(set(points)) > 1 else Point(points[0])
+    return linestrings(points) if len(set(points)) > 1 else Point(points[0])
 
 
 def kerf_of(points: Sequence[tuple[float, float]], half_kerf: float) -> Any:
@@ -179,6 +181,11 @@ class Section:
             shapes.append(Polygon([(y, z), *arc]))
         return union_all(shapes)
 
+    def reach_along(self, ways: Floats) -> Floats:
+        """How far the box of the section reaches along ways (Y, Z) of length 1, from Y 0, Z 0."""
+        reach: Floats = np.maximum(ways * (self.high, self.wide), 0.0).sum(axis=1)
+        return reach
+
     def steel_through(self, face: str, y: float) -> float:
         """How much steel a torch square to a face cuts at a place of it, up to the first gap.
 
@@ -241,21 +248,27 @@ class TubeSection:
         inner = box(-self.flat_y, -self.flat_z, self.flat_y, self.flat_z)
         return inner.buffer(self.radius, FILLET_STEPS)
 
-    def place(self, y: float, z: float, a_deg: float) -> tuple[float, float, float]:
-        """s below a tip, how high it is over the surface, how far beside the normal it stands.
+    def reach_along(self, ways: Floats) -> Floats:
+        """How far the section reaches along ways (Y, Z) of length 1, from its axis."""
+        return np.abs(ways) @ (self.flat_y, self.flat_z) + self.radius
 
-        The tip is at Y and Z of the machine while the tube has turned by A about its axis.
+    def place(self, y: Floats, z: Floats, a_deg: Floats) -> tuple[Floats, Floats, Floats]:
+        """s below tips, how high they are over the surface, how far beside the normal they stand.
+
+        A tip is at Y and Z of the machine while the tube has turned by A about its axis.
         """
-        c, k = cos(radians(a_deg)), sin(radians(a_deg))
+        c, k = np.cos(np.radians(a_deg)), np.sin(np.radians(a_deg))
         y, z = c * y - k * z, k * y + c * z
-        at_y = min(max(y, -self.flat_y), self.flat_y)
-        at_z = min(max(z, -self.flat_z), self.flat_z)
+        at_y = np.clip(y, -self.flat_y, self.flat_y)
+        at_z = np.clip(z, -self.flat_z, self.flat_z)
         away = -k * (y - at_y) + c * (z - at_z)
         beside = c * (y - at_y) + k * (z - at_z)
         turned = 90.0 - a_deg
-        face = round(turned / 90.0)
-        s = self._begin(face) + (at_z, at_y, -at_z, -at_y)[face % 4]
-        return s + self.radius * radians(turned), away - self.radius, beside
+        face = np.rint(turned / 90.0)
+        s = face * (self.flat_y + self.flat_z) + np.choose(
+            face.astype(int) % 4, (at_z, at_y, -at_z, -at_y)
+        )
+        return s + self.radius * np.radians(turned), away - self.radius, beside
 
     def _begin(self, face: int) -> float:
         """The way along the flats to the middle of a face; u is 0, v 1, o 2, h 3, and so on."""

@@ -1,12 +1,13 @@
 """What the torch of a coper does: each stroke from pierce to end, and what is wrong on its way."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from math import cos, dist, isfinite, radians, sin, tan
 
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
+from beamcam.checks.coping.chart import row_at
 from beamcam.checks.coping.section import Section
 from beamcam.controllers import cell_events
 from beamcam.controllers.events import (
@@ -281,13 +282,12 @@ class ProfileTorch(Torch):
             self._say(rules.TILT.at(source, found=f"{b_deg:g}", expected=expected))
             return
         feeds = {m.feed_mm_min for m in moves}
-        rows = [row for row in self._rows if abs(row.feed_mm_min - min(feeds)) < 0.01]
-        if len(feeds) > 1 or not rows:
+        row = row_at(self._rows, self._coper, min(feeds))
+        if len(feeds) > 1 or row is None:
             shown = ", ".join(f"{feed:g}" for feed in sorted(feeds))
             of_chart = ", ".join(f"{row.feed_mm_min:g}" for row in self._rows)
             self._say(rules.FEED.at(source, found=shown, thickness="steel", expected=of_chart))
             return
-        row = rows[0]
         self._pierce_time(source, row)
         places = (moves[0].start, *(m.end for m in moves))
         tips = [self._tip_of(place, a_deg, b_deg) for place in places]
@@ -339,21 +339,3 @@ class _Filled(dict[str, str]):
 
     def __missing__(self, _: str) -> str:
         return ""
-
-
-def poses(way: Way, coper: Coper, step_deg: float) -> Iterator[tuple[float, float, float, float]]:
-    """Y, Z, A and B of the tip along a move, so often that the torch turns little between.
-
-    Over a bar that turns they are those that the torch has seen from the bar.
-    """
-    turn = max(abs(way.a_deg[1] - way.a_deg[0]), abs(way.b_deg[1] - way.b_deg[0]))
-    count = max(1, int(turn / step_deg) + 1) if turn else 1
-    for k in range(count + 1):
-        share = k / count
-        _, y, z = (a + share * (b - a) for a, b in zip(way.start, way.end, strict=True))
-        a_deg, b_deg = (a + share * (b - a) for a, b in (way.a_deg, way.b_deg))
-        a = radians(a_deg)
-        if coper.turns == "bar":
-            y, z = y * cos(a) - z * sin(a), y * sin(a) + z * cos(a)
-        _, y, z = below((0.0, y, z), coper.pivot, a_deg, b_deg)
-        yield y, z, a_deg, b_deg

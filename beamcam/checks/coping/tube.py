@@ -7,27 +7,31 @@ surface is straight; of a round tube a place on top at A lies at u = R (90 - A) 
 
 import re
 from collections.abc import Collection, Iterator, Sequence
-from itertools import pairwise
 from math import asin, cos, dist, hypot, pi, radians, sin, tan
 from typing import Any
 
+import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.asked import by_hand
 from beamcam.checks.coping import rules
 from beamcam.checks.coping.box_tube import LEAST_OFF, box_wanted
+from beamcam.checks.coping.chart import row_for
 from beamcam.checks.coping.collisions import strike_faults
 from beamcam.checks.coping.section import TubeSection, areas_of, kerf_of, line_of, pieces_of
 from beamcam.checks.coping.stock import FINE, outline_ring, ring_of, slot_ring
 from beamcam.checks.coping.strokes import HEIGHT_SLACK, Stroke, Torch, Way
+from beamcam.checks.coping.tube_planes import kept, planes_of
 from beamcam.checks.coping.wanted import corners_of, with_round_corners
+from beamcam.checks.coping.zones import tube_zone_faults
 from beamcam.controllers.events import BarEvent, Move, Place
 from beamcam.errors import Diagnostic, Source, errors_in
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, Feature, Hole, Part, Slot
+from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
 
 Shape = Any  #: of shapely
 
@@ -51,7 +55,8 @@ class TubeTorch(Torch):
         self, machine: Machine, coper: Coper, section: TubeSection, rows: Sequence[TorchRow],
         name: str,
     ) -> None:  # fmt: skip
-        super().__init__(machine, coper, rows, name)
+        fits = row_for(rows, coper, section.wall)
+        super().__init__(machine, coper, [*((fits,) if fits else ()), *rows], name)
         self._section = section
         #: mm that a way may be off as its ends are written
         self._written = 2 * written_step(machine, section)
@@ -68,60 +73,51 @@ class TubeTorch(Torch):
 
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         source, place = Source(self._name, line), self._section.place
-        x, y, z = moves[0].start
-        x0 = self._coper.trim
-        seen = [(x - x0, *place(y, z, moves[0].a_deg[0]))]
-        seen += [(m.end[0] - x0, *place(m.end[1], m.end[2], m.a_deg[1])) for m in moves]
-        between = [place(*_on_way(m, share)) for m in moves for share in SHARES]
-        beside = max(
-            *(abs(off) - HEIGHT_SLACK for _, _, _, off in seen),
-            *(abs(off) - MIDDLE_SLACK for _, _, off in between),
-        )
-        if beside > 0.0:
-            worst = max(abs(off) for *_, off in (*seen, *between))
-            self._say(rules.SQUARE.at(source, found=f"{worst:.2f}", expected=f"{HEIGHT_SLACK:g}"))
+        starts = np.array([(*move.start, move.a_deg[0]) for move in moves])
+        ends = np.array([(*move.end, move.a_deg[1]) for move in moves])
+        tips = np.concatenate((starts[:1], ends))
+        s, over, beside = place(*tips[:, 1:].T)
+        on_ways = starts + np.array(SHARES)[:, None, None] * (ends - starts)  # all go evenly
+        _, over_ways, beside_ways = place(*np.moveaxis(on_ways[:, :, 1:], 2, 0))
+        worst = np.abs(beside).max(), np.abs(beside_ways).max()
+        if worst[0] > HEIGHT_SLACK or worst[1] > MIDDLE_SLACK:
+            found, expected = f"{max(worst):.2f}", f"{HEIGHT_SLACK:g}"
+            self._say(rules.SQUARE.at(source, found=found, expected=expected))
             return
-        points = [(x, s) for x, s, _, _ in seen]
-        ways = [dist(a[:3], b[:3]) for a, b in pairwise(seen)]
-        row = self._row(ways, moves)
+        xs = tips[:, 0] - self._coper.trim
+        points: list[Point] = [*zip(xs.tolist(), s.tolist(), strict=True)]
+        ways = np.linalg.norm(np.diff(np.column_stack((xs, s, over)), axis=0), axis=1)
+        row = self._row(ways, np.array([move.minutes for move in moves]))
         if row is None:
             shown = min((w / m.minutes if m.minutes else m.feed_mm_min)
-                        for w, m in zip(ways, moves, strict=True))  # fmt: skip
+                        for w, m in zip(ways.tolist(), moves, strict=True))  # fmt: skip
             of_chart = ", ".join(f"{one.feed_mm_min:g}" for one in self._rows)
             self._say(
                 rules.FEED.at(source, found=f"{shown:.0f}", thickness="steel", expected=of_chart)
             )
             return
         self._pierce_time(source, row)
-        face, over = self._section.face_at(points[1][1]), [high for _, _, high, _ in seen]
-        self._height(source, face, over[:1], row.pierce_height, "pierces")
-        self._height(source, face, over[1:], row.cut_height, "cuts")
-        cutting = [high for _, high, _ in between[len(SHARES) :]]
-        if any(abs(high - row.cut_height) > MIDDLE_SLACK for high in cutting):
-            worst = max(cutting, key=lambda high: abs(high - row.cut_height))
-            self._height(source, face, (worst,), row.cut_height, "cuts on its way")
+        face = self._section.face_at(points[1][1])
+        self._height(source, face, over[:1].tolist(), row.pierce_height, "pierces")
+        self._height(source, face, over[1:].tolist(), row.cut_height, "cuts")
+        cutting = over_ways[:, 1:].ravel()
+        off = np.abs(cutting - row.cut_height)
+        if off.max(initial=0.0) > MIDDLE_SLACK:
+            highest = float(cutting[off.argmax()])
+            self._height(source, face, (highest,), row.cut_height, "cuts on its way")
         if dist(points[0], points[1]) > HEIGHT_SLACK:
             self._wrong(line, "a slanting way down to the steel", "one straight along the torch")
         places = tuple((m.end[1], m.end[2]) for m in moves)
         self.strokes.append(Stroke(line, face, tuple(points[1:]), places, row))
 
-    def _row(self, ways: Sequence[float], moves: Sequence[Move[Place]]) -> TorchRow | None:
+    def _row(self, ways: Floats, minutes: Floats) -> TorchRow | None:
         """The row at whose feed every block goes along the surface."""
-        for row in self._rows:
-            wanted = [row.feed_mm_min * m.minutes for m in moves]
-            if all(
-                abs(way - want) <= SPEED_SHARE * way + self._written
-                for way, want in zip(ways, wanted, strict=True)
-            ):
-                return row
-        return None
-
-
-def _on_way(move: Move[Place], share: float) -> tuple[float, float, float]:
-    """Y, Z and A on the way of a move, all of which go evenly."""
-    ends = ((*move.start[1:], move.a_deg[0]), (*move.end[1:], move.a_deg[1]))
-    y, z, a_deg = (a + share * (b - a) for a, b in zip(*ends, strict=True))
-    return y, z, a_deg
+        slack = SPEED_SHARE * ways + self._written
+        return next(
+            (row for row in self._rows
+             if (np.abs(ways - row.feed_mm_min * minutes) <= slack).all()),
+            None,
+        )  # fmt: skip
 
 
 def written_step(machine: Machine, section: TubeSection) -> float:
@@ -187,20 +183,23 @@ def tube_faults(
             return [*said, rules.LOST.at(part.source, found=box.lost)]
         drawn, wanted, off = box.drawn, box.cut, box.off
     else:
-        drawn, wanted = _wanted(part, coper, left, section.turn)
+        drawn, wanted = _wanted(part, coper, left, section)
         cuts = part.cuts
         leans = [
             hypot(*(tan(radians(a)) if abs(a) > SQUARE_DEG else 0.0 for a in pair))
             for pair in ((cuts.web_start, cuts.flange_start), (cuts.web_end, cuts.flange_end))
         ]
+        leans += [hypot(*end[1:]) for _, end in planes_of(part, left, section)]
         off = {"v": deep} if (deep := section.wall * max(leans)) >= LEAST_OFF else {}
     found = [
         *said,
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
+        *tube_zone_faults(torch.strokes, torch.ways, part.length, section, coper, slack, name),
     ]
     for k, feature in enumerate(part.features):
-        outline = isinstance(feature, Contour) and feature.kind == "outer" and k not in left
-        if cut_square(feature, coper) or (outline and getattr(feature, "face", "") in off):
+        outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off
+        plane = isinstance(feature, EndPlane) and off
+        if cut_square(feature, coper) or ((outline or plane) and k not in left):
             found.append(by_hand(feature, part, machine))
     return found
 
@@ -217,13 +216,15 @@ def _compared(
     name: str,
 ) -> Iterator[Diagnostic]:
     """What is left of the unrolled surface, on three turns one above the other."""
-    from shapely import MultiPolygon, Point, box, union_all
+    from shapely import MultiPolygon, Point, box, prepare, union_all
     from shapely.affinity import translate
 
     turn, wall = section.turn, section.wall
-    fits = next((r for r in sorted(rows, key=lambda r: r.up_to) if r.up_to >= wall - 1e-6), None)
+    fits = row_for(rows, coper, wall)
     kept = wanted.buffer(-slack, join_style="mitre")
-    near = wanted.boundary
+    prepare(kept)
+    edges = {row.kerf: wanted.boundary.buffer(row.kerf / 2 + slack)
+             for row in {stroke.row for stroke in strokes}}  # fmt: skip
     gone: list[Shape] = []
     bar = box(-coper.trim, -turn / 2, part.length + coper.trim, 1.5 * turn)
     parting = False
@@ -232,12 +233,9 @@ def _compared(
         us = [u for _, u in stroke.points]
         back = -turn * ((min(us) + slack) // turn)  # of its start into the first turn
         points = [(x, u + back) for x, u in stroke.points]
-        run = line_of(points)
-        burnt = union_all(
-            [kerf_of(points, half), Point(points[0]).buffer(stroke.row.pierce_radius)]
-        )
-        hurt = burnt.intersection(kept)
-        if hurt.area > 0.0:
+        run, kerf = line_of(points), kerf_of(points, half)
+        burnt = union_all([kerf, Point(points[0]).buffer(stroke.row.pierce_radius)])
+        if kept.intersects(burnt) and (hurt := burnt.intersection(kept)).area > 0.0:
             x, u = hurt.representative_point().coords[0]
             deep = slack + max(kept.boundary.distance(Point(p)) for p in _places(hurt))
             yield rules.HURT.at(
@@ -245,12 +243,13 @@ def _compared(
                 expected=f"{slack:.2f}",
             )  # fmt: skip
             return
-        off = line_of(points[1:]).difference(near.buffer(half + slack))
+        off = line_of(points[1:]).difference(edges[stroke.row.kerf])
         if off.length > slack:
             x, u = off.representative_point().coords[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
             return
-        if gone and run.difference(union_all(gone)).length < TWICE * run.length:
+        before = [one for one in gone if one.intersects(run)]
+        if before and run.difference(union_all(before)).length < TWICE * run.length:
             x, u = points[0]
             yield rules.EXTRA.at(source, x=f"{x:.1f}", y=f"{u:.1f}", face=stroke.face)
         if not -coper.trim - slack <= points[0][0] <= part.length + coper.trim + slack:
@@ -264,7 +263,8 @@ def _compared(
         if parting and not is_far:
             yield rules.ORDER.at(source, face=stroke.face)
         parting = parting or is_far
-        gone += [translate(kerf_of(points, half), 0.0, k * turn) for k in range(-3, 3)]
+        gone += [translate(kerf, 0.0, k * turn) for k in range(-3, 3)]
+    gone = [one for one in gone if one.intersects(bar)]
     pieces = [p for p in pieces_of(bar.difference(union_all(gone))) if p.area > SPECK]
     core = drawn.buffer(-2 * slack, join_style="mitre")
     mine = MultiPolygon([p for p in pieces if p.intersection(core).area > SPECK])
@@ -290,11 +290,14 @@ def _places(shape: Shape) -> list[Point]:
     return [tuple(p) for p in get_coordinates(shape).tolist()]
 
 
-def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tuple[Shape, Shape]:
+def _wanted(
+    part: Part, coper: Coper, left: Collection[int], section: TubeSection
+) -> tuple[Shape, Shape]:
     """What has to stay of the surface on three turns, without and with its corners rounded."""
     from shapely import Polygon, box, make_valid, union_all
     from shapely.affinity import translate
 
+    turn = section.turn
     # An outline says more of an end than the header.
     features = [f for k, f in enumerate(part.features) if k not in left]
     outlines = [f for f in features if isinstance(f, Contour) and f.kind == "outer"]
@@ -307,6 +310,8 @@ def _wanted(part: Part, coper: Coper, left: Collection[int], turn: float) -> tup
         one = union_all([make_valid(Polygon(ring)) for ring in rings])
         one = areas_of(one.intersection(box(-1e6, 0.0, 1e6, turn)))
     drawn = union_all([translate(one, 0.0, k * turn) for k in (-1, 0, 1)])
+    for side, end in planes_of(part, left, section):
+        drawn = kept(drawn, side, end, section)
     corners = [p for c in outlines for p in corners_of(c.curves, drawn)]
     radius = part.profile.height / 2
     for feature in features:

@@ -23,7 +23,7 @@ from beamcam.geometry.curves import Curve
 from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
-from beamcam.model.part import Contour, Hole, Part, Slot
+from beamcam.model.part import Contour, EndPlane, Hole, Part, Slot
 
 Shape = Any  #: of shapely
 
@@ -170,6 +170,8 @@ def _kind(feature: object, part: Part, coper: Coper) -> str:
         if feature.face not in "vouh":
             return "face"
         return "other" if feature.kind == "open" or not feature.closed else ""
+    if isinstance(feature, EndPlane) and coper.turns == "bar" and feature.normal[0]:
+        return ""
     if not isinstance(feature, Hole | Slot):
         return "other"
     faces = {"L": "vhu", "T": "vu", "RO": "v"}.get(part.profile.code, "vhou")

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
+from beamcam.machine.coper import Coper
 from beamcam.machine.load import load, shipped
 from beamcam.machine.tables import HeightAxis
 from beamcam.machine.torch import (
@@ -24,8 +25,8 @@ def is_same(material: str, grade: str) -> bool:
     return material_of(material) == material_of(grade)
 
 
-def between_rows(torch: Torch, row: TorchRow, thickness: float) -> TorchRow:
-    """A row as a sheet is worked with it: at its own feed, or at one between two rows.
+def between_rows(torch: Torch | Coper, row: TorchRow, thickness: float) -> TorchRow:
+    """A row as steel is worked with it: at its own feed, or at one between two rows.
 
     Where the machine's file interpolates, the feed lies on a straight line between the rows of the
     chart that differ in nothing but their thickness; below the thinnest it is that row's.

@@ -10,7 +10,7 @@ reaches farthest, so that no steel is missing; the rest is manual work.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import cos, pi, radians, sin, tan
+from math import radians, tan
 from typing import Any, Literal
 
 import numpy as np
@@ -24,6 +24,7 @@ from beamcam.model.section import corners
 from beamcam.model.surface import Around, Leg
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.box_corners import MEET, BoxFace, corner_of, ending_in, on_surface
 from beamcam.planning.coping.regions import (
     CHORD,
     Cut,
@@ -33,25 +34,17 @@ from beamcam.planning.coping.regions import (
     shape_of,
     sharp_corners,
 )
+from beamcam.planning.coping.tube_ends import (
+    OVERLAP,
+    SKEW_DEG,
+    Plane,
+    header_slopes,
+    planes_of,
+    within,
+)
 from beamcam.planning.coping.walls import Wall
 
-LEVELS = 33  #: places across a corner; a line that bends by its radius is 0.005 mm off its chords
-EDGE = 1e-6  #: mm inside of an edge, where a face is cut across
-OVERLAP = 1e-4  #: mm by which patches overlap, so that they are one shape
-MEET = 1.0  #: mm that lines of two faces may be apart at their edge and mean the same place
-SKEW_DEG = 0.2  #: of an end; less is noise of a header
 FACES: tuple[Face, ...] = ("u", "v", "o", "h")  #: on the way round
-
-
-class Plane(Struct, frozen=True):
-    """A skew end: x = at - y tan(web) - z tan(flange) in the section's axes."""
-
-    at: float
-    by_y: float
-    by_z: float
-
-    def x(self, y: Any, z: Any) -> Any:
-        return self.at - self.by_y * y - self.by_z * z
 
 
 class Unrolled(Struct, frozen=True):
@@ -62,28 +55,6 @@ class Unrolled(Struct, frozen=True):
     slant: Mapping[Face, float]  #: mm that a square cut is off at the inside of each wall
 
 
-class _Face(Struct, frozen=True):
-    """A face of the tube as it is drawn."""
-
-    leg: Leg
-    size: float
-    shape: Shape
-    drawn: bool
-
-    def crossings(self, off: float, from_high: bool) -> Floats:
-        """x where lines of the face are, at a distance from one of its edges; along the part."""
-        from shapely import LineString
-
-        if self.shape.is_empty:
-            return np.array([])
-        off = min(max(off, EDGE), self.size - EDGE)
-        y = self.size - off if from_high else off
-        x0, _, x1, _ = self.shape.bounds
-        cut = self.shape.intersection(LineString([(x0 - 1.0, y), (x1 + 1.0, y)]))
-        pieces = [p for p in getattr(cut, "geoms", (cut,)) if p.length > 0.0]
-        return np.array(sorted(x for p in pieces for x in (p.bounds[0], p.bounds[2])))
-
-
 def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled, list[Diagnostic]]:
     """What stays of a rectangular tube, and what is wrong with its contours."""
     from shapely import box, transform, union_all
@@ -92,29 +63,32 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
     faces = {face: _face(part, face, own, way.on_face(face)) for face in FACES}
     said: list[Diagnostic] = [d for side in (-1, 1) for d in _denied(part, faces, side)]
     ends = [_end(part, faces, side) for side in (-1, 1)]
-    slant = dict.fromkeys(FACES, 0.0)
+    planes = [*filter(None, ends), *planes_of(part, features)]
+    slant = {
+        face: max((plane.slant(one.leg.patch.outward, part.profile.thickness(face))
+                   for plane in planes), default=0.0)
+        for face, one in faces.items()
+    }  # fmt: skip
     found: list[Point] = []
     for face, one in faces.items():
-        for plane in ends:
-            if plane is not None:
-                slant[face] = max(slant[face], _slant(plane, part, face))
-        shape = _at_ends(one, part, ends)
+        shape = _beyond_ends(one, part, ends)
         for feature in own:
             if feature.face != face:
                 continue
             if isinstance(feature, Contour):
-                low, high = one.leg.patch.low - CHORD, one.leg.patch.high + CHORD
-                turns = sharp_corners(feature)
-                found += [(x, one.leg.s(y)) for x, y in turns if low <= y <= high]
+                found += [
+                    (x, s) for x, y in sharp_corners(feature) if CHORD < y < one.size - CHORD
+                    for s in on_surface(one, y, part.profile.thickness(face))
+                ]  # fmt: skip
                 if feature.kind == "outer":
                     continue
             gone = shape_of(curves_of(feature))
             if not gone.intersects(shape):
                 said.append(rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}"))
             shape = shape.difference(gone)
-        faces[face] = _Face(one.leg, one.size, shape, one.drawn)
+        faces[face] = BoxFace(one.leg, one.size, shape, one.drawn)
         r, wall = way.legs[1].patch.radius, part.profile.thickness(face)
-        reaches = [into for high in (True, False) for _, into in _ending(faces[face], high, r)[1]]
+        reaches = [into for high in (True, False) for _, into in ending_in(faces[face], high, r)[1]]
         if reaches:
             into = max(reaches)
             source = next(f.source for f in own if f.face == face)
@@ -132,16 +106,16 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
 
         shapes.append(transform(flat, on_leg))
     for corner in way.legs[1::2]:
-        shape, left, more = _corner(part, faces, corner, ends)
+        shape, left, more = corner_of(part, faces, corner)
         said += more
         if shape is not None:
             shapes.append(shape)
         for face, off in left.items():
             slant[face] = max(slant[face], off)
-    return Unrolled(union_all(shapes), tuple(found), slant), said
+    return Unrolled(within(union_all(shapes), planes, way), tuple(found), slant), said
 
 
-def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> _Face:
+def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> BoxFace:
     """A face within its outlines; h is as v without one of its own, and the other way round."""
     from shapely import box, union_all
 
@@ -152,50 +126,42 @@ def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> _Face:
     other = {"v": "h", "h": "v"}.get(face, "")
     mine = [c for c in outer if c.face == face] or [c for c in outer if c.face == other]
     if not mine:
-        return _Face(leg, size, box(0.0, 0.0, part.length, size), False)
+        return BoxFace(leg, size, box(0.0, 0.0, part.length, size), False)
     strip = box(-part.length, 0.0, 2 * part.length, size)
     shape = union_all([outline_on(wall, c.curves) for c in mine]).intersection(strip)
-    return _Face(leg, size, shape, True)
+    return BoxFace(leg, size, shape, True)
 
 
 # --- ends -----------------------------------------------------------------------------------------
 
 
-def _header(part: Part, side: int) -> tuple[float, float]:
-    """tan of the angles that the header has for an end, 0 for noise."""
-    cuts = part.cuts
-    both = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
-    web, flange = (tan(radians(deg)) if abs(deg) > SKEW_DEG else 0.0 for deg in both)
-    return web, flange
-
-
-def _lines(faces: Mapping[Face, _Face], side: int) -> dict[Face, tuple[Floats, Floats]]:
+def _lines(faces: Mapping[Face, BoxFace], side: int) -> dict[Face, tuple[Floats, Floats]]:
     """y and x along the end of each face that is drawn."""
     found: dict[Face, tuple[Floats, Floats]] = {}
     for face, one in faces.items():
         if one.drawn:
             ys = np.linspace(2 * CHORD, one.size - 2 * CHORD, 9)
-            rows = [one.crossings(y, False) for y in ys]
+            rows = one.crossings(ys, False)
             if all(len(row) for row in rows):
                 found[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
     return found
 
 
-def _end(part: Part, faces: Mapping[Face, _Face], side: int) -> Plane | None:
+def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:
     """The plane of an end; None where its faces are drawn square or as no plane has them."""
-    by_y, by_z = _header(part, side)
+    by_y, by_z = header_slopes(part, side)
     lines = _lines(faces, side)
     if not lines:
         if not (by_y or by_z):
             return None
         reach = [by_y * y + by_z * z for y, z in corners(part.profile)]
-        return Plane(max(reach) if side < 0 else part.length + min(reach), by_y, by_z)
+        return Plane(side, max(reach) if side < 0 else part.length + min(reach), by_y, by_z)
     slopes = {face: (x[0] - x[-1]) / (y[-1] - y[0]) for face, (y, x) in lines.items()}
     by_y = by_y or next((slopes[f] for f in ("v", "h") if f in slopes), 0.0)
     by_z = by_z or next((slopes[f] for f in ("o", "u") if f in slopes), 0.0)
     if max(abs(by_y), abs(by_z)) <= tan(radians(SKEW_DEG)):
         return None
-    plane, best = Plane(0.0, by_y, by_z), (MEET, 0.0)
+    plane, best = Plane(side, 0.0, by_y, by_z), (MEET, 0.0)
     for farthest in (True, False):  # outlines show where the wall reaches farthest, or the outside
         at = []
         for face, (ys, xs) in lines.items():
@@ -204,14 +170,14 @@ def _end(part: Part, faces: Mapping[Face, _Face], side: int) -> Plane | None:
             at.append(xs - (far if farthest else outside))
         every = np.concatenate(at)
         best = min(best, (float(np.ptp(every)), float(np.median(every))))
-    return Plane(best[1], by_y, by_z) if best[0] < MEET else None
+    return Plane(side, best[1], by_y, by_z) if best[0] < MEET else None
 
 
-def _denied(part: Part, faces: Mapping[Face, _Face], side: int) -> Iterator[Diagnostic]:
+def _denied(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Iterator[Diagnostic]:
     """An error where the header has an end skew and the outlines have it otherwise."""
-    if any(_header(part, side)) and _end(part, faces, side) is None:
+    if any(header_slopes(part, side)) and _end(part, faces, side) is None:
         at: Literal["start", "end"] = "start" if side < 0 else "end"
-        kind: Literal["web", "flange"] = "web" if _header(part, side)[0] else "flange"
+        kind: Literal["web", "flange"] = "web" if header_slopes(part, side)[0] else "flange"
         angle = getattr(part.cuts, f"{kind}_{at}")
         yield bar_rules.CUT_DENIED.at(
             part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
@@ -230,146 +196,25 @@ def _traces(plane: Plane, part: Part, face: Face, ys: Any) -> tuple[Any, Any]:
     return plane.x(outside, ys), plane.x(inside, ys)
 
 
-def _slant(plane: Plane, part: Part, face: Face) -> float:
-    outside, inside = _traces(plane, part, face, 0.0)
-    return float(abs(outside - inside))
-
-
-def _at_ends(one: _Face, part: Part, ends: Sequence[Plane | None]) -> Shape:
-    """A face whose ends lie where planes are to be cut."""
+def _beyond_ends(one: BoxFace, part: Part, ends: Sequence[Plane | None]) -> Shape:
+    """A face that goes on beyond its ends where planes are to be cut."""
     from shapely import transform
 
     face: Face = one.leg.patch.name
 
     def moved(places: Floats) -> Floats:
         places = places.copy()
-        for side, plane in zip((-1, 1), ends, strict=True):
+        for plane in ends:
             if plane is None:
                 continue
-            traces = _traces(plane, part, face, places[:, 1])
-            low, high = np.minimum(*traces), np.maximum(*traces)
+            outside, inside = _traces(plane, part, face, places[:, 1])
+            low, high = np.minimum(outside, inside), np.maximum(outside, inside)
             x = places[:, 0]
             near = (x >= low - MEET) & (x <= high + MEET)
             if not one.drawn:
-                near = np.abs(x - (0.0 if side < 0 else part.length)) < CHORD
-            places[near, 0] = (low if side < 0 else high)[near]
+                near = np.abs(x - (0.0 if plane.side < 0 else part.length)) < CHORD
+            deep = part.profile.thickness(face) * (abs(plane.by_y) + abs(plane.by_z))
+            places[near, 0] = (outside + plane.side * (deep + MEET))[near]
         return places
 
     return transform(one.shape, moved)
-
-
-# --- corners --------------------------------------------------------------------------------------
-
-#: The faces beside a corner, and whether it lies at the greatest y of each.
-BESIDE: dict[str, tuple[tuple[Face, bool], tuple[Face, bool]]] = {
-    "u-v": (("u", True), ("v", False)), "v-o": (("v", True), ("o", True)),
-    "o-h": (("o", False), ("h", True)), "h-u": (("h", False), ("u", False)),
-}  # fmt: skip
-
-
-def _corner(
-    part: Part, faces: Mapping[Face, _Face], corner: Leg, ends: Sequence[Plane | None]
-) -> tuple[Shape | None, dict[Face, float], list[Diagnostic]]:
-    """What stays of a corner, how much a square cut is off inside of the walls beside it."""
-    from shapely import Polygon, union_all
-
-    (a, a_high), (b, b_high) = BESIDE[corner.patch.name]
-    r, wall = corner.patch.radius, corner.patch.thickness
-    turns = np.linspace(0.0, pi / 2, LEVELS)
-    gone: list[Shape] = []
-    faces = dict(faces)
-    for face, high, at, way in (
-        (a, a_high, corner.begin, 1),
-        (b, b_high, corner.begin + r * pi / 2, -1),
-    ):
-        faces[face], ending = _ending(faces[face], high, r)
-        gone += [_on_corner(void, faces[face].size, high, r, at, way) for void, _ in ending]
-    of_a = [faces[a].crossings(min(r * (1 - sin(t)), r - EDGE), a_high) for t in turns]
-    of_b = [faces[b].crossings(min(r * (1 - cos(t)), r - EDGE), b_high) for t in turns]
-    source = next(
-        (f.source for f in part.features if getattr(f, "face", "") in (a, b)), part.source
-    )
-    counts = {len(row) for row in (*of_a, *of_b)}
-    if len(counts) > 1:
-        return None, {}, [rules.CORNER.at(source, found="a line that ends in it", a=a, b=b)]
-    if counts == {0}:
-        return None, {}, []
-    lines_a, lines_b = np.array(of_a), np.array(of_b)
-    edge_a, edge_b = lines_a[-1], lines_b[0]
-    share = np.linspace(0.0, 1.0, LEVELS)[:, None]
-    lines = lines_a + lines_b - ((1 - share) * edge_b + share * edge_a)
-    free = np.ones(lines.shape[1], bool)
-    for side, plane in zip((0, -1), ends, strict=True):
-        if plane is not None:
-            pick = np.minimum if side == 0 else np.maximum
-            free[side] = False
-            lines[:, side] = pick(*_through(plane, corner, turns, wall))
-    if np.any(apart := np.abs(edge_a - edge_b)[free] > MEET):
-        off = float(np.abs(edge_a - edge_b)[free][apart].max())
-        found = f"lines {off:.3g} mm apart at its edge"
-        return None, {}, [rules.CORNER.at(source, found=found, a=a, b=b)]
-    ss = corner.begin + r * turns
-    shapes = [
-        Polygon(
-            [*zip(lines[:, k], ss, strict=True), *zip(lines[::-1, k + 1], ss[::-1], strict=True)]
-        )
-        for k in range(0, lines.shape[1], 2)
-    ]
-    left = {}
-    for face, other, high in ((b, a, a_high), (a, b, b_high)):
-        # The inside of a wall lies in the view of the face beside it.
-        inside = faces[other].crossings(wall, high)
-        if len(inside) == len(free):
-            off = np.abs(inside - (edge_a if other == a else edge_b))[free]
-            left[face] = float(off.max(initial=0.0))
-    return union_all(shapes).difference(union_all(gone)), left, []
-
-
-def _ending(one: _Face, high: bool, r: float) -> tuple[_Face, list[tuple[Shape, float]]]:
-    """A face without the cut-outs that end in a corner, and these, each with how far into it.
-
-    A face sees the corner beside it up to its middle, where the other one begins.
-    """
-    from shapely import box, union_all
-
-    if one.shape.is_empty:  # nothing of it stays
-        return one, []
-    x0, _, x1, _ = one.shape.bounds
-    low, top = (one.size - r, one.size) if high else (0.0, r)
-    within = box(x0 - 1.0, low, x1 + 1.0, top).difference(one.shape)
-    found = []
-    for void in getattr(within, "geoms", (within,)):
-        _, y0, _, y1 = void.bounds if not void.is_empty else (0.0, 0.0, 0.0, one.size)
-        into = y1 - low if high else top - y0
-        if EDGE < into <= r * sin(pi / 4) and void.area > 0.0:
-            found.append((void, into))
-    if not found:
-        return one, found
-    filled = union_all([one.shape, *(void.buffer(OVERLAP) for void, _ in found)])
-    filled = filled.intersection(box(x0, 0.0, x1, one.size))
-    return _Face(one.leg, one.size, filled, one.drawn), found
-
-
-def _on_corner(void: Shape, size: float, high: bool, r: float, at: float, way: int) -> Shape:
-    """A cut-out that ends in a corner, seen square to its face, on the surface.
-
-    `at` is where the corner begins for the face, from where the surface goes `way` into it.
-    """
-    from shapely import transform
-
-    def laid(places: Floats) -> Floats:
-        into = places[:, 1] - (size - r) if high else r - places[:, 1]
-        turned = np.arcsin(np.clip(into / r, 0.0, 1.0))
-        s = np.where(into <= EDGE, at - way * OVERLAP, at + way * r * turned)
-        return np.column_stack((places[:, 0], s))
-
-    return transform(void.segmentize(CHORD * 20), laid)
-
-
-def _through(plane: Plane, corner: Leg, turns: Floats, wall: float) -> tuple[Floats, Floats]:
-    """x of a plane round a corner, on the outside and on the inside of the wall."""
-    first, r = corner.patch.first_rad, corner.patch.radius
-    y0, z0 = corner.patch.origin
-    c, s = np.cos(first + turns), np.sin(first + turns)
-    outside, inside = (plane.x(y0 - k * c, z0 + k * s) for k in (r, r - wall))
-    return outside, inside

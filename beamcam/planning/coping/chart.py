@@ -1,9 +1,12 @@
 """The rows of a coper's cut chart for the steel of a part."""
 
+from msgspec.structs import replace
+
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.coper import Coper
 from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Face, Part
+from beamcam.planning.contours.material import between_rows
 from beamcam.planning.coping import rules
 
 
@@ -16,7 +19,7 @@ class Chart:
             (row for row in coper.rows if is_row_for(row.material, self.material)),
             key=lambda row: row.up_to,
         )
-        self._fallback = coper.rows[0]
+        self._coper, self._fallback = coper, coper.rows[0]
 
     @property
     def deepest(self) -> float:
@@ -29,8 +32,13 @@ class Chart:
         return min((row.cut_height for row in self._rows), default=self._fallback.cut_height)
 
     def row(self, thickness: float) -> TorchRow | None:
-        """The first row that is deep enough."""
-        return next((row for row in self._rows if thickness <= row.up_to + 1e-9), None)
+        """The first row that is deep enough; between two, where the file interpolates, one that is
+        just as deep."""
+        row = next((row for row in self._rows if thickness <= row.up_to + 1e-9), None)
+        if row is None:
+            return None
+        at = between_rows(self._coper, row, thickness)
+        return row if at.feed_mm_min == row.feed_mm_min else replace(at, up_to=thickness)
 
     def depth(self, thickness: float) -> float:
         """How deep the row for a thickness cuts; the thickness itself where there is none."""

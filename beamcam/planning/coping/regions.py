@@ -23,7 +23,7 @@ Shape = Any  #: of shapely
 Cut = Hole | Slot | Contour
 
 CHORD = 0.01  #: mm between a curve and its chords
-SLIVER = CHORD / 10  #: mm; what is thinner is nothing
+SLIVER = 2 * CHORD  #: mm; what is thinner is nothing, as what GEOS leaves beside a straight side
 ROUND = 32  #: sides of a quarter of a rounded corner
 OUTLINE_NOISE = 1.0  #: mm between a header's width and an outline; real files differ by 0.7
 SEAM_NOISE = 2.5  #: mm that the seam of a tube may be drawn off; about a kerf

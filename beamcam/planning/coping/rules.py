@@ -95,10 +95,10 @@ NO_RADIUS = error("plan-coping-radius",
     "has it, or the machine file by the thickness of the wall, or else --corner (`corner` of "
     "beamcam.toml); it is not guessed.")
 GIVEN_RADIUS = note("plan-coping-given-radius",
-    "found no radius of the corners of {name} in the file; taken as {found} mm outside, as {by} "
-    "has it",
-    "Measure a corner of the bar: the torch follows it by this radius. What a file says itself "
-    "goes before the machine file, and that before --corner.")
+    "found no outer radius of the corners of {name} in the file; taken as {found} mm outside, as "
+    "{by} has it",
+    "One smaller than the wall is none. Measure a corner of the bar: the torch follows it by this "
+    "radius. What a file says itself goes before the machine file, and that before --corner.")
 SEAM = note("plan-coping-seam",
     "found the seam of a tube's outline {found} mm off its place; taken as closed",
     "The outline of an unrolled tube has two long sides along one line of its surface. Some draw "
@@ -109,10 +109,11 @@ CORNER = error("plan-coping-corner",
     "What is cut over a corner has to be drawn on both faces beside it, up to the edge at which "
     "they meet; holes and slots lie beside the corner.")
 REACHES = warning("plan-coping-reaches",
-    "found a cut-out of face {face} that reaches {into} mm into a corner; cut square to its round, "
-    "up to {found} mm narrower at the inside of the wall",
-    "It is as wide as drawn where it is seen square to its face. Beyond the middle of the corner, "
-    "where the other face begins, a cut-out has to be drawn on both.")
+    "found a line of face {face} that reaches {into} mm into a corner; cut square to its round, up "
+    "to {found} mm of steel more at one surface of the wall",
+    "A cut-out is as wide as drawn where it is seen square to its face; the edge of a cope lies "
+    "where the wall reaches farthest. Beyond the middle of the corner, where the other face "
+    "begins, a cut-out has to be drawn on both.")
 SLANT = warning("plan-coping-slant",
     "found ends or sides skew through the wall, cut square to the surface; up to {found} mm off at "
     "the inside of the walls {faces}",

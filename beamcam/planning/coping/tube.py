@@ -4,33 +4,25 @@ r"""The plan of a tube that turns under a torch: its surface unrolled, and wrapp
 u  |   ( )     |  end    the middle of its lowest line towards v. What crosses u 0 is there again
    |           |         a turn on: the region is laid three times above itself, and each cut is
 0  |___________|         taken once. The ends go all round, from the seam to the seam.
-
-The skew ends of a round tube on its unrolled surface, and what square cuts leave of bevels.
-
-  x |   /\            A plane through a tube meets the outside of its wall along a sine of u, and
-____|_ /  \ _____     the inside along one that is as much lower as its radius is smaller. The
-    | /    \          torch cuts square to the surface where the wall reaches farthest, outside
-    |/      \__       on one half of the way round and inside on the other.
 """
 
 from collections.abc import Collection, Iterator, Mapping
-from math import asin, atan2, ceil, cos, degrees, hypot, inf, pi, radians, sin, sqrt, tan
+from math import asin, cos, degrees, hypot, inf, pi, radians, sin, tan
 from typing import Literal
 
-import numpy as np
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, PlanError, errors_in
-from beamcam.geometry.array_types import Floats
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
-from beamcam.model.part import Contour, Face, Feature, Hole, Part
+from beamcam.model.part import Contour, EndPlane, Face, Feature, Hole, Part
 from beamcam.model.plan import CopeCut, CopeKind, CopePlan, Outcome, Piece
 from beamcam.model.surface import Around, around
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
+from beamcam.planning.coping.box_corners import MEET
 from beamcam.planning.coping.box_tube import Unrolled, unrolled
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.cuts import ROUND, Chain, borders_of, chains_of, led
@@ -47,25 +39,25 @@ from beamcam.planning.coping.regions import (
     shape_of,
     sharp_corners,
 )
+from beamcam.planning.coping.tube_ends import (
+    Plane,
+    header_slopes,
+    line_of,
+    planes_of,
+    within,
+)
 from beamcam.planning.coping.walls import Sorted, Wall, sorted_features
 from beamcam.planning.left_out import BEVEL
 
-SKEW_DEG = 0.2  #: of an end; less is noise of a header
-MEET = 1.0  #: mm that an outline may be off the plane of the header and mean it
 
-
-def slopes(part: Part, side: int) -> tuple[float, float]:
-    """tan of the angles that the header has for an end, of the web and of the flange."""
-    cuts = part.cuts
-    both = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
-    web, flange = (tan(radians(deg)) if abs(deg) > SKEW_DEG else 0.0 for deg in both)
-    return web, flange
-
-
-def skew_of(part: Part) -> float:
-    """mm that square cuts of skew ends leave at the inside of a round tube, at most."""
-    wall = max(part.profile.thickness("v"), part.profile.flange_thickness)
-    return max(wall * hypot(*slopes(part, side)) for side in (-1, 1))
+def header_planes(part: Part) -> Iterator[Plane]:
+    """The skew ends of a round tube by its header: planes that touch x 0 or the length outside."""
+    radius = part.profile.height / 2
+    for side in (-1, 1):
+        web, flange = header_slopes(part, side)
+        if web or flange:
+            x = 0.0 if side < 0 else part.length
+            yield Plane(side, x + radius * (web + flange - side * hypot(web, flange)), web, flange)
 
 
 def wedge_of(contour: Contour, wall: float, least_deg: float) -> float:
@@ -80,48 +72,20 @@ def wedge_of(contour: Contour, wall: float, least_deg: float) -> float:
     )
 
 
-def end_line(part: Part, side: int) -> Floats:
-    """Rows of (x, u) once round, along which an end by the header is cut."""
-    radius = part.profile.height / 2
-    wall = max(part.profile.thickness("v"), part.profile.flange_thickness)
-    web, flange = slopes(part, side)
-    reach = radius * hypot(web, flange)
-    count = max(8, ceil(2 * pi / sqrt(4 * CHORD / reach))) if reach else 1
-    first = atan2(web, flange)  # where outside and inside are at one x, and half a turn on
-    turns = {0.0, 2 * pi, first % (2 * pi), (first + pi) % (2 * pi)}
-    at = np.array(sorted(turns | {2 * pi * k / count for k in range(count)}))
-    # x = c - Y tan(web) - Z tan(flange) from the axis, at u = 0 its lowest line
-    traces = [r * (web * np.cos(at) - flange * np.sin(at)) for r in (radius, radius - wall)]
-    x = reach + np.minimum(*traces) if side < 0 else part.length - reach + np.maximum(*traces)
-    return np.column_stack((x, radius * at))
-
-
-def between_ends(part: Part) -> Shape:
-    """A tube without an outline, between its ends, on one turn."""
-    from shapely import Polygon
-
-    near, far = (end_line(part, side) for side in (-1, 1))
-    return Polygon([*near.tolist(), *far[::-1].tolist()])
-
-
-def denied_ends(part: Part, outline: Shape) -> Iterator[Diagnostic]:
+def denied_ends(part: Part, outline: Shape, way: Around) -> Iterator[Diagnostic]:
     """Errors for ends that the header has otherwise than the outline, on one turn."""
     from shapely import LineString
 
-    for side in (-1, 1):
-        web, _ = slopes(part, side)
-        if not any(slopes(part, side)):
-            continue
-        lines = end_line(part, side)
-        seen: list[Point] = []
-        for x, u in lines[1:-1].tolist():
+    for plane in header_planes(part):
+        side, seen = plane.side, list[Point]()
+        for x, u in line_of(plane, way)[1:-1].tolist():
             across = outline.intersection(LineString([(-2 * part.length, u), (3 * part.length, u)]))
             if not across.is_empty:
                 seen.append((across.bounds[0 if side < 0 else 2], x))
         off = max((abs(drawn - x) for drawn, x in seen), default=0.0)
-        if off > MEET + skew_of(part):
+        if off > MEET + way.legs[0].patch.thickness * hypot(plane.by_y, plane.by_z):
             at: Literal["start", "end"] = "start" if side < 0 else "end"
-            kind: Literal["web", "flange"] = "web" if web else "flange"
+            kind: Literal["web", "flange"] = "web" if plane.by_y else "flange"
             angle = getattr(part.cuts, f"{kind}_{at}")
             yield bar_rules.CUT_DENIED.at(
                 part.cut_source(kind, at), kind=kind, found=f"{angle:g}", end=at,
@@ -150,7 +114,10 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
         slant = {face: off for face, off in box_tube.slant.items() if off >= LEAST_SLANT}
         region, said = _laid_out(surface, part, box_tube, coper, said)
     else:
-        region, said = _region(surface, part, found, coper)
+        region, said = _region(surface, part, found, coper, way)
+        planes = (*header_planes(part), *planes_of(part, found.cut))
+        skew = max((wall * hypot(plane.by_y, plane.by_z) for plane in planes), default=0.0)
+        slant = {"v": skew} if skew >= LEAST_SLANT else {}
     cuts: list[CopeCut] = []
     if not errors_in(said):
         cuts, more = _cuts(part, region, found, row, coper, way)
@@ -163,9 +130,6 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
                 part.source, count=region.rounded // 3, face="v", radius=f"{coper.corner_radius:g}"
             )
         )
-    skew = skew_of(part) if profile.code == "RO" else 0.0
-    if skew >= LEAST_SLANT:
-        slant = {**slant, "v": skew}
     if slant:
         said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
                                    faces=", ".join(slant)))  # fmt: skip
@@ -212,7 +176,9 @@ def has_bevels(feature: Feature, least: float) -> bool:
 
 
 def is_slanted(feature: Feature, slant: Mapping[Face, float]) -> bool:
-    """Whether a feature is an outline of a face that a square cut leaves skew."""
+    """Whether a feature is an outline of a face that a square cut leaves skew, or a plane."""
+    if isinstance(feature, EndPlane):
+        return bool(slant)
     return isinstance(feature, Contour) and feature.kind == "outer" and feature.face in slant
 
 
@@ -249,7 +215,7 @@ def _laid_out(
 
 
 def _region(
-    surface: Wall, part: Part, found: Sorted, coper: Coper
+    surface: Wall, part: Part, found: Sorted, coper: Coper, way: Around
 ) -> tuple[Region, list[Diagnostic]]:
     """What stays of the surface, three times above itself, and what is wrong with it."""
     from shapely import box, make_valid, union_all
@@ -258,7 +224,8 @@ def _region(
     round_it = surface.width
     own = [f for f in map(part.features.__getitem__, found.cut) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
-    whole: Shape = between_ends(part)
+    whole: Shape = box(0.0, 0.0, part.length, round_it)
+    planes = planes_of(part, found.cut)
     said: list[Diagnostic] = []
     if outer:
         strip = box(-part.length, 0.0, 2 * part.length, round_it)
@@ -273,7 +240,10 @@ def _region(
         if open_seams:
             said.append(rules.SEAM.at(outer[0].source, found=f"{max(open_seams):.2f}"))
         whole = union_all(drawn).intersection(strip)
-        said += denied_ends(part, whole)
+        said += denied_ends(part, whole, way)
+    else:
+        planes += header_planes(part)
+    whole = within(whole, planes, way)
     turns = [k * round_it for k in range(3)]
     shape = union_all([translate(whole, 0.0, turn) for turn in turns])
     corners: list[Point] = []

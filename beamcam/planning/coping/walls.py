@@ -21,7 +21,7 @@ from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.description import policy_on
-from beamcam.model.part import Contour, Face, Feature, Hole, Part, Profile, Slot
+from beamcam.model.part import Contour, EndPlane, Face, Feature, Hole, Part, Profile, Slot
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.coping import rules
 from beamcam.planning.left_out import listed_by, refuse_mark
@@ -194,6 +194,8 @@ def _unmarked(mark: Feature) -> Diagnostic:
 
 def _refusal(feature: Feature, profile: Profile, coper: Coper) -> Diagnostic | None:
     """Why a torch cannot make a feature wherever it is on its wall; None if it can."""
+    if isinstance(feature, EndPlane) and coper.turns == "bar" and feature.normal[0]:
+        return None
     if not isinstance(feature, Hole | Slot | Contour):
         what = type(feature).__name__.lower()
         return bar_rules.OTHER.at(feature.source, found=f"a feature of kind {what}")

@@ -166,7 +166,7 @@ def test_a_hole_that_reaches_into_a_corner_worked_by_hand() -> None:
     plan = planned(tube(Hole("v", 200.0, 20.0, 26.0, AT)))
     (said,) = [d for d in plan.remarks if d.code == "plan-coping-reaches"]
     assert "of face v that reaches 3.00 mm into a corner" in said.message
-    assert "up to 1.80 mm narrower" in said.message
+    assert "up to 1.80 mm of steel more" in said.message
     border = around(SHS).on_face("v").begin  # half a face and a corner from the middle of u
     assert border == pytest.approx(40.0 + ARC)
     lowest = min(s for _, s in plan.operations[0].path[1:])

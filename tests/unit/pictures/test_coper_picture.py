@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from msgspec.structs import replace
 
 from beamcam.cli import main
 from beamcam.errors import VerifyError
@@ -12,12 +13,12 @@ from beamcam.model.part import Hole, Part
 from beamcam.pictures.program import ReadProgram, program_scene
 from beamcam.pictures.scene import Circle, Polyline, Scene, Text
 from beamcam.pipeline import post, read_file
-from tests.conftest import SAMPLES
+from tests.conftest import GOLDEN, SAMPLES
 
 COPING = SAMPLES / "coping"
 MACHINES = {
     "coped": "coper-linuxcnc", "trimmer": "coper-linuxcnc", "cleat": "coper-linuxcnc",
-    "stub": "tube-linuxcnc", "leg": "tube-linuxcnc",
+    "stub": "tube-linuxcnc", "leg": "tube-linuxcnc", "hip": "tube-linuxcnc",
 }  # fmt: skip
 
 
@@ -29,7 +30,7 @@ def drawn(name: str, knows_part: bool = True) -> tuple[Part, Scene]:
     return part, program_scene(ReadProgram(text.encode(), machine, f"{name}.ngc", parts=parts))
 
 
-@pytest.mark.parametrize("name", [name for name in MACHINES if name != "leg"])
+@pytest.mark.parametrize("name", [name for name in MACHINES if name not in ("leg", "hip")])
 def test_every_hole_is_cut_where_it_is_asked_for(name: str) -> None:
     """The path of a hole is a circle half a kerf within it; its lead starts inside."""
     part, scene = drawn(name)
@@ -106,8 +107,25 @@ def test_a_rectangular_tube_is_drawn_once_round() -> None:
         and 0 < box[2] - min(ys) < 3 and 0 < max(ys) - box[3] < 3
     ]  # fmt: skip
     assert len(around) == 1
+
+
+def test_the_corners_of_a_tube_are_those_that_its_program_goes_round() -> None:
+    """Without the part all its paths lie where they do with it; one that goes round no corner
+    says nothing of them."""
+    part, _ = drawn("leg")
+    text = (GOLDEN / "tube-linuxcnc" / "leg.ngc").read_text()
+    machine = load("tube-linuxcnc")
+    program = ReadProgram(text.encode(), machine, "leg.ngc", parts=())
+    paths = [
+        [s.points for s in program_scene(one).shapes if isinstance(s, Polyline)
+         and s.classes.startswith("path-") and "legend" not in s.classes]
+        for one in (program, replace(program, parts=(part,)))
+    ]  # fmt: skip
+    assert [len(p) for p in paths[0]] == [len(p) for p in paths[1]]
+    assert len(paths[0]) == 7
+    head = text[: text.index("(cut-out)")]
     with pytest.raises(VerifyError) as error:
-        drawn("leg", knows_part=False)
+        program_scene(ReadProgram(f"{head}M30\n%\n".encode(), machine, "leg.ngc", parts=()))
     assert error.value.diagnostics[0].code == "picture-section"
 
 

@@ -52,7 +52,7 @@ from tests.unit.coping.samples import (
 TUBE = load("tube-linuxcnc")
 MACHINES = {
     "coped": COPER, "trimmer": COPER, "cleat": COPER, "hanger": COPER, "brace": TUBE, "stub": TUBE,
-    "leg": TUBE,
+    "leg": TUBE, "hip": TUBE,
 }  # fmt: skip
 CHS = Profile("RO", "CHS168.3*8", 168.3, 168.3, 8.0, 8.0)
 TOLD = [REFITTED.code, ROUNDED.code]

@@ -20,6 +20,7 @@ COPING = SAMPLES / "coping"
 MACHINES = {
     "coped": "coper-linuxcnc", "trimmer": "coper-linuxcnc", "cleat": "coper-linuxcnc",
     "stub": "tube-linuxcnc", "brace": "tube-linuxcnc", "leg": "tube-linuxcnc",
+    "hip": "tube-linuxcnc",
 }  # fmt: skip
 
 

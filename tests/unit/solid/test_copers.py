@@ -33,7 +33,7 @@ TURN = pi * 168.3
 SAMPLES = (
     ("coped", COPER, ()), ("brace", TUBE, ()), ("trimmer", COPER, ()), ("stub", TUBE, ()),
     ("header-rest", COPER, ()), ("cleat", COPER, ()), ("header", COPER, ("tool",)),
-    ("hanger", COPER, ()), ("leg", TUBE, ()),
+    ("hanger", COPER, ()), ("leg", TUBE, ()), ("hip", TUBE, ()),
 )  # fmt: skip
 
 

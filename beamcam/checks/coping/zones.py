@@ -1,0 +1,55 @@
+"""Where the machine file keeps a torch from: the root, other places than the seam, the chuck."""
+
+from collections.abc import Iterator, Sequence
+
+from beamcam.checks.coping import rules
+from beamcam.checks.coping.section import Section, TubeSection
+from beamcam.checks.coping.strokes import Stroke, Way
+from beamcam.errors import Diagnostic, Source
+from beamcam.machine.coper import Coper
+
+ALL_ROUND = 1e-3  #: mm that a stroke once round may lack
+
+
+def root_faults(
+    strokes: Sequence[Stroke], section: Section, coper: Coper, name: str
+) -> Iterator[Diagnostic]:
+    """Strokes through a root on a machine whose file has none cut."""
+    for stroke in strokes if coper.k_area == "refuse" else ():
+        ys = [y for _, y in stroke.points]
+        if stroke.face != "v" and min(ys) < section.front and max(ys) > section.back:
+            yield rules.ZONE.at(
+                Source(name, stroke.line), found=f"a cut through the root on face {stroke.face}",
+                expected='none, coper.k_area is "refuse"',
+            )  # fmt: skip
+
+
+def tube_zone_faults(
+    strokes: Sequence[Stroke],
+    ways: Sequence[Way],
+    length: float,
+    section: TubeSection,
+    coper: Coper,
+    slack: float,
+    name: str,
+) -> Iterator[Diagnostic]:
+    """Strokes once round a tube that begin away from its seam, and the first place of the torch
+    over the stretch of the bar, `length` and the trims behind its start, that the chuck holds."""
+    turn = section.turn
+    seam = coper.seam * turn / 360.0
+    for stroke in strokes:
+        us = [u for _, u in stroke.points]
+        off = abs((us[0] - seam + turn / 2) % turn - turn / 2)
+        if max(us) - min(us) >= turn - ALL_ROUND and off > slack:
+            yield rules.ZONE.at(
+                Source(name, stroke.line), found=f"an end begun {off:.1f} mm off the seam",
+                expected=f"it at {coper.seam:g} of 360 round the tube, by coper.seam",
+            )  # fmt: skip
+    free = length + 2 * coper.trim - coper.torch_width / 2
+    for way in ways:
+        if (x := max(way.start[0], way.end[0])) > free:
+            yield rules.ZONE.at(
+                Source(name, way.line), found=f"the torch at X {x:.1f}, over the chuck",
+                expected=f"X {free:g} at most, as the bar is held behind it",
+            )  # fmt: skip
+            return

@@ -1,0 +1,210 @@
+"""The round corners of a rectangular tube between the views of the two faces beside each.
+
+Over a corner a line goes on in both views: x = a + b - x where both meet at the sharp edge. A
+cut-out that ends in a corner, and a line that goes along the tube there, lie as their face sees
+them.
+"""
+
+from collections.abc import Iterator, Mapping
+from math import asin, pi, sin
+from typing import Any
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.errors import Diagnostic
+from beamcam.geometry.array_types import Floats
+from beamcam.model.part import Face, Part
+from beamcam.model.surface import Leg
+from beamcam.planning.coping import rules
+from beamcam.planning.coping.regions import CHORD, Shape
+from beamcam.planning.coping.tube_ends import OVERLAP
+
+BESIDE_BEND = (-1e-5, 1e-5)  #: rad before and behind the place of a bend of a line
+STEP = 2.0  #: mm along the tube from place to place; a line with more goes along it there
+LEVELS = 33  #: places across a corner; a line that bends by its radius is 0.005 mm off its chords
+EDGE = 1e-6  #: mm inside of an edge, where a face is cut across
+MEET = 1.0  #: mm that lines of two faces may be apart at their edge and mean the same place
+
+
+class BoxFace(Struct, frozen=True):
+    """A face of the tube as it is drawn."""
+
+    leg: Leg
+    size: float
+    shape: Shape
+    drawn: bool
+
+    def levels(self, from_high: bool, most: float) -> Floats:
+        """How far places at which its lines bend are off one of its edges, `most` at most."""
+        from shapely import get_coordinates
+
+        ys = get_coordinates(self.shape)[:, 1]
+        offs = np.unique(np.round(self.size - ys if from_high else ys, 6))
+        return offs[(offs > CHORD) & (offs < most - CHORD)]
+
+    def crossings(self, offs: Any, from_high: bool) -> list[Floats]:
+        """x where lines of the face are, at each distance from one of its edges; along the part."""
+        from shapely import bounds, get_parts, intersection, length, linestrings
+
+        if self.shape.is_empty:
+            return [np.array([])] * len(offs)
+        offs = np.clip(offs, EDGE, self.size - EDGE)
+        ys = self.size - offs if from_high else offs
+        x0, _, x1, _ = self.shape.bounds
+        xs = np.tile((x0 - 1.0, x1 + 1.0), (len(ys), 1))
+        across = linestrings(np.stack((xs, np.repeat(ys[:, None], 2, axis=1)), axis=2))
+        pieces, of = get_parts(intersection(across, self.shape), return_index=True)
+        met = length(pieces) > 0.0
+        ends, of = bounds(pieces[met])[:, (0, 2)], of[met]
+        return [np.sort(ends[of == k].ravel()) for k in range(len(ys))]
+
+
+#: The faces beside a corner, and whether it lies at the greatest y of each.
+BESIDE: dict[str, tuple[tuple[Face, bool], tuple[Face, bool]]] = {
+    "u-v": (("u", True), ("v", False)), "v-o": (("v", True), ("o", True)),
+    "o-h": (("o", False), ("h", True)), "h-u": (("h", False), ("u", False)),
+}  # fmt: skip
+
+
+def corner_of(
+    part: Part, faces: Mapping[Face, BoxFace], corner: Leg
+) -> tuple[Shape | None, dict[Face, float], list[Diagnostic]]:
+    """What stays of a corner, how much a square cut is off inside of the walls beside it."""
+    from shapely import Polygon, union_all
+
+    (a, a_high), (b, b_high) = BESIDE[corner.patch.name]
+    r, wall = corner.patch.radius, corner.patch.thickness
+    gone: list[Shape] = []
+    faces = dict(faces)
+    for face, high, at, way in (
+        (a, a_high, corner.begin, 1),
+        (b, b_high, corner.begin + r * pi / 2, -1),
+    ):
+        faces[face], ending = ending_in(faces[face], high, r)
+        gone += [_oncorner_of(void, faces[face].size, high, r, at, way) for void, _ in ending]
+    source = next(
+        (f.source for f in part.features if getattr(f, "face", "") in (a, b)), part.source
+    )
+    over = _lines_over((faces[a], a_high), (faces[b], b_high), r, wall)
+    if isinstance(over, str):
+        return None, {}, [rules.CORNER.at(source, found=over, a=a, b=b)]
+    turns, lines, leaning, reaches = over
+    said = [
+        rules.REACHES.at(source, face=face, into=f"{into:.2f}",
+                         found=f"{r * (asin(into / (r - wall)) - asin(into / r)):.2f}")
+        for face, into in zip((a, b), reaches, strict=True) if into
+    ]  # fmt: skip
+    ss = corner.begin + r * turns
+    shapes = [
+        Polygon(
+            [*zip(lines[:, k], ss, strict=True), *zip(lines[::-1, k + 1], ss[::-1], strict=True)]
+        )
+        for k in range(0, lines.shape[1], 2)
+    ]
+    left = dict(zip((b, a), leaning, strict=True))
+    return union_all(shapes).difference(union_all(gone)), left, said
+
+
+def _lines_over(
+    a: tuple[BoxFace, bool], b: tuple[BoxFace, bool], r: float, wall: float
+) -> tuple[Floats, Floats, list[float], list[float]] | str:
+    """The lines that go on over a corner: its turns and by them x of each line, how far those of
+    the first face and of the second lean within the wall beside, and how far into the corner one
+    goes along the tube; or what is wrong.
+
+    A line that goes along the tube in the view of a face, as the edge of a cope does, has both its
+    ends at one turn, and lies where the wall reaches farthest.
+    """
+    faces, highs = (a[0], b[0]), (a[1], b[1])
+    offs = [face.levels(high, r) for face, high in zip(faces, highs, strict=True)]
+    bends: list[float] = []
+    for deep in (r, r - wall):
+        of_a, of_b = ((r - off[r - off < deep]) / (deep or 1.0) for off in offs)
+        bends += [*np.arcsin(of_a).tolist(), *np.arccos(of_b).tolist()]
+    places = [(turn, turn) for turn in np.linspace(0.0, pi / 2, LEVELS).tolist()]
+    places += [(turn + by, turn) for turn in bends for by in BESIDE_BEND]
+    turns, at = np.array(sorted(places)).T.round(9)
+    found = []
+    for deep in (r, r - wall):
+        views = (np.minimum(r - deep * way, r - EDGE) for way in (np.sin(turns), np.cos(turns)))
+        rows = [f.crossings(off, high) for f, off, high in zip(faces, views, highs, strict=True)]
+        if len({len(row) for of_one in rows for row in of_one}) > 1:
+            return "a line that ends in it"
+        found.append([np.array(of_one) for of_one in rows])
+    (out_a, out_b), inside = found
+    if (apart := float(np.abs(out_a[-1] - out_b[0]).max(initial=0.0))) > MEET:
+        return f"lines {apart:.3g} mm apart at its edge"
+    share = (turns / (pi / 2))[:, None]
+    edge = (1 - share) * out_b[0] + share * out_a[-1]
+    lines, deepest = out_a + out_b - edge, inside[0] + inside[1] - edge
+    jumps = [(np.abs(np.diff(one, axis=0)) > STEP).any(axis=0) for one in (out_a, out_b)]
+    if any(
+        jump.any() and (off < wall + CHORD).any() for jump, off in zip(jumps, offs, strict=True)
+    ):
+        return "a line along the tube nearer to its edge than the inside of the wall"
+    for k in np.flatnonzero(jumps[0] | jumps[1]).tolist():
+        lines[:, k] = (np.maximum if k % 2 else np.minimum)(lines[:, k], deepest[:, k])
+    leaning = []
+    for face, high, edges, jump in zip(faces, highs, (out_a[-1], out_b[0]), jumps, strict=True):
+        # The inside of a wall lies in the view of the face beside it.
+        (through,) = face.crossings((wall,), high)
+        same = len(through) == len(edges)
+        leaning.append(float(np.abs(through - edges)[~jump].max(initial=0.0)) if same else 0.0)
+    reaches = [r - float(off.min()) if jump.any() else 0.0
+               for jump, off in zip(jumps, offs, strict=True)]  # fmt: skip
+    return at, lines, leaning, reaches
+
+
+def on_surface(one: BoxFace, y: float, wall: float) -> Iterator[float]:
+    """The s of a place of a face; on a corner beside it as it is seen from there, where outside of
+    the wall and where inside."""
+    low, high = one.leg.patch.low, one.leg.patch.high
+    into, r = max(low - y, y - high), min(low, one.size - high)
+    if into <= CHORD:
+        yield one.leg.s(y)
+        return
+    for deep in (r, max(r - wall, into)):
+        beyond = one.leg.way * r * asin(into / deep)
+        yield one.leg.s(high) + beyond if y > high else one.leg.s(low) - beyond
+
+
+def ending_in(one: BoxFace, high: bool, r: float) -> tuple[BoxFace, list[tuple[Shape, float]]]:
+    """A face without the cut-outs that end in a corner, and these, each with how far into it.
+
+    A face sees the corner beside it up to its middle, where the other one begins.
+    """
+    from shapely import box, union_all
+
+    if one.shape.is_empty:  # nothing of it stays
+        return one, []
+    x0, _, x1, _ = one.shape.bounds
+    low, top = (one.size - r, one.size) if high else (0.0, r)
+    within = box(x0 - 1.0, low, x1 + 1.0, top).difference(one.shape)
+    found = []
+    for void in getattr(within, "geoms", (within,)):
+        _, y0, _, y1 = void.bounds if not void.is_empty else (0.0, 0.0, 0.0, one.size)
+        into = y1 - low if high else top - y0
+        if EDGE < into <= r * sin(pi / 4) and void.area > 0.0:
+            found.append((void, into))
+    if not found:
+        return one, found
+    filled = union_all([one.shape, *(void.buffer(OVERLAP) for void, _ in found)])
+    filled = filled.intersection(box(x0, 0.0, x1, one.size))
+    return BoxFace(one.leg, one.size, filled, one.drawn), found
+
+
+def _oncorner_of(void: Shape, size: float, high: bool, r: float, at: float, way: int) -> Shape:
+    """A cut-out that ends in a corner, seen square to its face, on the surface.
+
+    `at` is where the corner begins for the face, from where the surface goes `way` into it.
+    """
+    from shapely import transform
+
+    def laid(places: Floats) -> Floats:
+        into = places[:, 1] - (size - r) if high else r - places[:, 1]
+        turned = np.arcsin(np.clip(into / r, 0.0, 1.0))
+        s = np.where(into <= EDGE, at - way * OVERLAP, at + way * r * turned)
+        return np.column_stack((places[:, 0], s))
+
+    return transform(void.segmentize(CHORD * 20), laid)

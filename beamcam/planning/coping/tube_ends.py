@@ -1,0 +1,101 @@
+r"""The plane ends of tubes on their unrolled surface.
+
+  x |   /\            A plane through a tube meets the outside of its wall along one line and the
+____|_ /  \ _____     inside along another: of a round tube sines of u, the inner one as much lower
+    | /    \          as its radius is smaller. The torch cuts square to the surface where the wall
+    |/      \__       reaches farthest, outside on one half of the way round and inside on the
+                      other, so that no steel is missing.
+"""
+
+from collections.abc import Iterable, Sequence
+from math import atan2, ceil, hypot, pi, radians, sqrt, tan
+from typing import Any
+
+import numpy as np
+from msgspec import Struct
+
+from beamcam.geometry.array_types import Floats
+from beamcam.geometry.curves import Point
+from beamcam.model.part import EndPlane, Part
+from beamcam.model.surface import Around, Pair
+from beamcam.planning.coping.regions import CHORD, Shape
+
+OVERLAP = 1e-4  #: mm by which patches overlap, so that they are one shape
+SKEW_DEG = 0.2  #: of an end; less is noise of a header
+
+
+class Plane(Struct, frozen=True):
+    """A skew end: x = at - y tan(web) - z tan(flange) in the section's axes."""
+
+    side: int  #: -1 where it ends the start of the part, 1 its end
+    at: float
+    by_y: float
+    by_z: float
+
+    def x(self, y: Any, z: Any) -> Any:
+        return self.at - self.by_y * y - self.by_z * z
+
+    def slant(self, normal: Pair, wall: float) -> float:
+        """mm along x that it goes on a way through a wall, square to that."""
+        return wall * abs(self.by_y * normal[0] + self.by_z * normal[1])
+
+
+def planes_of(part: Part, features: Iterable[int]) -> list[Plane]:
+    """The planes among some of a part's features that end it, each on its side."""
+    cuts = [f for f in map(part.features.__getitem__, features) if isinstance(f, EndPlane)]
+    return [
+        Plane(1 if a > 0.0 else -1, one.x(0.0, 0.0), b / a, c / a)
+        for one in cuts for a, b, c in (one.normal,)
+    ]  # fmt: skip
+
+
+def line_of(plane: Plane, way: Around) -> Floats:
+    """Rows of (x, s) once round the surface, along which the end of a plane is cut: outside or
+    inside, where the wall reaches farthest."""
+    rows: list[Point] = []
+    pick = min if plane.side < 0 else max
+    first = atan2(plane.by_y, plane.by_z)  # where outside and inside are at one x, and half on
+    for leg in way.legs:
+        patch, r = leg.patch, leg.patch.radius
+        us = {patch.low, patch.high}
+        if r:
+            lean = r * hypot(plane.by_y, plane.by_z)
+            count = ceil((patch.high - patch.low) / r / sqrt(4 * CHORD / lean)) if lean else 1
+            us |= {*np.linspace(patch.low, patch.high, max(count, 8) + 1).tolist()}
+            turns = ((first - patch.first_rad + k * pi) % (2 * pi) for k in (0, 1))
+            us |= {r * turn for turn in turns if r * turn < patch.high}
+        for u in sorted(us, reverse=leg.way < 0):
+            (_, y, z), (ny, nz), wall = patch.point(0.0, u), patch.normal(u), patch.thickness
+            outside, inside = plane.x(y, z), plane.x(y - wall * ny, z - wall * nz)
+            rows.append((pick(outside, inside), leg.s(u)))
+    return np.array(rows)
+
+
+def within(shape: Shape, planes: Sequence[Plane], way: Around) -> Shape:
+    """What stays of a surface on one turn between its ends."""
+    from shapely import Polygon
+
+    for plane in planes:
+        xs, ss = line_of(plane, way).T
+        x0, _, x1, _ = shape.bounds if not shape.is_empty else (0.0,) * 4
+        far = min(x0, xs.min()) - 1.0 if plane.side > 0 else max(x1, xs.max()) + 1.0
+        ends = ss[0] - OVERLAP, ss[-1] + OVERLAP
+        rows = [*zip(xs.tolist(), ss.tolist(), strict=True)]
+        rows = [(xs[0], ends[0]), *rows, (xs[-1], ends[1])]
+        shape = shape.intersection(Polygon([(far, ends[0]), *rows, (far, ends[1])]))
+    return shape
+
+
+def header_slopes(part: Part, side: int) -> tuple[float, float]:
+    """tan of the angles that the header has for an end, of the web and of the flange; 0 for noise,
+    and where a plane of the part says the same."""
+    cuts = part.cuts
+    both = (cuts.web_start, cuts.flange_start) if side < 0 else (cuts.web_end, cuts.flange_end)
+    web, flange = (tan(radians(deg)) if abs(deg) > SKEW_DEG else 0.0 for deg in both)
+    near = tan(radians(SKEW_DEG))
+    for one in planes_of(part, range(len(part.features))):
+        if one.side == side and max(abs(one.by_y - web), abs(one.by_z - flange)) <= near * (
+            1.0 + web**2 + flange**2
+        ):
+            return 0.0, 0.0
+    return web, flange
