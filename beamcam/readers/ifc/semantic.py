@@ -52,25 +52,19 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
 def _sides(cutter: Prism) -> list[HalfSpace]:
     """The planes of a prism's flat sides and ends; normals point into the prism."""
     f = cutter.frame
-    found = []
-    for o, way in ((f.o, 1.0), (add(f.o, f.z), -1.0)):
-        normal = unit(cross(f.x, f.y))
-        if dot(normal, f.z) * way < 0:
-            normal = scale(normal, -1.0)
-        found.append(HalfSpace(o, normal, cutter.where))
     x0, y0, x1, y1 = box_around(cutter.outline.outer)
     middle = f.point(((x0 + x1) / 2, (y0 + y1) / 2, 0.5))
+    sides = [(o, cross(f.x, f.y)) for o in (f.o, add(f.o, f.z))]
     for curve in cutter.outline.outer:
         if isinstance(curve, Line):
             a, b = f.point((*curve.start, 0.0)), f.point((*curve.end, 0.0))
-            normal = cross(sub(b, a), f.z)
-            if size(normal) < 1e-9:
-                continue
-            normal = unit(normal)
-            if dot(normal, sub(middle, a)) < 0:
-                normal = scale(normal, -1.0)
-            found.append(HalfSpace(a, normal, cutter.where))
-    return found
+            sides.append((a, cross(sub(b, a), f.z)))
+    planes = []
+    for at, normal in sides:
+        if size(normal) >= 1e-9:
+            way = 1.0 if dot(normal, sub(middle, at)) > 0 else -1.0
+            planes.append(HalfSpace(at, scale(unit(normal), way), cutter.where))
+    return planes
 
 
 def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[Point]) -> bool:
