@@ -33,7 +33,14 @@ from benchmarks.coping_plans import is_tilted, plan_faults, reordered
 from benchmarks.coping_texts import TEXTS, TILT_TEXTS, TUBE_TEXTS
 from benchmarks.script import arguments, at_least, start
 from tests.random_boxes import random_box
-from tests.random_copes import random_bevel, random_cope, random_mitre, random_tee
+from tests.random_copes import (
+    random_bevel,
+    random_cope,
+    random_mitre,
+    random_prepared_web,
+    random_slant,
+    random_tee,
+)  # fmt: skip
 from tests.random_tubes import random_tube
 
 
@@ -110,7 +117,8 @@ def survivors(count: int, seed: int = 0) -> tuple[Counter[str], list[tuple[int, 
     kinds: tuple[tuple[str, Callable[[int], Part]], ...] = (
         ("coper", random_cope), ("tube", random_tube), ("coper", random_piece),
         ("tube", random_box), ("coper", random_tee), ("coper-tilt", random_mitre),
-        ("coper", random_mitre), ("coper-tilt", random_bevel),
+        ("coper", random_mitre), ("coper-tilt", random_bevel), ("coper", random_slant),
+        ("coper-tilt", random_prepared_web),
     )  # fmt: skip
     for number in range(len(kinds) * count):
         kind, make = kinds[number % len(kinds)]

@@ -139,13 +139,16 @@ def reordered(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 
 def pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
-    """A lead on the other side of its contour."""
+    """A lead on the other side of its contour; that of a bevel lies in scrap there too."""
 
     def change(cut: CopeCut) -> CopeCut:
         (xa, ya), (xb, yb) = cut.path[:2]
         return replace(cut, path=((2 * xb - xa, 2 * yb - ya), *cut.path[1:]))
 
-    return _changed(plan, chance, change, lambda cut: cut.kind == "inner" or cut.face == "v")
+    return _changed(
+        plan, chance, change,
+        lambda cut: (cut.kind == "inner" or cut.face == "v") and not cut.bevel,
+    )  # fmt: skip
 
 
 def other_row(machine: Machine) -> OfPlan:
@@ -260,7 +263,7 @@ def wrong_land(plan: CopePlan, chance: random.Random) -> CopePlan | None:
 
 def bevel_first(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     """A bevel before the square cut along its edge."""
-    which = [k for k, cut in enumerate(plan.operations) if cut.bevel]
+    which = [k for k, cut in enumerate(plan.operations) if cut.bevel and not cut.lower]
     if not which:
         return None
     k = chance.choice(which)
@@ -278,6 +281,17 @@ def bevel_last(plan: CopePlan, chance: random.Random) -> CopePlan | None:
     cut = chance.choice(which)
     rest = [one for one in plan.operations if one is not cut]
     return replace(plan, operations=(*rest, cut)) if plan.operations[-1] is not cut else None
+
+
+def lower_behind(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel of the far side behind the square cut along its edge."""
+    which = [cut for cut in plan.operations if cut.lower]
+    if not which:
+        return None
+    cut = chance.choice(which)
+    rest = [one for one in plan.operations if one is not cut]
+    at = max(j for j, one in enumerate(rest) if (one.kind, one.face) == (cut.kind, cut.face))
+    return replace(plan, operations=(*rest[: at + 1], cut, *rest[at + 1 :]))
 
 
 def plan_faults(machine: Machine) -> dict[str, OfPlan]:
@@ -301,5 +315,5 @@ def plan_faults(machine: Machine) -> dict[str, OfPlan]:
         "mirrored across": mirrored_across, "face left out": face_left_out,
         "other face": on_other_face, "pierced in the part": pierced_in_part,
         **TILTS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
-        "bevel behind the parting": bevel_last,
+        "bevel behind the parting": bevel_last, "lower bevel behind": lower_behind,
     }  # fmt: skip

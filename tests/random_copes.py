@@ -1,6 +1,6 @@
 """Random parts for a coper: I, U, L and T with copes at their ends, notches, windows and holes."""
 
-from math import radians, tan
+from math import atan, degrees, radians, tan
 from random import Random
 
 from msgspec.structs import replace
@@ -80,6 +80,44 @@ def random_mitre(seed: int) -> Part:
     )
 
 
+def random_slant(seed: int) -> Part:
+    """A part whose copes cross their roots on a slant: of the web at the upper flange, and of the
+    lower flange, whose end leans over a web that ends square."""
+    random = Random(seed)
+    profile = random.choice([one for one in SECTIONS if one.code != "L"])
+    high, wide = profile.height, profile.width
+    web, flange = profile.web_thickness or 0.0, profile.flange_thickness
+    length = round(random.uniform(600.0, 1200.0), 1)
+    rise, lean = (
+        tan(radians(random.choice((-1, 1)) * round(random.uniform(3.0, 27.0), 1)))
+        for _ in range(2)
+    )  # fmt: skip
+    middle = round(high / 2, 1)
+    first = round(random.uniform(60.0, 120.0) + max(0.0, -rise) * middle, 1)
+    at = round(first + rise * (high - flange - middle), 3)  # of the web below the upper flange
+    back = (wide - web) / 2 if profile.code == "I" else 0.0
+    ends = length - max(0.0, lean) * wide, length - max(0.0, lean) * wide + lean * wide
+    ends = ends[0] + length - max(ends), ends[1] + length - max(ends)
+    end = round(ends[0] + lean * (back + (web if lean > 0.0 else 0.0)), 3)
+    deep = flange + profile.radius + 32.0
+    # A header has the angle of an end though one flange is coped back from it, or it has none.
+    said = random.random() < 0.5
+    cuts = EndCuts(flange_end=-degrees(atan(lean))) if said else EndCuts()
+    return Part(f"S{seed}", profile, length, AT, grade="S235JR", cuts=cuts, features=(
+        Contour("v", "outer", polygon([
+            (0.0, 0.0), (end, 0.0), (end, high - deep), (end - 70.0, high - deep),
+            (end - 70.0, high), (first + rise * (high - middle), high), (first, middle),
+            (0.0, middle),
+        ]), AT),
+        Contour("o", "outer", polygon([
+            (at, 0.0), (end - 70.0, 0.0), (end - 70.0, wide), (at, wide),
+        ]), AT),
+        Contour("u", "outer", polygon([
+            (0.0, 0.0), (ends[0], 0.0), (ends[1], wide), (0.0, wide),
+        ]), AT),
+    ))  # fmt: skip
+
+
 def random_bevel(seed: int) -> Part:
     """A part whose flanges, or legs, have bevels at their ends on the outside, with lands."""
     random = Random(seed)
@@ -97,6 +135,45 @@ def random_bevel(seed: int) -> Part:
         bevels = tuple(Bevel((curve + 1) % 4 if is_back else curve, angle, land) for curve in which)
         features.append(Contour(face, "outer", curves, AT, bevels=bevels))
     return Part(f"W{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
+
+
+def random_prepared_web(seed: int) -> Part:
+    """A part whose web is coped at all flanges and has bevels at its ends: on the outside, on the
+    far side or on both with a land between, drawn on v or h."""
+    random = Random(seed)
+    profile = random.choice([one for one in SECTIONS if one.code != "L"] + list(TEES))
+    is_tee = profile.code == "T"
+    if is_tee:  # as it lies: an I without an upper flange
+        high, wide = profile.width, profile.height
+    else:
+        high, wide = profile.height, profile.width
+    web = profile.web_thickness or 0.0
+    length = round(random.uniform(500.0, 1200.0), 1)
+    deep = round(profile.flange_thickness + profile.radius + random.uniform(34.0, 45.0), 1)
+    back, top = round(random.uniform(40.0, 90.0), 1), high if is_tee else high - deep
+    upper = [] if is_tee else [
+        (length - back, top), (length - back, high), (back, high), (back, top)
+    ]  # fmt: skip
+    points = [
+        (back, 0.0), (length - back, 0.0), (length - back, deep), (length, deep),
+        (length, top), *upper, (0.0, top), (0.0, deep), (back, deep),
+    ]  # fmt: skip
+    bevels: list[Bevel] = []
+    for curve in random.choice(((3,), (len(points) - 3,), (3, len(points) - 3))):
+        angle, kind = round(random.uniform(25.0, 44.0), 1), random.choice("uulkk")
+        split = round(random.uniform(0.35, 0.6) * web, 2)
+        land = round(random.uniform(0.0, 2.0), 1)
+        bevels += [Bevel(curve, angle, split + land)] if kind in "uk" else []
+        bevels += [Bevel(curve, -angle, split)] if kind in "lk" else []
+    drawn = Contour("v", "outer", polygon(points), AT, bevels=tuple(bevels))
+    short = polygon([(back, 0.0), (length - back, 0.0), (length - back, wide), (back, wide)])
+    flanges = [Contour(face, "outer", short, AT) for face in ("u" if is_tee else "ou")]
+    features: list[Feature] = [drawn, *flanges]
+    if is_tee:
+        features = [_on_tee(feature, profile, random) for feature in features]
+    elif random.random() < 0.3:
+        features[0] = replace(drawn, face="h")
+    return Part(f"K{seed}", profile, length, AT, features=tuple(features), grade="S235JR")
 
 
 def _skew_web(profile: Profile, length: float, cuts: EndCuts) -> tuple[Curve, ...]:

@@ -335,6 +335,10 @@ def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFaul
 def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     coper = machine.needed(machine.coper, "coper")
     lines = [*_filled(machine, "header"), *_filled(machine, "comment")]
+    for name in ("height", "width"):
+        measured = [*_filled(machine, f"measured_{name}", height="201", width="101")]
+        yield from _unmeasured(measured, {"height": 201.0, "width": 101.0}[name], machine)
+        lines += measured
     lines += _filled(machine, "turn", x="0", y="0", z="50", a="-90", b="10")
     lines += _filled(machine, "traverse", x="10", y="20", z="30")
     lines += _filled(machine, "cut_on")
@@ -354,6 +358,15 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
             for name, wanted in (("traverse", (10.0, 20.0, 30.0)), ("feed", (11.0, 21.0, 31.0))):
                 if key == f"words.{name}" and place != wanted:
                     yield fault_in(key, text, "another place", "a move to {x}, {y} and {z}")
+
+
+def _unmeasured(lines: list[Line], figure: float, machine: Machine) -> Iterator[WordFault]:
+    """A template of a measured figure in which no M word carries it."""
+    program = "\n".join(block for _, _, block in lines) + "\n"
+    events, _ = cell_events(program, machine, "")
+    carried = [v for e in events if isinstance(e, Switch) for v in e.words.values()]
+    if lines and figure not in carried:
+        yield fault_in(lines[0][0], lines[0][1], "no M word with the figure", "one of M100 to M199")
 
 
 def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:

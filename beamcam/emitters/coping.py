@@ -64,7 +64,7 @@ def _blocks(
             template = (words.comment,)
             values = {"text": comment_text(command.text)}
         case StartProfile():
-            template = words.header
+            template = (*words.header, *words.measured_height, *words.measured_width)
             values |= {
                 "job": comment_text(program.job), "height": number(command.height, 3),
                 "width": number(command.width, 3),

@@ -68,6 +68,8 @@ class Coper(Keys, frozen=True):
     min_hole: NotNegative = 0.0  #: smallest diameter that is burnt
     min_hole_share: NotNegative = 0.0  #: smallest diameter that is burnt, by the thickness
     min_bevel: NotNegative = 1.0  #: degrees; an edge with a smaller bevel is cut square
+    #: mm that a measured height or width may differ from that of the section, at most
+    rolled: NotNegative = 5.0
 
     def outer_radius(self, radius: float, wall: float) -> float:
         """That of the corners of a rectangular tube: its own, or by the table if that is 0.

@@ -169,6 +169,10 @@ def coper_faults(machine: Machine) -> Iterator[Fault]:
     for name in ("turn", "traverse", "feed", "cut_on", "cut_off"):
         if not getattr(words, name):
             yield f"words.{name}", [], "a template, since there is a coper"
+    for name in ("height", "width"):
+        template = getattr(words, f"measured_{name}")
+        if template and sum(line.count("{" + name) for line in template) != 1:
+            yield f"words.measured_{name}", list(template), f"{{{name}}} once"
     round_bar = coper.turns == "bar"
     for name in ("a", "inverse"):
         if any("{" + name in line for line in words.feed) != round_bar:

@@ -243,6 +243,7 @@ class Marks(Keys, frozen=True):
     text: Policy = "list"  #: texts; list: left for manual work
     points: Policy = "make"  #: centre points
     contours: Policy = "make"  #: lines to scribe or to punch
+    bends: Literal["list", "refuse"] = "refuse"  #: of a plate; list: its blank is made
     unit: MarkingUnit = "none"  #: what letters
     height_of: Literal["capital", "body"] = "capital"  #: what the height of a text is that of
     min_height: Positive = 3.0  #: of a capital; of a stamp its least of `heights` counts

@@ -215,6 +215,8 @@ class Words(Keys, frozen=True):
 
     traverse: tuple[str, ...] = ()  #: the head to a place, its tool off
     turn: tuple[str, ...] = ()  #: the torch of a coper about the bar, its tool off
+    measured_height: tuple[str, ...] = ()  #: of a coper behind its header: the bar's, as measured
+    measured_width: tuple[str, ...] = ()  #: likewise its width
     feed: tuple[str, ...] = ()  #: the tool along a line
     arc_cw: tuple[str, ...] = ()  #: the tool along an arc, clockwise
     arc_ccw: tuple[str, ...] = ()  #: counter-clockwise
@@ -299,6 +301,7 @@ WORD_NAMES: dict[str, frozenset[str]] = {
     "scribe_to": _STROKE_NAMES, "scribe_end": _STROKE_NAMES, "stamp": _TEXT_NAMES,
     "printer": _TEXT_NAMES, "change": frozenset({"spindle", "station", "diameter", "text"}),
     "traverse": frozenset({"x", "y", "z"}), "turn": frozenset({"x", "y", "z", "a", "b"}),
+    "measured_height": frozenset({"height"}), "measured_width": frozenset({"width"}),
     "feed": _TO_NAMES | {"z", "a", "inverse"}, "arc_cw": _ARC_NAMES, "arc_ccw": _ARC_NAMES,
     "parabola": _ARC_NAMES, "ellipse_cw": _ELLIPSE_NAMES, "ellipse_ccw": _ELLIPSE_NAMES,
     "choose_cut": frozenset(), "choose_mark": frozenset(), "choose_engrave": frozenset(),

@@ -128,7 +128,8 @@ class Bevel(Keys, frozen=True):
 
     curve: Whole  #: index into the contour's curves
     angle: Number  #: degrees; positive cuts the face that is looked at, negative the far side
-    land: Number  #: where the bevel ends, measured from the far side
+    #: where the bevel ends, measured from the far side; 0 with an angle below 0 is all of the wall
+    land: Number
 
 
 class Notch(Keys, frozen=True):

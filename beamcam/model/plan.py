@@ -255,7 +255,8 @@ class CopeCut(Struct, frozen=True, gc=False):
     source: Source
     root: bool = False  #: whether it takes the root behind a flange
     b_deg: float = 0.0  #: tilt of the torch towards X
-    bevel: bool = False  #: whether it takes the wedge off an edge that is cut square before
+    bevel: bool = False  #: whether it makes the bevel of an edge that a square cut makes too
+    lower: bool = False  #: of the far side of its wall, before the square cut
 
 
 class CopePlan(Struct, frozen=True):

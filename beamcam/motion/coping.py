@@ -83,7 +83,7 @@ class _Torch:
         row = cut.row
         pierce = self._tip(patch, cut.path[0], row.pierce_height, cut)
         what = f"{NAMES[cut.kind]} on face {cut.face}{', through the root' if cut.root else ''}"
-        what = f"bevel of {what}" if cut.bevel else what
+        what = f"{'lower ' if cut.lower else ''}bevel of {what}" if cut.bevel else what
         yield Comment(what)
         yield from self._approach(cut.face, pierce)
         yield from self._turned(self._at, cut.face, cut.b_deg)

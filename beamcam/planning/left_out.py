@@ -11,7 +11,7 @@ from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.machine.stations import Marks
 from beamcam.machine.torch import Torch
 from beamcam.model.description import description, mark_kind, policy_on
-from beamcam.model.part import Contour, Feature, TextMark
+from beamcam.model.part import Bend, Contour, Feature, TextMark
 from beamcam.model.plan import AnyPlan, Outcome, SheetPlan, unfinished
 from beamcam.planning import rules
 from beamcam.planning.rules import SKIP_NAMES
@@ -41,11 +41,8 @@ BY_POLICY, NO_UNIT = "marks", "no-unit"
 NO_ROOM, TOO_SMALL, BLANK, FACE = "no-room", "too-small", "blank", "face"
 CHARACTERS, ANGLE, HEIGHT = "characters", "angle", "height"
 NOT_MOVED = "not-moved"
-DRILL, BEVEL, ROOT = (
-    "drill",
-    "bevel",
-    "root",
-)  #: of a sheet's features that are only begun by the machine
+#: Of features that are only begun by the machine.
+DRILL, BEVEL, ROOT, BEND = "drill", "bevel", "root", "bend"
 REASONS = {
     BY_POLICY: "the machine file leaves such marks for manual work",
     NO_UNIT: "the machine has no unit that letters",
@@ -59,7 +56,8 @@ REASONS = {
     HEIGHT: "the machine does not letter at that height, which is binding",
     DRILL: "the torch cannot make it and marks its centre for the drill",
     BEVEL: "the torch cuts its bevelled edges square",
-    ROOT: "the torch leaves steel along a flange, where it does not reach",
+    ROOT: "the torch leaves steel at a root, where it does not reach",
+    BEND: "the machine makes the blank, and does not bend",
 }
 
 
@@ -68,7 +66,9 @@ def listed_by(feature: Feature, marks: Marks) -> str | None:
     policy = policy_on(feature, marks)
     if policy == "make" and isinstance(feature, TextMark) and marks.unit == "none":
         return NO_UNIT
-    return BY_POLICY if policy == "list" else None
+    if policy != "list":
+        return None
+    return BEND if isinstance(feature, Bend) else BY_POLICY
 
 
 def refuse_mark(feature: Feature, marks: Marks) -> Diagnostic | None:

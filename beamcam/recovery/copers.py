@@ -8,6 +8,7 @@ Of an I, a U or an L the web goes on below its flanges where it stands on them, 
 """
 
 from collections.abc import Iterator, Sequence
+from math import inf
 from typing import Any
 
 from msgspec import Struct
@@ -48,6 +49,15 @@ from beamcam.recovery.rings import (
     round_of,
     rounded_corners,
 )
+from beamcam.recovery.tilted import (
+    SAME,
+    Ends,
+    cuts_of,
+    ends_of,
+    length_of,
+    whole_wall,
+    with_bevels,
+)
 
 Shape = Any  #: of shapely
 
@@ -56,6 +66,7 @@ BEGINS = 0.02  #: mm beyond half a kerf from where a cut begins, within which al
 AS_SAID = 1.0  #: mm by which the outlines of a part may be shorter than the length in its head
 SPECK = 0.05  #: mm2 that is nothing
 AROUND = (-1, 0, 1)  #: turns of a tube that its surface is laid in, one above the other
+NO_ENDS: Ends = (None, None)  #: skew ones
 MADE_OF_CUT = "COMES CUT: "  #: how a program begins whose piece is there
 
 
@@ -66,6 +77,7 @@ class _Wall(Struct, frozen=True):
     shape: Shape
     wide: float
     line: int  #: of its first cut
+    is_drawn: bool = False  #: whether it has an outline though it is whole
 
 
 def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recovered:
@@ -100,8 +112,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
         return Recovered((), tuple(said))
     tilted = next((stroke for stroke in strokes if stroke.b_deg), None)
     if tilted is not None:
-        found = f"{tilted.b_deg:g}"
-        return Recovered((), (TILTED.at(Source(name, tilted.line), found=found),))
+        return _tilted(text, bare, strokes, machine, coper, said, tilted, name)
     walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
     missing = [wall.face for wall in walls if wall.shape.is_empty]
     if missing:
@@ -127,6 +138,49 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     return Recovered((part,), (*said, *_remarks(part, coper, within)), bool(bare.mark))
 
 
+def _tilted(
+    text: str, bare: Part, strokes: Sequence[Stroke], machine: Machine, coper: Coper,
+    said: Sequence[Diagnostic], first: Stroke, name: str,
+) -> Recovered:  # fmt: skip
+    """The part that a tilted torch makes: with skew ends, or else with bevels at square ones.
+
+    The read-back says which of them it is; an error where it takes neither.
+    """
+    section, within = Section(bare.profile), coper.tolerance * REFIT_SHARE
+    square = [stroke for stroke in strokes if not stroke.b_deg]
+    ends = ends_of(strokes, section)
+    tries: list[tuple[Sequence[Stroke], Ends]] = [] if ends is None else [(strokes, ends)]
+    for cutting, planes in (*tries, (square, NO_ENDS)):
+        walls = [*_walls(bare, cutting, coper, planes)]
+        if any(wall.shape.is_empty for wall in walls):
+            continue
+        end = max(wall.shape.bounds[2] for wall in walls)
+        end = length_of(planes[1], section) if planes[1] is not None else end
+        length = bare.length if abs(end - bare.length) <= SAME else plain(end, PLACE, DECIMALS)
+        mark = bare.mark or name.rpartition("/")[2].partition(".")[0] or "part"
+        part = replace(bare, mark=mark, length=length, cuts=cuts_of(planes))
+        find = _Features(part, None, coper.corner_radius, within)
+        if planes == NO_ENDS:  # an outline carries the bevels, whatever else is cut of its wall
+            tilted = {stroke.face for stroke in strokes if stroke.b_deg}
+            walls = [replace(wall, is_drawn=wall.face in tilted) for wall in walls]
+        features = [
+            feature for wall in walls
+            for feature in find.on(
+                wall, whole_wall(wall.face, planes, length, section, wall.wide)
+            )
+        ]  # fmt: skip
+        if planes == NO_ENDS:
+            features = [*with_bevels(features, strokes, section)]
+        part = as_drawn(replace(part, features=tuple(features)))
+        told = verify_coping(text, (part,), machine, name=name)
+        if not errors_in(told):
+            more = [d for d in told if d not in said]
+            remarks = _remarks(part, coper, within)
+            return Recovered((part,), (*said, *more, *remarks), bool(bare.mark))
+    found = f"{first.b_deg:g}"
+    return Recovered((), (TILTED.at(Source(name, first.line), found=found),))
+
+
 def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
     """What of the part's contours is not known to be as it was drawn."""
     if contours := [*part.contours]:
@@ -139,7 +193,9 @@ def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
 # --- walls ----------------------------------------------------------------------------------------
 
 
-def _walls(part: Part, strokes: Sequence[Stroke], coper: Coper) -> Iterator[_Wall]:
+def _walls(
+    part: Part, strokes: Sequence[Stroke], coper: Coper, ends: Ends = NO_ENDS
+) -> Iterator[_Wall]:
     """The walls of an I, a U or an L, or of a T on its side."""
     from shapely import box, union_all
 
@@ -152,25 +208,36 @@ def _walls(part: Part, strokes: Sequence[Stroke], coper: Coper) -> Iterator[_Wal
         bar = box(-coper.trim, low, far, high)
         shape = _part_of(bar, taken, [(s.points[0], s.row.kerf / 2) for s in own])
         if face == "v":
-            shape = union_all([shape, *_below_flanges(shape, section)])
+            shape = union_all([shape, *_below_flanges(shape, section, ends)])
         wide = section.high if face == "v" else section.wide
         yield _Wall(face, shape, wide, own[0].line if own else 1)
 
 
-def _below_flanges(web: Shape, section: Section) -> Iterator[Shape]:
-    """The web within its flanges, where it stands on them."""
-    from shapely import LineString, box
+def _below_flanges(web: Shape, section: Section, ends: Ends) -> Iterator[Shape]:
+    """The web within its flanges, where it stands on them; at a skew end along that."""
+    from shapely import LineString, Polygon
+
+    def at(x: float, inner: float, outer: float) -> float:
+        """Where a side of the web that ends at x goes on to."""
+        for end in ends:
+            there, more = end.on("v", section, 0.0) if end is not None else (inf, 0.0)
+            if abs(there + more * inner - x) <= SAME:
+                return there + more * outer
+        return x
 
     if web.is_empty:
         return
     low, high = section.extent("v")
-    ends = [(low, 0.0)] if section.code in ("L", "T") else [(low, 0.0), (high, section.high)]
-    for inner, outer in ends:
+    bands = [(low, 0.0)] if section.code in ("L", "T") else [(low, 0.0), (high, section.high)]
+    for inner, outer in bands:
         left, _, right, _ = web.bounds
         for one in pieces_of(web.intersection(LineString([(left, inner), (right, inner)]))):
             first, _, last, _ = one.bounds
             if last > first:
-                yield box(first, min(inner, outer), last, max(inner, outer))
+                yield Polygon([
+                    (first, inner), (last, inner), (at(last, inner, outer), outer),
+                    (at(first, inner, outer), outer),
+                ])  # fmt: skip
 
 
 def _surface(part: Part, strokes: Sequence[Stroke], coper: Coper) -> _Wall:
@@ -226,8 +293,11 @@ class _Features:
         self._part, self._length, self._tube_radius = part, part.length, tube_radius
         self._corner_radius, self._within = corner_radius, within
 
-    def on(self, wall: _Wall) -> Iterator[Feature]:
-        """The outline of a wall, where it is no whole one, and what is cut out of it."""
+    def on(self, wall: _Wall, whole: Shape = None) -> Iterator[Feature]:
+        """The outline of a wall, where it is no whole one, and what is cut out of it.
+
+        A whole one is a rectangle as long as the part, or `whole`.
+        """
         from shapely import MultiPolygon, Polygon, box
         from shapely.geometry.polygon import orient
 
@@ -235,12 +305,12 @@ class _Features:
         is_tube = self._tube_radius is not None
         pieces = [orient(piece) for piece in pieces_of(wall.shape)]
         outlines = [Polygon(piece.exterior) for piece in pieces]
-        whole = box(0.0, 0.0, self._length, wall.wide)
+        whole = whole or box(0.0, 0.0, self._length, wall.wide)
         if is_tube:
             turn = box(-1e6, 0.0, 1e6, wall.wide)
             outlines = pieces_of(MultiPolygon(outlines).intersection(turn))
         is_whole = len(outlines) == 1 and outlines[0].hausdorff_distance(whole) <= self._within
-        if not is_whole or self._part.profile.code == "B":
+        if not is_whole or wall.is_drawn or self._part.profile.code == "B":
             for outline in outlines:
                 ring = _ring(orient(outline).exterior)
                 curves = curves_of(ring, self._within, (0.0, wall.wide))

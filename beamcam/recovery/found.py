@@ -60,9 +60,10 @@ UNNAMED = error("recover-unnamed-section",
     "Where the walls are below the torch follows from the section, whose thicknesses a program "
     "does not say.")
 TILTED = error("recover-tilted",
-    "found a cut with the torch tilted to B {found}; expected all of them square to their walls",
-    "Skew ends and bevels that a tilted torch makes are not recovered. The part is in the file "
-    "that the program was posted from.")
+    "found a cut with the torch tilted to B {found}; expected those of an end to lie in one plane, "
+    "or each along an edge that is cut square besides",
+    "Skew ends and bevels are recovered where nothing else is tilted. The part is in the file that "
+    "the program was posted from.")
 COMES_CUT = error("recover-comes-cut",
     "found a program for a piece that comes cut; expected one that cuts the part from a bar",
     "Its ends, and what another machine made, are not in the program. The part is in the rest file "

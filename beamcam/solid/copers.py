@@ -43,24 +43,21 @@ from beamcam.solid.compare import (
     ways_to_lie,
     without_left_out,
 )
+from beamcam.solid.coper_roots import ledges_of, square_ends, steps_of
 from beamcam.solid.coper_solid import Burn, burns_of, pieces_of, stock_of
 from beamcam.solid.cutters import slot_shape, through_wall
 from beamcam.solid.kernel import (
     CHORD,
     FREE,
     Wall,
-    behind,
     circle,
     facets,
     kernel,
     minus,
-    prism,
     walls,
 )
-from beamcam.solid.kernel import outline as section_of
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import ALONG as ALONG_BAR
-from beamcam.solid.stock_solid import Margins, Shape, end_planes, is_cut, shape_of, stock_solid
+from beamcam.solid.stock_solid import Margins, Shape, is_cut, shape_of, stock_solid
 from beamcam.solid.wrapped import (
     all_round,
     outline_gone,
@@ -162,44 +159,22 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(whole)):
         least, most = square_to_surface(least, most, whole, narrow)
     drawn = part_solid(as_cut) if square else found.drawn
-    ends: list[Manifold] = list(_square_ends(part, coper, burns, slack))
+    ends: list[Manifold] = list(square_ends(part, coper, burns, slack))
     ledges: list[Manifold] = []
     if part.made is None:
-        ledges = list(_ledges(drawn, part, burns, slack))
-    for many, what in ((len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange")):
+        ledges = list(ledges_of(drawn, part, burns, slack))
+    steps = list(steps_of(part, burns, slack)) if coper.turns == "torch" else []
+    for many, what in (
+        (len(ends), "skew end(s)"), (len(ledges), "hole(s) at a flange"),
+        (len(steps), "slant(s) at a root"),
+    ):  # fmt: skip
         if many:
             square = f"{square}, {many} {what}" if square else f"{many} {what}"
-    if ends or ledges:
+    if ends or ledges or steps:
         m = kernel()
-        most = m.Manifold.batch_boolean([most, *ends, *ledges], m.OpType.Add)
+        most = m.Manifold.batch_boolean([most, *ends, *ledges, *steps], m.OpType.Add)
     found = replace(found, least=least, most=most)
     return Asked(found, plain, corners, count, coper.corner_radius, square)
-
-
-def _square_ends(
-    part: Part, coper: Coper, burns: Sequence[Burn], slack: float
-) -> "Iterator[Manifold]":
-    """What may stay beyond each skew end of a bar to which no torch was tilted.
-
-    Square to a wall t thick it is t times the tangent of the angle at most; through a root a pass
-    goes square as deep as its row, and as wide as web and fillets are.
-    """
-    profile = part.profile
-    if part.made is not None or coper.turns == "bar":
-        return
-    deepest = max((burn.row.up_to for burn in burns), default=0.0) + slack
-    wide = (profile.web_thickness or 0.0) + 2 * profile.radius + slack
-    over = profile.height + profile.width + FREE
-    bar = prism(section_of(part), -over, part.length + over, ALONG_BAR)
-    for (x, y, z), (side, by_y, by_z) in end_planes(part, drawn=True):
-        near = [burn for burn in burns if side * (burn.path[-1][0] - part.length / 2) > 0.0]
-        if not (by_y or by_z) or any(burn.b_deg for burn in near):
-            continue
-        # A T lies on its side: its flange is seen along its z.
-        across, along = (abs(by_z), abs(by_y)) if profile.code == "T" else (abs(by_y), abs(by_z))
-        most = across * deepest + along * wide
-        grown = behind(bar, (x + side * (most + slack), y, z), (side, by_y, by_z))
-        yield grown - behind(bar, (x - side * 2 * slack, y, z), (side, by_y, by_z))
 
 
 def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Iterator[Diagnostic]:
@@ -215,45 +190,6 @@ def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Itera
         left = sum(lump.volume() for lump in lumps(more))
         if left or one.bodies.part.profile.code == "RO":  # else bevels that a skew end shows
             yield SQUARE.at(source, what=one.square, mark=mark, found=f"{left:.1f}")
-
-
-def _ledges(
-    drawn: "Manifold", part: Part, burns: Sequence[Burn], slack: float
-) -> "Iterator[Manifold]":
-    """What may stay of a web along each flange where the part, without bevels, has a hole in it.
-
-    Over the web no torch comes to the flange; it is as high as a pass through the root is deep.
-    """
-    m = kernel()
-    profile, flange = part.profile, part.profile.flange_thickness
-    if profile.code not in ("I", "U", "L", "T") or not burns:
-        return
-    rows = [burn.row for burn in burns if burn.a_deg]
-    # The round jet leaves a little more in the corner between the hole and what stays.
-    deep = max((row.up_to for row in rows), default=0.0) + 2 * slack
-    deep += max(burn.row.kerf for burn in burns)
-    high, wide = profile.height, profile.width
-    strips = [(0.0, flange, deep)]
-    if profile.code in ("I", "U"):
-        strips.append((high - flange, high - deep, high - flange))
-    for low, first, last in strips:
-        first, last = sorted((first, last))
-        slabs = [(low, low + flange), (first, last)]
-        boxes = [
-            m.Manifold.cube((2 * part.length, b - a, 2 * wide)).translate(
-                (-part.length / 2, a, -wide / 2)
-            )
-            if profile.code != "T"
-            else m.Manifold.cube((2 * part.length, 2 * high, b - a)).translate(
-                (-part.length / 2, -high / 2, a)
-            )
-            for a, b in slabs
-        ]
-        stays = (drawn ^ boxes[0]).bounding_box()
-        strip = prism(section_of(part), stays[0], stays[3], ALONG_BAR) ^ boxes[1]
-        ledge = strip - drawn
-        if ledge.volume() > 1.0:
-            yield ledge
 
 
 # --- cut square -----------------------------------------------------------------------------------

@@ -103,21 +103,24 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
 
     A skew plane leaves the end of a wall skew through its thickness, and an outline shows either
     surface; exporters round outlines by up to OUTLINE_NOISE. A cut that comes to such an end goes
-    on along x there, and the rest of the end is the plane's.
+    on as it is drawn and along x there, and the rest of the end is the plane's.
     """
     from shapely import LineString, Polygon, box, make_valid, union_all
 
     gone = make_valid(gone)
     ends: list[list[tuple[float, float]]] = []  # of the start and the end, (x, q) at both edges
     skew: list[bool] = []
+    leans: list[bool] = []  # through the thickness of the wall
     for (x, _, _), (side, along_y, along_z) in end_planes(part, drawn=True):
         chain = []
+        leans.append(False)
         for q in (-FREE, wall.width + FREE):
             xs = []
             for depth in (-wall.before, wall.thickness + wall.behind):
                 at = wall.surface + wall.inward * depth
                 y, z = (at, q) if wall.normal == "y" else (q, at)
                 xs.append(x - side * (along_y * y + along_z * z))
+            leans[-1] = leans[-1] or abs(xs[0] - xs[1]) > CHORD
             chain.append(((min(xs) if side > 0 else max(xs)), q))
         ends.append(chain)
         skew.append(bool(along_y or along_z))
@@ -126,7 +129,7 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
     inner = box(-FAR, 0.0, FAR, wall.width).intersection(make_valid(Polygon([a, c, d, b])))
     if gone.intersection(inner.buffer(-OUTLINE_NOISE)).buffer(-CHORD).is_empty:
         return Polygon()
-    for (low, high), way, is_skew in zip(ends, (1.0, -1.0), skew, strict=True):
+    for (low, high), way, is_skew, is_leaning in zip(ends, (1.0, -1.0), skew, leans, strict=True):
         if is_skew:
             line = [(x + way * OUTLINE_NOISE, q) for x, q in (low, high)]
             beyond = make_valid(Polygon([*line, (-way * FAR, high[1]), (-way * FAR, low[1])]))
@@ -137,6 +140,11 @@ def _beside_ends(gone: Shape, wall: Wall, part: Part) -> Shape:
                 if one.geom_type == "LineString" and not one.is_empty
                 for (xa, qa), (xb, qb) in [(one.coords[0], one.coords[-1])]
             ]
+            near = [
+                box(-FAR, min(qa, qb) - 2 * OUTLINE_NOISE, FAR, max(qa, qb) + 2 * OUTLINE_NOISE)
+                for _, qa, _, qb in (cut.bounds for cut in cuts if not is_leaning)
+            ]
+            cuts += [gone.intersection(beyond).intersection(one) for one in near]
             gone = union_all([gone.difference(beyond), *cuts])
     return gone
 
@@ -283,7 +291,10 @@ def _bevel(contour: Contour, inside: Shape, bevel: Bevel, wall: Wall, margin: fl
     body = prism(Polygon(), 0.0, 0.0, wall.frame)
     if not bevel.curve < len(contour.curves):
         return body
+    # Its land counts from the far side, whichever of them it takes.
     deep = wall.thickness - bevel.land
+    if bevel.angle < 0.0:
+        deep = bevel.land or wall.thickness
     wide = deep * tan(radians(min(abs(bevel.angle), 89.0)))
     if deep <= 0.0 or wide <= 0.0:
         return body

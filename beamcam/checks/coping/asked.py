@@ -22,6 +22,7 @@ from beamcam.checks.coping.skew import (
     own_bevels,
     skew_ends,
 )
+from beamcam.checks.coping.slants import with_square_roots
 from beamcam.checks.coping.stock import Stock
 from beamcam.checks.coping.strokes import Stroke
 from beamcam.checks.coping.wanted import Wanted, wanted_on, with_round_corners
@@ -38,10 +39,24 @@ FAR = 1e5
 
 
 def ledges_of(
-    web: Shape, flange: Shape, face: str, section: Section, height: float, skew: Sequence[bool]
-) -> Iterator[tuple[Shape, list[Point]]]:
-    """The ledges of a web along a flange, `height` mm from the flange's outside, and where they end
-    in the web's contour; none where the start or the end is skew."""
+    web: Shape, flange: Shape, face: str, section: Section, heights: Sequence[float | None],
+    ends: Sequence[EndOnWall],
+) -> Iterator[tuple[Shape, list[Point]]]:  # fmt: skip
+    """The ledges of a web along a flange, and where they end in the web's contour.
+
+    At the start and the end they are so high from the flange's outside, or None where there is
+    none. `ends` are skew ones of the web.
+    """
+    for side, height in zip((-1, 1), heights, strict=True):
+        if height is not None:
+            end = next((one for one in ends if one.side == side), None)
+            yield from _ledges_at(web, flange, face, section, height, side, end)
+
+
+def _ledges_at(
+    web: Shape, flange: Shape, face: str, section: Section, height: float, side: int,
+    end: EndOnWall | None,
+) -> Iterator[tuple[Shape, list[Point]]]:  # fmt: skip
     from shapely import LineString, box, get_coordinates
 
     low, high = section.web_ends
@@ -53,17 +68,25 @@ def ledges_of(
     band = (top, section.high) if face == "o" else (0.0, top)
     for one in pieces_of(stays):
         first, _, last, _ = one.bounds
+        if end is not None:  # the web ends elsewhere than the outside of the flange
+            at = end.at + end.more * inner
+            first, last = (first, at) if side > 0 else (at, last)
         over = line.intersection(box(first, inner - 1.0, last, inner + 1.0))
         for gap in pieces_of(over.difference(web)):
             x0, _, x1, _ = gap.bounds
             is_first, is_last = abs(x0 - first) < 0.1, abs(x1 - last) < 0.1
-            at_end = (is_first and not skew[0]) != (is_last and not skew[1])
+            at_end = is_first != is_last and is_last == (side > 0)
             middle = section.high - section.flange / 2 if face == "o" else section.flange / 2
             own = LineString([(x0, middle), (x1, middle)]).difference(web)
+            own = own if end is None else own.difference(end.beyond)
             # A web that is not drawn in the flange's own thickness has no flange there.
             if x1 - x0 <= SHORT or not at_end or own.length > SHORT:
                 continue
             missing = box(first, band[0], last, band[1]).difference(web)
+            if end is not None:  # which the band goes on to, above and below
+                far = (first, FAR / 2) if side > 0 else (-FAR / 2, last)
+                missing = box(far[0], band[0], far[1], band[1]).difference(web)
+                missing = missing.difference(end.beyond)
             for piece in pieces_of(missing):
                 if piece.geom_type == "Polygon" and piece.intersects(gap):
                     edge = piece.boundary.intersection(LineString([(-FAR, top), (FAR, top)]))
@@ -85,7 +108,7 @@ class WallsAsked(Struct, frozen=True):
 
     def has_bevels_left(self, k: int, feature: Feature, coper: Coper) -> bool:
         """Whether the feature k of a part has bevels that neither an end nor a pass makes."""
-        there = [one.bevel for one in self.passes if one.feature == k]
+        there = [one.drawn for one in self.passes if one.feature == k]
         return any(one not in there for one in own_bevels(feature, self.made, coper.min_bevel))
 
 
@@ -123,13 +146,20 @@ def walls_asked(
         }  # fmt: skip
     off: dict[str, float] = {}
     if not stock.is_piece:
-        skew = [end is not None for end in ends]
-        off |= _with_ledges(wanted, section, rows, near, strokes, skew)
+        off |= _with_ledges(wanted, section, rows, near, strokes, ends, tilted)
     widest = max((row.kerf for row in rows), default=0.0)
     for end, is_tilted_to in zip(ends, tilted, strict=True):
         if end is not None and not is_tilted_to:
             by_face = _with_square_end(wanted, end, section, strokes, widest)
             off |= {face: max(mm, off.get(face, 0.0)) for face, mm in by_face.items()}
+    on_walls = {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces}
+    known = {
+        face: [(at, then - at) for at, then, _ in stock.ends[face]] if stock.is_piece
+        else [(one.at, one.more) for one in on_walls[face]]
+        for face in faces
+    }  # fmt: skip
+    for face, mm in with_square_roots(wanted, known, section, strokes, widest).items():
+        off[face] = max(mm, off.get(face, 0.0))
     passes = [] if any(ends) else passes_of(part, section, coper, strokes)
     for face in {one.stroke.face for one in passes}:
         own = [one for one in passes if one.stroke.face == face]
@@ -141,7 +171,7 @@ def walls_asked(
             )
             wanted[face, down] = Wanted(drawn, cut, plain.short, most)
     return WallsAsked(
-        wanted, {face: ends_on(ends, (True, True), face, section, 0.0) for face in faces},
+        wanted, on_walls,
         [end for end, yes in zip(ends, tilted, strict=True) if end is not None and yes],
         {face: mm for face, mm in off.items() if mm >= LEAST_OFF},
         passes,
@@ -176,28 +206,47 @@ def _with_ledges(
     rows: Sequence[TorchRow],
     near: float,
     strokes: Sequence[Stroke],
-    skew: Sequence[bool],
+    ends: Sequence[SkewEnd | None],
+    tilted: Sequence[bool],
 ) -> dict[str, float]:
-    """Adds the ledges of the web to what is wanted of it; how high they are, by wall."""
+    """Adds the ledges of the web to what is wanted of it; how high they are, by wall.
+
+    At a skew end there are some only where the torch is tilted to it.
+    """
     off: dict[str, float] = {}
     widest = max((row.kerf for row in rows), default=0.0)
     for face in section.faces[1:]:
-        deep = section.flange + near
-        for stroke in strokes:
-            back, front = section.root(face)
-            ys = [y for _, y in stroke.points]
-            if stroke.face == face and min(ys) <= back and max(ys) >= front:
-                deep = max(deep, stroke.row.up_to * stroke.share)
         flange = wanted[face, 0.0].drawn
+        deep = _depths_of_roots(face, flange, section, section.flange + near, strokes)
+        heights = [
+            deep[k] if end is None or tilted[k] else None for k, end in enumerate(ends)
+        ]  # fmt: skip
         for (one, depth), asked in [*wanted.items()]:
-            found = ledges_of(asked.drawn, flange, face, section, deep, skew) if one == "v" else ()
-            for ledge, places in found:
+            if one != "v":
+                continue
+            there = ends_on(ends, tilted, "v", section, depth)
+            for ledge, places in ledges_of(asked.drawn, flange, face, section, heights, there):
                 asked = wanted[one, depth]
                 cut = asked.cut.union(ledge)
                 most = with_round_corners(asked.most.union(ledge), places, widest / 2)
                 wanted[one, depth] = Wanted(asked.drawn.union(ledge), cut, asked.short, most)
-                off["v"] = deep - section.flange
+                off["v"] = max(*deep) - section.flange
     return off
+
+
+def _depths_of_roots(
+    face: str, flange: Shape, section: Section, least: float, strokes: Sequence[Stroke]
+) -> tuple[float, float]:
+    """How deep passes through a root cut at the start and at the end, square to the flange."""
+    back, front = section.root(face)
+    bounds = flange.bounds or (0.0,) * 4
+    deep = [least, least]
+    for stroke in strokes:
+        ys = [y for _, y in stroke.points]
+        if stroke.face == face and min(ys) <= back and max(ys) >= front:
+            k = stroke.points[-1][0] > (bounds[0] + bounds[2]) / 2
+            deep[k] = max(deep[k], stroke.row.up_to * stroke.share)
+    return deep[0], deep[1]
 
 
 def _depth(face: str, end: SkewEnd, section: Section, strokes: Sequence[Stroke]) -> float:

@@ -1,9 +1,10 @@
-"""Second passes that take the wedge of a weld preparation off, found among a program's strokes.
+"""Passes that make weld preparations, found among a program's strokes.
 
 A bevel with the angle b takes of a wall t thick (t - land) tan(b) at the surface that the torch
-looks at, and nothing from the land on. A stroke makes it that is tilted so and runs along its edge,
-half a kerf off what stays; any other tilted stroke is none. It comes after the square cut along
-that edge, and before the piece is parted from its bar.
+looks at, and nothing from the land on; one of the far side land tan(b) there, and nothing above. A
+stroke makes it that is tilted so and runs along its edge, half a kerf off what stays; any other
+tilted stroke is none. It comes after the square cut along that edge, of the far side before it,
+and before the piece is parted from its bar.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,7 +14,7 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.checks.coping import rules
-from beamcam.checks.coping.section import Section
+from beamcam.checks.coping.section import Section, other_side
 from beamcam.checks.coping.strokes import ANGLE_SLACK_DEG, Stroke
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
@@ -38,13 +39,19 @@ class Pass(Struct, frozen=True):
     start: Point
     end: Point
     thickness: float
+    drawn: Bevel  #: as the contour has it, from whichever side
+
+    @property
+    def is_lower(self) -> bool:
+        """Whether it is of the far side of its wall."""
+        return self.bevel.angle < 0.0
 
     def strip(self, depth: float) -> Shape:
         """What it takes of its wall, so far below the face."""
         from shapely import Polygon
 
-        left = max(0.0, self.thickness - self.bevel.land - depth)
-        wide = left * tan(radians(self.bevel.angle))
+        over_land = self.thickness - self.bevel.land - depth
+        wide = max(0.0, over_land * tan(radians(self.bevel.angle)))
         turn = atan2(self.end[1] - self.start[1], self.end[0] - self.start[0])
         dx, dy = -sin(turn) * wide, cos(turn) * wide
         (xa, ya), (xb, yb) = self.start, self.end
@@ -59,30 +66,32 @@ def passes_of(part: Part, section: Section, coper: Coper, strokes: Sequence[Stro
     from shapely import Polygon
 
     found: list[Pass] = []
-    if section.code == "T":
-        return found
     for f, contour in enumerate(part.features):
         if not isinstance(contour, Contour) or contour.kind != "outer":
             continue
-        if contour.face not in section.faces:
+        face = "v" if contour.face == "h" else contour.face
+        if face not in section.faces:
             continue
         for bevel in contour.bevels:
             curve = contour.curves[bevel.curve]
-            if bevel.angle < coper.min_bevel or not isinstance(curve, Line):
+            if abs(bevel.angle) < coper.min_bevel or not isinstance(curve, Line):
                 continue
-            wide = section.high if contour.face == "v" else section.wide
+            asked = bevel
+            if contour.face == "h":  # seen through the web
+                asked = other_side(bevel, section.web)
+            wide = section.high if face == "v" else section.wide
             ends = [_at_edge(place, wide) for place in (curve.start, curve.end)]
             if not Polygon([c.start for c in contour.curves]).exterior.is_ccw:
                 ends.reverse()  # so that the steel lies on the left
-            thick = section.thickness(contour.face)
+            thick = section.thickness(face)
             one = next(
-                (s for s in strokes if s.face == contour.face
+                (s for s in strokes if s.face == face
                  and all(s is not other.stroke for other in found)
-                 and _makes(s, bevel, ends[0], ends[1], thick, coper.over)),
+                 and _makes(s, asked, ends[0], ends[1], thick, coper.over)),
                 None,
             )  # fmt: skip
             if one is not None:
-                found.append(Pass(f, bevel, one, ends[0], ends[1], thick))
+                found.append(Pass(f, asked, one, ends[0], ends[1], thick, bevel))
     return found
 
 
@@ -128,12 +137,23 @@ def pass_faults(
     parted = max((s.line for s in square if far.get(s.line)), default=0)
     for one in passes:
         middle = (one.start[0] + one.end[0]) / 2, (one.start[1] + one.end[1]) / 2
-        before = [
-            s for s in square
-            if s.line < one.stroke.line and s.face == one.stroke.face and not s.b_deg
+        along = [
+            s.line for s in square
+            if s.face == one.stroke.face and not s.b_deg
             and abs(LineString(s.points).distance(Place(middle)) - s.row.kerf / 2) <= BESIDE
         ]  # fmt: skip
-        if not before:
+        if one.is_lower:
+            if not along or min(along) < one.stroke.line:
+                yield rules.PASSES.at(
+                    Source(name, one.stroke.line), face=one.stroke.face,
+                    expected="before the square cut along its edge, through all of the wall",
+                )  # fmt: skip
+        elif one.strip(0.0).distance(Place(one.stroke.points[0])) > BESIDE:
+            x, y = one.stroke.points[0]
+            yield rules.AIR.at(
+                Source(name, one.stroke.line), x=f"{x:.1f}", y=f"{y:.1f}", face=one.stroke.face
+            )
+        elif not along or min(along) > one.stroke.line:
             yield rules.PASSES.at(
                 Source(name, one.stroke.line), face=one.stroke.face,
                 expected="after the square cut along its edge, which leaves the land",

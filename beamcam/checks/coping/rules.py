@@ -85,7 +85,13 @@ ORDER = error("verify-coping-order",
 PASSES = error("verify-coping-passes",
     "found the bevel of an edge on face {face} cut; expected {expected}",
     "A second pass takes the wedge off an edge that is cut, of a piece that is still held.")
+MEASURED = error("verify-coping-measured",
+    "found {found}; expected {expected}",
+    "`measured_height` and `measured_width` of a machine file say the bar's own figures to the "
+    "machine, once and before the first cut. A figure that is farther off the section's than "
+    "`coper.rolled` is that of another bar.")
 RULES = (
     PARTS, SECTION, TORCH, ANGLE, TILT, SQUARE, RADIUS, LOST, HEIGHT, FEED, PIERCE, AIR, STRIKES,
     LIMIT, PLACE, HURT, LEFT, SHORT, GONE, HOLDS, EXTRA, ORDER, PASSES,
+    MEASURED,
 )  # fmt: skip

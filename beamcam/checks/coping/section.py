@@ -13,7 +13,7 @@ from typing import Any, Literal
 from msgspec.structs import replace
 
 from beamcam.checks.bars.pieces import Rotation, rotated
-from beamcam.model.part import Feature, Part, Profile
+from beamcam.model.part import Bevel, Contour, Feature, Part, Profile
 
 FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm
 ARC = 16  #: sides of a quarter of a kerf's end
@@ -84,8 +84,10 @@ def lying(part: Part) -> Part:
     turned = rotated(part, _ON_ITS_SIDE)
     made = part.made
     if made is not None:
-        made = tuple(map(_seen, rotated(replace(part, features=made), _ON_ITS_SIDE).features))
-    return replace(turned, features=tuple(map(_seen, turned.features)), made=made)
+        there = rotated(replace(part, features=made), _ON_ITS_SIDE).features
+        made = tuple(_seen(one, part.profile) for one in there)
+    features = tuple(_seen(one, part.profile) for one in turned.features)
+    return replace(turned, features=features, made=made)
 
 
 def as_drawn(part: Part) -> Part:
@@ -96,14 +98,21 @@ def as_drawn(part: Part) -> Part:
     return rotated(part, back)
 
 
-def _seen(feature: Feature) -> Feature:
+def _seen(feature: Feature, tee: Profile) -> Feature:
     """A feature of a T on its side, on the face of its plate that the torch looks at."""
-    match getattr(feature, "face", ""):
-        case "o":  # the inside of the flange
-            return replace(feature, face="u")
-        case "h":
-            return replace(feature, face="v")
-    return feature
+    thick = {"o": tee.flange_thickness, "h": tee.web_thickness or 0.0}
+    if (face := getattr(feature, "face", "")) not in thick:  # the inside of the flange, or below
+        return feature
+    if isinstance(feature, Contour):
+        bevels = tuple(other_side(one, thick[face]) for one in feature.bevels)
+        feature = replace(feature, bevels=bevels)
+    return replace(feature, face="u" if face == "o" else "v")
+
+
+def other_side(bevel: Bevel, thickness: float) -> Bevel:
+    """A bevel as it is seen from the other side of its wall; its land counts from the far side."""
+    land = thickness if bevel.angle < 0.0 and not bevel.land else bevel.land
+    return replace(bevel, angle=-bevel.angle, land=thickness - land)
 
 
 class Section:

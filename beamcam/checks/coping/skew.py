@@ -209,7 +209,7 @@ def as_square(
                 high < wide - ON_PLANE):  # fmt: skip
                 high = min(wide, max(high, (x - at) / more))
             steps[one] += [(at + more * y, y) for y in (low, high)]
-            found[one] = areas_of(found[one].union(_band(end, at, more, low, high, x)))
+            found[one] = areas_of(found[one].union(step_of(end.side, at, more, low, high, x)))
             reach = [abs(x - at - more * y) for y in (max(band[0], 0.0), min(band[1], wide))]
             off[one] = max(off[one], *reach)
     return found, off, steps
@@ -242,15 +242,16 @@ def _up_to(end: SkewEnd, face: str, shape: Shape, section: Section) -> Shape:
     return union_all(found)
 
 
-def _band(end: SkewEnd, at: float, more: float, low: float, high: float, x: float) -> Shape:
+def step_of(side: float, at: float, more: float, low: float, high: float, x: float) -> Shape:
+    """What lies between a line x = at + more y and an x beyond it, of a band from low to high."""
     from shapely import Polygon
 
     def out(y: float) -> float:
         line = at + more * y
-        return max(line, x) if end.side > 0 else min(line, x)
+        return max(line, x) if side > 0 else min(line, x)
 
     def inside(y: float) -> float:
-        return at + more * y - end.side * AT_EDGE
+        return at + more * y - side * AT_EDGE
 
     return Polygon([(inside(low), low), (out(low), low), (out(high), high), (inside(high), high)])
 

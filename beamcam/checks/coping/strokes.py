@@ -32,7 +32,8 @@ LONGEST_PAUSE_S = 60.0  #: with the torch off
 ENDS = (2, 30)
 #: What words of a torch are filled with to see which M words they are.
 _FIGURES = {
-    "feed": "1000", "power": "0", "pierce": "1", "pierce_height": "1", "cut_height": "1",
+    "height": "200", "width": "100", "feed": "1000", "power": "0", "pierce": "1",
+    "pierce_height": "1", "cut_height": "1",
 }  # fmt: skip
 
 
@@ -89,6 +90,8 @@ class Torch(ABC):
         self._tip: Place | None = None
         self._a_deg: float | None = None
         self._tilts = coper.tilt > 0.0
+        self._measuring = {name: _carriers(machine, name) for name in ("height", "width")}
+        self._measured: dict[str, list[float]] = {name: [] for name in self._measuring}
 
     def follow(self, events: Sequence[BarEvent]) -> None:
         """All events of a program, in order."""
@@ -113,6 +116,22 @@ class Torch(ABC):
                     self._wrong(event.line, type(event).__name__, "no such word of a coper")
         if self._on_at is not None:
             self._wrong(self._on_at, "the torch left on", "it off at the end")
+        for (name, figures), size in zip(self._measured.items(), self.sizes, strict=True):
+            if self._measuring[name] and len(figures) != 1:
+                found = f"{len(figures)} figures of the bar's {name}"
+                expected = "one, by the words of the machine file"
+                self._say(rules.MEASURED.at(Source(self._name), found=found, expected=expected))
+            for figure in figures:
+                if abs(figure - size) > self._coper.rolled:
+                    self._say(rules.MEASURED.at(
+                        Source(self._name), found=f"a {name} of {figure:g} mm",
+                        expected=f"{size:g} mm, {self._coper.rolled:g} mm more or less",
+                    ))  # fmt: skip
+
+    @property
+    @abstractmethod
+    def sizes(self) -> tuple[float, float]:
+        """The height and the width of the bar by its section."""
 
     def _wrong(self, line: int, found: str, expected: str) -> None:
         self._say(rules.TORCH.at(Source(self._name, line), found=found, expected=expected))
@@ -131,6 +150,13 @@ class Torch(ABC):
             if self._on_at is not None:
                 self._end(self._on_at)
             self._on_at = None
+        elif names := [
+            name for name, carriers in self._measuring.items()
+            if (event.number, *sorted(event.words)) in carriers
+        ]:  # fmt: skip
+            if self._on_at is not None or self.strokes:
+                self._wrong(event.line, f"{event} behind a cut", "it in the head")
+            self._measured[names[0]] += event.words.values()
         elif event.number not in ENDS:
             self._wrong(event.line, str(event), "the words of cut_on and cut_off, and no others")
 
@@ -237,6 +263,10 @@ class ProfileTorch(Torch):
         super().__init__(machine, coper, rows, name)
         self._section = section
 
+    @property
+    def sizes(self) -> tuple[float, float]:
+        return self._section.high, self._section.wide
+
     def _take(self, line: int, moves: Sequence[Move[Place]]) -> None:
         """A stroke: its wall, its heights, its row."""
         source = Source(self._name, line)
@@ -296,6 +326,12 @@ def _switches(machine: Machine, word: str) -> frozenset[Said]:
     text = "\n".join(line.format_map(_Filled(_FIGURES)) for line in getattr(machine.words, word))
     events, _ = cell_events(text + "\n", machine, "")
     return frozenset(event.said for event in events if isinstance(event, Switch))
+
+
+def _carriers(machine: Machine, name: str) -> list[tuple[int | str, ...]]:
+    """The M words that say a measured height or width, each by its number and its letter."""
+    words = _switches(machine, f"measured_{name}")
+    return [(number, *(letter for letter, _ in said)) for number, said in words]
 
 
 class _Filled(dict[str, str]):

@@ -56,6 +56,10 @@ class TubeTorch(Torch):
         #: mm that a way may be off as its ends are written
         self._written = 2 * written_step(machine, section)
 
+    @property
+    def sizes(self) -> tuple[float, float]:
+        return 2 * self._section.half_y, 2 * self._section.half_z
+
     def _as_written(self, a_deg: float) -> float:
         """A in the unit of the program: mm of the surface are those of a round tube."""
         if self._coper.a_unit == "mm":

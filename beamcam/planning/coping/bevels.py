@@ -1,9 +1,14 @@
-"""Weld preparations of a wall: a bevel on the side that the torch looks at, as a second pass.
+"""Weld preparations of a wall by passes of a torch that is tilted along the bar.
 
-  \\\\ B          The wall is cut square first, its root with it. Then the torch, tilted along
-___\\\\ wedge     the bar, takes the wedge off: from its surface to the square face, which
-   \\|           stays as the land. A pass needs a wedge that is wider than what piercing
-    |  land      burns, and room to run out at both ends of the edge.
+  \\\\ B          On the side that the torch looks at: the wall is cut square first, its root
+___\\\\ wedge     with it. Then the torch takes the wedge off, from its surface to the square
+   \\|           face, which stays as the land. A pass needs a wedge that is wider than what
+    |  land      piercing burns, and room to run out at both ends of the edge.
+
+       // B      On the far side: the torch leans the other way, over the scrap, and cuts the
+_____ //         whole wall along the bevel first. What that leaves beyond the edge above the
+     |/          land goes with the square cut, whose arc stands on it.
+     / wedge
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +23,7 @@ from beamcam.model.plan import CopeCut
 from beamcam.planning.coping.chart import Chart
 from beamcam.planning.coping.ends import room_at
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Region, Shape
-from beamcam.planning.coping.walls import WEB_AMID
+from beamcam.planning.coping.walls import WEB_AMID, from_behind
 
 LEAST_SIDE = 0.3  #: share of an edge's normal along the bar, in which B tilts
 SLIVER = 0.05  #: mm by which a kerf may reach over the part, for rounding
@@ -39,7 +44,7 @@ class Edge(Struct, frozen=True):
 
     @property
     def b_deg(self) -> float:
-        """The tilt along the bar whose plane is the bevel's."""
+        """The tilt along the bar whose plane is the bevel's: of a lower one over the scrap."""
         return -degrees(atan(tan(radians(self.bevel.angle)) / self.way[1]))
 
     def inside(self, place: Point, mm: float) -> Point:
@@ -47,10 +52,17 @@ class Edge(Struct, frozen=True):
         dx, dy = self.way
         return place[0] - mm * dy, place[1] + mm * dx
 
+    @property
+    def is_lower(self) -> bool:
+        return self.bevel.angle < 0.0
+
+    def beside(self, depth: float) -> float:
+        """How far in the steel the bevel's plane lies, so far below the surface."""
+        return (self.thickness - self.bevel.land - depth) * tan(radians(self.bevel.angle))
+
     def wide(self, depth: float) -> float:
-        """How far the bevel reaches into the steel, so far below the surface."""
-        left = self.thickness - self.bevel.land - depth
-        return max(0.0, left) * tan(radians(self.bevel.angle))
+        """How far the bevel reaches into the steel there."""
+        return max(0.0, self.beside(depth))
 
     def strip(self, depth: float) -> Shape:
         """What it takes of the wall there."""
@@ -72,20 +84,22 @@ def bevel_cuts(
     cuts: list[CopeCut] = []
     made: set[int] = set()
     skew = any(line is not None for one in regions.values() for line in one.wall.skew)
-    if part.profile.code == "T" or not coper.tilt or skew:
+    if not coper.tilt or skew:
         return cuts, made
     beveled: set[Face] = set()
     for face in ("o", "u", "v"):
         for f in features.get(face, ()) if face in regions else ():
             contour = part.features[f]
-            if not isinstance(contour, Contour) or contour.kind != "outer" or contour.face != face:
+            if not isinstance(contour, Contour) or contour.kind != "outer":
                 continue
+            if contour.face != face:
+                contour = from_behind(contour, face, regions[face].wall.thickness)
             asked = [one for one in contour.bevels if abs(one.angle) >= coper.min_bevel]
             found = [_pass(one, f, contour, regions[face], part, chart, coper) for one in asked]
             own = [cut for cut in found if cut is not None]
-            if any(cut.kind == "far" for cut in own):
+            if any(cut.kind == "far" and not cut.lower for cut in own):
                 if part.made is None and len(beveled | {face}) == len(regions):
-                    own = [cut for cut in own if cut.kind != "far"]
+                    own = [cut for cut in own if cut.kind != "far" or cut.lower]
                 beveled.add(face)
             cuts += own
             if asked and len(own) == len(asked):
@@ -99,7 +113,8 @@ def _pass(
     """The second pass along a bevelled edge; None where there is none."""
     wall, line = region.wall, contour.curves[bevel.curve]
     thick = wall.thickness
-    if not isinstance(line, Line) or bevel.angle < 0.0 or not 0.0 <= bevel.land < thick:
+    deep = bevel.land if bevel.angle < 0.0 else thick - bevel.land
+    if not isinstance(line, Line) or not 0.0 < deep <= thick:
         return None
     ends = _on_wall(line.start, region), _on_wall(line.end, region)
     if signed_area(contour.curves) < 0.0:  # that of o runs clockwise in its numbers
@@ -108,23 +123,33 @@ def _pass(
     if abs(edge.way[1]) < LEAST_SIDE or abs(edge.b_deg) > coper.tilt:
         return None
     share = cos(radians(edge.b_deg))
-    row = chart.row(thick / share)
+    row, square = chart.row(thick / share), chart.row(thick)
     middle = (edge.start[0] + edge.end[0]) / 2
     is_far = edge.way[1] > 0.0
-    if row is None or is_far != (middle > part.length / 2):
+    if row is None or square is None or is_far != (middle > part.length / 2):
         return None
     if not _has_room(region, edge, part, coper):
         return None
     half = row.kerf / 2
     dx, dy = edge.way
-    beside = edge.wide(0.0) - hypot(half / share * dy, half * dx)
+    beside = edge.beside(0.0) - hypot(half / share * dy, half * dx)
     more = half + coper.over
     a, b = edge.inside(edge.start, beside), edge.inside(edge.end, beside)
     first = a[0] - more * dx, a[1] - more * dy
     last = b[0] + more * dx, b[1] + more * dy
+    pierce = edge.start
+    if edge.is_lower:
+        # The arc of the square cut has to stand on what is left of the wall there.
+        if wall.face != "v" or -edge.beside(0.0) < square.kerf / 2:
+            return None
+        at = first[0], min(max(first[1], 0.0), wall.width)
+        pierce = edge.inside(at, -coper.lead)
+        within = -coper.trim + row.pierce_radius, part.length + coper.trim - row.pierce_radius
+        if not (wall.holds(pierce) and within[0] <= pierce[0] <= within[1]):
+            return None
     cut = CopeCut(
-        "far" if is_far else "near", wall.face, (edge.start, first, last), 1, thick / share, row,
-        ((0, f),), contour.source, False, edge.b_deg, True,
+        "far" if is_far else "near", wall.face, (pierce, first, last), 1, thick / share, row,
+        ((0, f),), contour.source, False, edge.b_deg, True, edge.is_lower,
     )  # fmt: skip
     return cut if _is_clear(cut, edge, region) else None
 

@@ -20,7 +20,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic
-from beamcam.geometry.curves import Line
+from beamcam.geometry.curves import Line, Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Contour, EndCuts, Face, Part
 from beamcam.model.section import corners
@@ -120,8 +120,10 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
     """A part whose header has the ends that its outlines have, and what is wrong with them.
 
     A header without an angle takes that of the web's outline, or of all flanges' outlines, where a
-    straight side goes from edge to edge there.
+    straight side goes from edge to edge there. A side that lies wholly within the header's end is
+    that of a cope, and says nothing of it.
     """
+    planes = planes_of(part)
     said: list[Diagnostic] = []
     found: dict[str, float] = {}
     kinds: tuple[tuple[Literal["web", "flange"], tuple[Face, ...]], ...] = (
@@ -131,7 +133,8 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
         drawn = [*map(partial(_drawn, part), faces)]
         for k, at in enumerate(AT):
             angle, source = getattr(part.cuts, f"{kind}_{at}"), part.cut_source(kind, at)
-            seen = [one[k] for one in drawn if one[k] is not None]
+            sides = [(face, one[k]) for face, one in zip(faces, drawn, strict=True) if one[k]]
+            seen = [_leaning(side) for _, side in sides]
             needed = 1 if kind == "web" else len(faces)
             if abs(angle) <= NOISE_DEG:
                 same = len(seen) >= needed and max(seen) - min(seen) <= NOISE_DEG
@@ -140,7 +143,11 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
                     said.append(bar_rules.CUT_FROM_CONTOUR.at(
                         source, kind=kind, found=f"{angle:.3f}", end=at))  # fmt: skip
             else:
-                denied = [one for one in seen if abs(one - angle) > NOISE_DEG]
+                reaching = [
+                    _leaning(side) for face, side in sides
+                    if not _is_within(side, planes[k], face, part)
+                ]  # fmt: skip
+                denied = [one for one in reaching if abs(one - angle) > NOISE_DEG]
                 if denied:
                     said.append(bar_rules.CUT_DENIED.at(
                         source, kind=kind, found=f"{angle:g}", end=at,
@@ -149,11 +156,26 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
     return replace(part, cuts=EndCuts(**found)), said
 
 
+Side = tuple[Point, Point]  #: of an outline, from the lower edge of its face to the upper one
+
+
+def _leaning(side: Side) -> float:
+    """The angle of a side in degrees, with DSTV's sign."""
+    (xa, ya), (xb, yb) = side
+    return degrees(atan((xa - xb) / (yb - ya)))
+
+
+def _is_within(side: Side, plane: EndPlane, face: Face, part: Part) -> bool:
+    """Whether a side lies on the steel's side of an end, clear of it."""
+    end = _outermost(plane, "v" if face == "h" else face, part)
+    return all(plane.side * (end.x(y) - x) > OUTLINE_NOISE + end.play for x, y in side)
+
+
 def _drawn(part: Part, face: Face) -> list[Any]:
-    """The angles of the sides of a face's outline that go from edge to edge, at start and end; None
-    without one."""
+    """The sides of a face's outline that go from edge to edge, at start and end; None without
+    one."""
     wide = part.profile.face_width(face)
-    angles: list[float | None] = [None, None]
+    sides: list[Side | None] = [None, None]
     for contour in part.contours:
         if contour.face != face or contour.kind != "outer" or contour.process != "cut":
             continue
@@ -161,8 +183,8 @@ def _drawn(part: Part, face: Face) -> list[Any]:
         for curve in contour.curves:
             (xa, ya), (xb, yb) = sorted((curve.start, curve.end), key=lambda p: p[1])
             if isinstance(curve, Line) and ya <= OUTLINE_NOISE and yb >= wide - OUTLINE_NOISE:
-                angles[(xa + xb) / 2 > middle] = degrees(atan((xa - xb) / (yb - ya)))
-    return angles
+                sides[(xa + xb) / 2 > middle] = (xa, ya), (xb, yb)
+    return sides
 
 
 # --- how a skew end is cut ------------------------------------------------------------------------
@@ -255,13 +277,13 @@ def squared(
         ys = (high - depth - EDGE, high) if face == "o" else (0.0, depth + EDGE)
         x = plane.farthest(ys, zs)
         for one, edge, band in ((face, line, zs), ("v", web_line, ys)):
-            more = _stepped(edge, band, x, plane.side, regions[one].wall.width)
+            more = stepped(edge, band, x, plane.side, regions[one].wall.width)
             found[one] = replace(found[one], shape=found[one].shape.union(more))
             off[one] = max(off[one], *(abs(x - edge.x(y)) for y in band))
     return found, off
 
 
-def _stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wide: float) -> Shape:
+def stepped(line: EndLine, band: tuple[float, float], x: float, side: float, wide: float) -> Shape:
     """What a wall has more where it ends at x on a band of it.
 
     Off the band it goes on until it meets the line where that is steep and reaches farther.

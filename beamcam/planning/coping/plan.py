@@ -31,7 +31,7 @@ from beamcam.planning.coping.ends import (
     with_skew,
 )
 from beamcam.planning.coping.regions import Region, features_on, open_on, region_of
-from beamcam.planning.coping.roots import root_faults, with_ledges
+from beamcam.planning.coping.roots import root_faults, with_ledges, with_steps
 from beamcam.planning.coping.tube import LEAST_SLANT, is_slanted, outcomes_of, plan_tube
 from beamcam.planning.coping.views import chains_seen, kind_of, tilts_of
 from beamcam.planning.coping.walls import (
@@ -152,16 +152,10 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
         said += denied
     said += more
-    ledges: list[Diagnostic] = []
+    at_root: set[Face] = set()
     if not errors_in(said):
-        if part.made is None:
-            over_web = chart.row(walls["v"].thickness + walls["v"].fillets)
-            kerf = over_web.kerf if over_web else EDGE
-            deep = chart.depth(walls["u"].root_depth)
-            regions, ledges = with_ledges(regions, deep, kerf, coper, part.source)
-        said += ledges
-        depths = _depths(walls["u"].root_depth, regions["u"].wall, chart)
-        said += root_faults(regions, depths, coper, part.source)
+        regions, more, at_root = _at_roots(part, regions, chart, coper)
+        said += more
     if errors_in(said):
         raise PlanError(errors_in(said))
     cuts, more = _cuts(part, regions, found, chart, coper)
@@ -179,7 +173,7 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
     said += _told_of(part, given, needed, coper)
     outcomes = tuple(
-        replace(o, left=o.left or _left(part.features[o.feature[1]], slant, bool(ledges)))
+        replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o
         for o in outcomes_of(
             part, found, coper.min_bevel,
@@ -193,6 +187,26 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
         raise AssertionError("the ledger of the plan does not balance")
     return plan
+
+
+def _at_roots(
+    part: Part, regions: dict[Face, Region], chart: Chart, coper: Coper
+) -> tuple[dict[Face, Region], list[Diagnostic], set[Face]]:
+    """Regions with what stays at the roots, what is told and wrong of them, and the walls that have
+    more than is drawn."""
+    said: list[Diagnostic] = []
+    more: set[Face] = set()
+    web, flange = regions["v"].wall, regions["u"].wall
+    depths = _depths(flange.root_depth, flange, chart)
+    if part.made is None:
+        over_web = chart.row(web.thickness + web.fillets)
+        kerf = over_web.kerf if over_web else EDGE
+        regions, said = with_ledges(regions, depths, kerf, coper, part.source)
+        more = {"v"} if said else set()
+    regions, steps, off = with_steps(regions, chart.depth(flange.root_depth), part.source)
+    more |= {face for face, mm in off.items() if mm >= LEAST_SLANT}
+    faults = root_faults(regions, depths, coper, part.source)
+    return regions, [*said, *steps, *faults], more
 
 
 def _told_of(part: Part, given: Part, needed: float, coper: Coper) -> Iterator[Diagnostic]:
@@ -384,14 +398,15 @@ def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:
     if last:
         order["far"] = (*last, *sorted({*ORDER["far"]} - {*last}, key=ORDER["far"].index))
     return sorted(cuts, key=lambda cut: (
-        tuple(order).index(cut.kind), order[cut.kind].index(cut.face), cut.bevel, cut.path[0],
+        tuple(order).index(cut.kind), order[cut.kind].index(cut.face),
+        cut.bevel - 2 * cut.lower, cut.path[0],
     ))  # fmt: skip
 
 
-def _left(feature: Feature, slant: Mapping[Face, float], ledges: bool) -> str:
+def _left(feature: Feature, slant: Mapping[Face, float], at_root: Collection[str]) -> str:
     """Why an outline is manual work though it is cut; "" if it is not."""
     if is_slanted(feature, slant):
         return BEVEL
-    if not ledges or not isinstance(feature, Contour) or feature.kind != "outer":
+    if not isinstance(feature, Contour) or feature.kind != "outer":
         return ""
-    return ROOT if feature.face in ("v", "h") else ""
+    return ROOT if {"h": "v"}.get(feature.face, feature.face) in at_root else ""

@@ -15,17 +15,21 @@ web    |
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from math import atan, degrees
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
+from beamcam.geometry.curves import Point
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Face
 from beamcam.planning.coping import rules
 from beamcam.planning.coping.cuts import borders_of, chains_of
+from beamcam.planning.coping.ends import STEEPEST_DEG, is_on, stepped
 from beamcam.planning.coping.regions import OUTLINE_NOISE, Region, Shape
-from beamcam.planning.coping.walls import EDGE, Root, Wall
+from beamcam.planning.coping.walls import EDGE, EndLine, Root, Wall
 
 SHARE = 0.5  #: of the tolerance, that web and flange may differ by at a root
 
@@ -53,10 +57,16 @@ def root_faults(
     for root in web.wall.roots:
         flange = regions[root.face]
         on_web, wrong = crossings(web, _band(root, depths[None], web.wall), coper)
-        for end in {one.end for one in on_web} & depths.keys() - {None}:
-            deeper, _ = crossings(web, _band(root, depths[end], web.wall), coper)
-            if end not in {one.end for one in deeper}:
-                wrong += [one.x for one in on_web if one.end == end]
+        for end in depths.keys() - {None}:  # which counts there, be it more or less
+            own = [one for one in crossings(web, _band(root, depths[end], web.wall), coper)[0]
+                   if one.end == end]  # fmt: skip
+            before = [one for one in on_web if one.end == end]
+            on_web = [one for one in on_web if one.end != end] + own
+            line = web.wall.skew[end or 0]
+            if own and line is not None:
+                wrong = [way for way in wrong if not any(is_on(line, (at,)) for at in way)]
+            elif before:
+                wrong += [((one.x, 0.0),) for one in before]
         yield from _said(wrong, web.wall, source)
         (behind,) = flange.wall.roots
         band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
@@ -71,16 +81,16 @@ def root_faults(
 def _band(root: Root, depth: float, web: Wall) -> tuple[float, float]:
     """The y of the web between the flange's inner surface and where a pass through it ends."""
     if root.low == 0.0:
-        return root.inner + EDGE, max(root.high, depth)
-    return min(root.low, web.width - depth), root.inner - EDGE
+        return root.inner + EDGE, max(root.high, depth - EDGE)
+    return min(root.low, web.width - depth + EDGE), root.inner - EDGE
 
 
 def crossings(
     region: Region, band: tuple[float, float], coper: Coper
-) -> tuple[list[Crossing], list[float]]:
-    """The cuts through a band of a wall, along x, and where it is cut otherwise."""
+) -> tuple[list[Crossing], list[tuple[Point, ...]]]:
+    """The cuts through a band of a wall, along x, and the paths by which it is cut otherwise."""
     found: list[Crossing] = []
-    wrong: list[float] = []
+    wrong: list[tuple[Point, ...]] = []
     for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
         xs = [x for x, _ in chain.points]
         whole = {chain.start, chain.end} == {"low", "high"}
@@ -92,15 +102,15 @@ def crossings(
         )  # fmt: skip
         square = max(xs) - min(xs) <= near
         if not whole or (end is None and not square):
-            wrong.append(xs[0])
+            wrong.append(chain.points)
             continue
         # The region lies on the left of its ring: upwards, the scrap is at greater x.
         found.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
     return sorted(found, key=lambda one: one.x), wrong
 
 
-def _said(wrong: Sequence[float], wall: Wall, source: Source) -> Iterator[Diagnostic]:
-    for x in wrong[:3]:
+def _said(wrong: Sequence[Sequence[Point]], wall: Wall, source: Source) -> Iterator[Diagnostic]:
+    for (x, _), *_ in wrong[:3]:
         yield rules.ROOT.at(
             source, what="a cut into or along a root", x=f"{x:g}", face=wall.face,
             expected="one through all of it, square to the bar or along a skew end, or none",
@@ -139,15 +149,85 @@ def _unpaired(
                 )  # fmt: skip
 
 
+class _Slanted(Struct, frozen=True):
+    """A straight cut through the whole of a root, at whatever angle."""
+
+    line: EndLine
+    xs: tuple[float, float]  #: at both sides of the root
+    right: bool  #: whether the scrap lies at greater x
+
+    @property
+    def is_square(self) -> bool:
+        return abs(self.xs[1] - self.xs[0]) <= EDGE
+
+    def meets(self, other: "_Slanted") -> bool:
+        """Whether it and one of the other wall are one cut, which either crosses on a slant."""
+        apart = max(min(self.xs) - max(other.xs), min(other.xs) - max(self.xs))
+        slanted = not (self.is_square and other.is_square)
+        return slanted and self.right == other.right and apart <= OUTLINE_NOISE
+
+
+def with_steps(
+    regions: Mapping[Face, Region], depth: float, source: Source
+) -> tuple[dict[Face, Region], list[Diagnostic], dict[Face, float]]:
+    """Regions whose walls meet square at roots that a cut crosses on a slant; a warning of
+    each, and mm too much by wall.
+
+    `depth` is that to which a pass through a root cuts. What is more than drawn reaches as far as
+    either of the walls does there, so that no steel is missing.
+    """
+    found, said, off = dict(regions), list[Diagnostic](), dict[Face, float]()
+    for root in regions["v"].wall.roots:
+        web, flange = regions["v"].wall, regions[root.face].wall
+        (behind,) = flange.roots
+        low = root.low == 0.0
+        ys = (0.0, depth + EDGE) if low else (web.width - depth - EDGE, web.width)
+        zs = max(behind.low - EDGE, 0.0), min(behind.high + EDGE, flange.width)
+        inner = _band(root, depth, web)
+        across = max(EDGE, behind.low), min(flange.width - EDGE, behind.high)
+        pairs = product(_slants(regions["v"], inner), _slants(regions[root.face], across))
+        for one, other in pairs:
+            if not one.meets(other):
+                continue
+            side = 1.0 if one.right else -1.0
+            reach = (*map(one.line.x, ys), *map(other.line.x, zs))
+            x = side * max(side * at for at in reach)
+            for face, line, band, wall in (
+                ("v", one.line, ys, web), (root.face, other.line, zs, flange)
+            ):  # fmt: skip
+                more = stepped(line, band, x, side, wall.width)
+                found[face] = replace(found[face], shape=found[face].shape.union(more))
+                off[face] = max(off.get(face, 0.0), *(abs(x - line.x(y)) for y in band))
+            said.append(rules.STEP.at(
+                source, x=f"{x:g}", face=root.face, found=f"{max(off['v'], off[root.face]):.1f}",
+            ))  # fmt: skip
+    return found, said, off
+
+
+def _slants(region: Region, band: tuple[float, float]) -> Iterator[_Slanted]:
+    """The straight cuts through a band of a wall that lie on none of its skew ends."""
+    for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
+        (xa, ya), (xb, yb) = chain.points[0], chain.points[-1]
+        if {chain.start, chain.end} != {"low", "high"}:
+            continue
+        slope = (xb - xa) / (yb - ya)
+        line = EndLine(xa - slope * ya, slope)
+        on_end = any(end is not None and is_on(end, chain.points) for end in region.wall.skew)
+        if not on_end and is_on(line, chain.points) and degrees(atan(abs(slope))) <= STEEPEST_DEG:
+            yield _Slanted(line, (xa, xb), chain.start == "low")
+
+
 FAR = 1e5
 
 
 def with_ledges(
-    regions: Mapping[Face, Region], depth: float, kerf: float, coper: Coper, source: Source
-) -> tuple[dict[Face, Region], list[Diagnostic]]:
+    regions: Mapping[Face, Region], depths: Mapping[int | None, float], kerf: float, coper: Coper,
+    source: Source,
+) -> tuple[dict[Face, Region], list[Diagnostic]]:  # fmt: skip
     """Regions whose web keeps the ledges of such holes, and a warning of each.
 
-    `depth` is that to which a pass through a root cuts, `kerf` that of a cut over the web.
+    `depths` are those to which passes through a root cut, as of `root_faults`, `kerf` is that of a
+    cut over the web. At a skew end the flange has to be cut with the torch tilted to it.
     """
     web = regions["v"]
     said: list[Diagnostic] = []
@@ -157,28 +237,39 @@ def with_ledges(
         band = max(EDGE, behind.low), min(flange.wall.width - EDGE, behind.high)
         on_flange, _ = crossings(flange, band, coper)
         for one in on_flange:
-            if not one.square or web.wall.skew[one.right] is not None:
+            end, line = web.wall.skew[one.right], EndLine(one.x, 0.0)
+            depth = depths[None]
+            if end is not None:
+                if one.end not in depths:
+                    continue
+                line, depth = end, depths[one.end]
+            elif not one.square:
                 continue
-            for ledge, mm in _ledge(web, root, one.x, one.right, depth, kerf):
+            for ledge, mm in _ledge(web, root, line, one.right, depth, kerf):
                 web = replace(web, shape=web.shape.union(ledge))
-                said.append(
-                    rules.LEDGE.at(source, x=f"{one.x:g}", face=root.face, found=f"{mm:.1f}")
-                )
+                x = f"{line.x(root.inner):g}"
+                said.append(rules.LEDGE.at(source, x=x, face=root.face, found=f"{mm:.1f}"))
     return {**regions, "v": web}, said
 
 
 def _ledge(
-    web: Region, root: Root, x: float, right: bool, depth: float, kerf: float
+    web: Region, root: Root, end: EndLine, right: bool, depth: float, kerf: float
 ) -> Iterator[tuple[Shape, float]]:
-    """What a web keeps at a root up to the end of its flange at x, and how high; nothing where the
-    web ends there too, where it has no hole, or one that is all within reach of none."""
-    from shapely import LineString, box
+    """What a web keeps at a root up to the end of its flange, and how high; nothing where the web
+    ends there too, where it has no hole, or one that is all within reach of none."""
+    from shapely import LineString, Polygon
+
+    def inside(low: float, high: float) -> Shape:
+        """A band of the web up to its end."""
+        far = -FAR if right else FAR
+        return Polygon([(far, low), (end.x(low), low), (end.x(high), high), (far, high)])
 
     wide, low = web.wall.width, root.low == 0.0
     top = max(root.high, depth) + 2 * EDGE if low else min(root.low, wide - depth) - 2 * EDGE
     beside = root.inner + (EDGE if low else -EDGE)
+    x = end.x(beside)
     inwards = (-FAR, x) if right else (x, FAR)
-    gap = LineString([(end, beside) for end in inwards]).difference(web.shape)
+    gap = LineString([(at, beside) for at in inwards]).difference(web.shape)
     gap = next(
         (one for one in getattr(gap, "geoms", (gap,))
          if not one.is_empty and abs(one.bounds[2 if right else 0] - x) <= EDGE),
@@ -189,11 +280,12 @@ def _ledge(
     # An outline of the web without the flange's own thickness means that the flange goes too.
     least, _, most, _ = gap.bounds
     middle = root.inner / 2 if low else (root.inner + wide) / 2
-    if LineString([(least, middle), (most, middle)]).difference(web.shape).length > OUTLINE_NOISE:
+    within = (least, end.x(middle)) if right else (end.x(middle), most)
+    if LineString([(at, middle) for at in within]).difference(web.shape).length > OUTLINE_NOISE:
         return
     edges = (0.0, top) if low else (top, wide)
-    strip = box(inwards[0], edges[0], inwards[1], edges[1]).difference(web.shape)
-    over = box(inwards[0], top, inwards[1], wide) if low else box(inwards[0], 0.0, inwards[1], top)
+    strip = inside(*edges).difference(web.shape)
+    over = inside(top, wide) if low else inside(0.0, top)
     open_above = [
         one for one in _polygons(over.difference(web.shape).buffer(-kerf)) if one.length < FAR
     ]

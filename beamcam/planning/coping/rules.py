@@ -29,6 +29,11 @@ LEDGE = warning("plan-coping-ledge",
     "flange",
     "Over the web the torch comes no nearer to a flange than its width and the root fillet allow. "
     "The steel that stays along the flange has to be taken by hand.")
+STEP = warning("plan-coping-step",
+    "found a cut that crosses the root of face {face} on a slant at x {x}; web and flange are cut "
+    "square there, up to {found} mm too long",
+    "The root is cut from outside of the flange, square to the bar. What is too much has to be "
+    "ground off; no steel is missing.")
 K_AREA = error("plan-coping-k-area",
     'found a cut through the root at x {x} on face {face}; expected none, coper.k_area is "refuse"',
     'With k_area = "pass" in the machine file the root is cut from outside of the flange, by a row '
@@ -122,6 +127,6 @@ SLOW = warning("plan-coping-slow",
     "{expected} mm/min as on the faces",
     "Round a corner the tube turns fast, and the torch follows it. The controller waits for the "
     "slowest axis, so that the cut gets wider there.")
-RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, LEDGE, K_AREA, NARROW, OFF, SHORT, OPEN,
-    DEEP, THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES, SLANT,
-    WEDGE, SLOW)
+RULES = (PIPE, NO_PIPE, ALONE, END, CROSSED, BEYOND, ROOT, LEDGE, STEP, K_AREA, NARROW, OFF, SHORT,
+    OPEN, DEEP, THICK, ROUNDED, BAR, TEE, PIECE, NO_RADIUS, GIVEN_RADIUS, SEAM, CORNER, REACHES,
+    SLANT, WEDGE, SLOW)

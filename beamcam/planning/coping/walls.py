@@ -102,14 +102,31 @@ def laid(part: Part) -> Part:
         return part
     lying = turned(part, ON_ITS_SIDE)
     there = turned(replace(part, features=part.made or ()), ON_ITS_SIDE).features
-    made = None if part.made is None else tuple(map(_seen, there))
-    return replace(lying, features=tuple(map(_seen, lying.features)), made=made)
+    made = None if part.made is None else tuple(_seen(one, part.profile) for one in there)
+    features = tuple(_seen(one, part.profile) for one in lying.features)
+    return replace(lying, features=features, made=made)
 
 
-def _seen(feature: Feature) -> Feature:
+def _seen(feature: Feature, tee: Profile) -> Feature:
     """A feature of a plate of a T, on the side of it that the torch looks at."""
-    seen = {"o": "u", "h": "v"}.get(getattr(feature, "face", ""))
-    return feature if seen is None else replace(feature, face=seen)
+    seen: Face | None = {"o": "u", "h": "v"}.get(getattr(feature, "face", ""))
+    if seen is None:
+        return feature
+    if isinstance(feature, Contour):
+        thick = tee.flange_thickness if seen == "u" else tee.web_thickness or 0.0
+        return from_behind(feature, seen, thick)
+    return replace(feature, face=seen)
+
+
+def from_behind(contour: Contour, face: Face, thickness: float) -> Contour:
+    """The contour of a wall that is drawn on its other side, its bevels as they are seen from here:
+    their lands count from the far side."""
+    ends = [b.land or (thickness if b.angle < 0.0 else 0.0) for b in contour.bevels]
+    bevels = tuple(
+        replace(b, angle=-b.angle, land=thickness - end)
+        for b, end in zip(contour.bevels, ends, strict=True)
+    )
+    return replace(contour, face=face, bevels=bevels)
 
 
 def walls_of(profile: Profile, coper: Coper, cut_height: float) -> dict[Face, Wall]:

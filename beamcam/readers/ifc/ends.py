@@ -250,4 +250,6 @@ def _bevel(curve: int, run: Run, thickness: float, way: float) -> Bevel | None:
     land = max(0.0, thickness - deep)
     if land < MIN_LAND * thickness:
         land = 0.0
+    if way < 0.0 and land:  # which counts from the far side, where this one begins
+        land = deep
     return Bevel(curve, way * degrees(atan(grade)), land)

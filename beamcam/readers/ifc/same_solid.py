@@ -335,7 +335,10 @@ def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
     found = [union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
     for contour in contours:
         for bevel in contour.bevels:
-            wide = (wall.thickness - bevel.land) * tan(radians(abs(bevel.angle)))
+            deep = wall.thickness - bevel.land
+            if bevel.angle < 0.0:
+                deep = bevel.land or wall.thickness
+            wide = deep * tan(radians(abs(bevel.angle)))
             edge = contour.curves[bevel.curve]
             found.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
     return found

@@ -12,7 +12,7 @@ from beamcam.checks.coping import verify_coping
 from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.plane import Point
 from beamcam.machine import Machine, load
-from beamcam.model.part import Bevel, Contour, EndCuts, Part
+from beamcam.model.part import Bevel, Contour, EndCuts, Part, Profile
 from beamcam.model.plan import CopeCut, CopePlan
 from beamcam.model.request import Request
 from beamcam.planning.coping.plan import plan_coping
@@ -20,7 +20,7 @@ from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.opinion import solid_faults
 from benchmarks import coping_faults
 from tests.conftest import examples, sampled
-from tests.random_copes import random_bevel
+from tests.random_copes import random_bevel, random_prepared_web
 from tests.unit.coping.samples import (
     COPER,
     L100,
@@ -104,6 +104,79 @@ def test_a_coped_web_has_its_own() -> None:
     assert not found(text, part)
     codes = {d.code for d in solid_faults(text, Request((part,), TILT), None)}
     assert codes <= {"solid-rounded"}
+
+
+def webbed(*bevels: Bevel, face: str = "v") -> Part:
+    """An IPE450 whose web stands out between its flanges, with bevels at its ends."""
+    points = [(70.0, 0.0), (720.0, 0.0), (720.0, 90.0), (800.0, 90.0), (800.0, 360.0),
+              (720.0, 360.0), (720.0, 450.0), (70.0, 450.0), (70.0, 360.0), (0.0, 360.0),
+              (0.0, 90.0), (70.0, 90.0)]  # fmt: skip
+    short = [(70.0, 0.0), (720.0, 0.0), (720.0, 190.0), (70.0, 190.0)]
+    return part_of(
+        prepared(*bevels, points=points, face=face), *(outline(f, short) for f in "ou"),
+        profile=Profile("I", "IPE450", 450.0, 190.0, 14.6, 9.4, 21.0), length=800.0,
+    )  # fmt: skip
+
+
+def made(part: Part) -> list[tuple[str, float, bool]]:
+    """The cuts of the ends of a web: the tilt of each, and whether it is of the far side."""
+    return [
+        (cut.kind, round(cut.b_deg, 3), cut.lower)
+        for cut in planned(part).operations if cut.face == "v"
+    ]  # fmt: skip
+
+
+def test_a_bevel_of_the_far_side_goes_through_all_of_the_wall_before_the_square_cut() -> None:
+    part = webbed(Bevel(3, -40.0, 5.0))
+    assert made(part) == [("near", 0.0, False), ("far", 40.0, True), ("far", 0.0, False)]
+    (cut,) = passes(part)
+    # The plane leaves the edge 4.4 mm below the surface, on which it lies 4.4 tan 40 beyond it.
+    beyond = 800.0 + 4.4 * tan(radians(40.0)) + 1.2 / cos(radians(40.0))
+    assert cut.row.up_to == 13.0
+    assert [x for x, _ in cut.path[1:]] == pytest.approx([beyond, beyond])
+    assert [y for _, y in cut.path[1:]] == pytest.approx([90.0 - 3.2, 360.0 + 3.2])
+    assert not hand_rows(planned(part))
+
+
+def test_three_passes_make_a_k_the_lower_one_first() -> None:
+    part = webbed(Bevel(9, -40.0, 3.0), Bevel(9, 40.0, 4.5), Bevel(3, 40.0, 4.0))
+    assert made(part) == [
+        ("near", -40.0, True), ("near", 0.0, False), ("near", 40.0, False),
+        ("far", 0.0, False), ("far", -40.0, False),
+    ]  # fmt: skip
+    assert not hand_rows(planned(part))
+    text = program_of(part, TILT)
+    assert not found(text, part)
+    told = {d.code: float(d["found"]) for d in solid_faults(text, Request((part,), TILT), None)}
+    assert told.keys() == {"solid-rounded", "solid-square"}
+    assert told["solid-square"] < 5.0  # mm3, of rounding
+
+
+def test_what_is_drawn_behind_the_web_is_seen_through_it() -> None:
+    front, behind = webbed(Bevel(3, -40.0, 5.0)), webbed(Bevel(3, 40.0, 4.4), face="h")
+    assert made(front) == made(behind)
+    assert not found(program_of(front, TILT), behind)
+    assert found(program_of(webbed(Bevel(3, 40.0, 4.4)), TILT), behind)
+
+
+@pytest.mark.parametrize(
+    "bevel",
+    [Bevel(3, -40.0, 9.4),  # the square cut's arc would have no steel
+     Bevel(3, -40.0, 8.4), Bevel(3, -46.0, 4.0), Bevel(2, -30.0, 4.0), Bevel(3, -30.0, 0.0)],
+)  # fmt: skip
+def test_what_no_lower_pass_makes_is_manual_work(bevel: Bevel) -> None:
+    part = webbed(bevel)
+    assert not passes(part)
+    assert [row["angle"] for row in hand_rows(planned(part))] == [bevel.angle]
+    assert not found(program_of(part, TILT), part)
+
+
+@given(st.integers(0, 5000))
+@settings(max_examples=examples(15), deadline=None)
+def test_random_webs_with_bevels_are_read_back_and_are_the_part(seed: int) -> None:
+    part = random_prepared_web(seed)
+    text = program_of(part, TILT)
+    assert not errors_in(solid_faults(text, Request((part,), TILT), None))
 
 
 BY_HAND = [

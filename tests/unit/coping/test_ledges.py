@@ -2,7 +2,7 @@
 
 import random
 from itertools import pairwise
-from math import radians, tan
+from math import cos, radians, tan
 
 import pytest
 from hypothesis import given, settings
@@ -13,7 +13,7 @@ from beamcam.checks.coping import verify_coping
 from beamcam.errors import PlanError, errors_in
 from beamcam.geometry.curves import Arc, Curve, Line
 from beamcam.geometry.plane import Point
-from beamcam.machine import Machine
+from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Part, Profile
 from beamcam.model.plan import CopePlan
 from beamcam.model.request import Request
@@ -35,6 +35,7 @@ from tests.unit.coping.samples import (
     with_keys,
 )
 
+TILT = load("coper-tilt-linuxcnc")
 HEB300 = Profile("I", "HEB300", 300.0, 300.0, 19.0, 11.0, 27.0)
 
 
@@ -114,7 +115,51 @@ def test_a_web_that_is_drawn_without_its_flange_has_no_hole_under_it() -> None:
     assert "verify-coping-left" in found(program_of(part_of(length=1200.0)), part)
 
 
-def test_a_hole_at_a_skew_end_is_refused() -> None:
+def mitred(angle: float, profile: Profile = IPE300, size: float = 45.0) -> Part:
+    """A web with chamfered holes at both flanges of its far end, which is skew."""
+    t, high, length = profile.flange_thickness, profile.height, 1200.0
+    rise = tan(radians(angle))
+
+    def x(y: float) -> float:
+        return length - rise * (y if angle > 0.0 else y - high)
+
+    ends = [(x(0.0), 0.0), (x(t), t), (x(t) - size, t), (x(t + size), t + size)]
+    other = high - t
+    ends += [(x(other - size), other - size), (x(other) - size, other), (x(other), other)]
+    drawn = outline("v", [(0.0, 0.0), *ends, (x(high), high), (0.0, high)])
+    return replace(part_of(drawn, profile=profile, length=length), cuts=EndCuts(web_end=angle))
+
+
+@given(
+    st.floats(5.0, 33.0), st.sampled_from((-1.0, 1.0)), st.sampled_from([IPE300, UPN200, HEB300]),
+    st.floats(42.0, 60.0),
+)  # fmt: skip
+@settings(max_examples=examples(10), deadline=None)
+def test_at_a_skew_end_the_ledge_runs_to_its_plane(
+    angle: float, sign: float, profile: Profile, size: float
+) -> None:
+    part = mitred(round(sign * angle, 1), profile, round(size, 1))
+    plan = planned(part, TILT)
+    assert [d.code for d in plan.remarks].count("plan-coping-ledge") == 2
+    assert [row["why"] for row in hand_rows(plan)] == ["root"]
+    text = program_of(part, TILT)
+    assert not errors_in(solid_faults(text, Request((part,), TILT), None))
+    straight = replace(part, features=())
+    assert errors_in(verify_coping(program_of(straight, TILT), (part,), TILT, (), "JOB"))
+    assert errors_in(verify_coping(text, (straight,), TILT, (), "JOB"))
+
+
+def test_a_ledge_at_a_skew_end_is_as_high_as_the_tilted_pass_is_deep() -> None:
+    (told, _) = [d for d in planned(mitred(15.0), TILT).remarks if d.code == "plan-coping-ledge"]
+    # The row of 28 mm at 15 degrees goes 27.05 mm deep, 16.35 mm more than the flange.
+    assert float(told["found"]) == pytest.approx(28.0 * cos(radians(15.0)) - 10.7 + 0.1, abs=0.06)
+
+
+def test_without_b_a_hole_at_a_skew_end_is_refused() -> None:
+    assert refused(mitred(15.0)) == {"plan-coping-root"}
+
+
+def test_a_hole_at_a_skew_end_that_the_web_leans_over_is_refused() -> None:
     part = replace(holed(length=1200.0 - 150.0 * tan(radians(20.0))), length=1200.0)
     end = EndCuts(flange_end=20.0)
     assert refused(replace(part, cuts=end)) == {"plan-coping-root"}

@@ -214,6 +214,7 @@ def test_every_rule_has_a_case() -> None:
     tested = {code for code, *_ in WRONG} | {"verify-coping-parts", "verify-coping-holds"}
     tested |= {"verify-coping-short"}  # in test_pieces.py
     tested |= {"verify-coping-tilt", "verify-coping-passes"}  # in test_skew.py, test_bevels.py
+    tested |= {"verify-coping-measured"}  # in test_measured.py
     of_boxes = ("square", "corner", "radius")  # in test_box_tubes.py
     tested |= {f"verify-coping-{name}" for name in of_boxes}
     assert {rule.code for rule in RULES} == tested

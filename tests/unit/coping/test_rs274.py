@@ -18,10 +18,17 @@ from shapely import LineString, Polygon
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Part
 from beamcam.planning.coping.plan import plan_coping
+from beamcam.reports.hand_list import hand_rows
 from beamcam.solid.kernel import kernel, outline
 from beamcam.solid.part_solid import part_solid
 from tests.conftest import sampled
-from tests.random_copes import random_bevel, random_cope, random_mitre, random_tee
+from tests.random_copes import (
+    random_bevel,
+    random_cope,
+    random_mitre,
+    random_prepared_web,
+    random_tee,
+)  # fmt: skip
 from tests.rs274 import INI, interpreted, needs_rs274
 from tests.unit.coping.samples import COPER, NAMES, part_of, program_of, sample
 
@@ -195,6 +202,23 @@ def test_random_bevels_fall_out_of_the_bar(seed: int, tmp_path: Path) -> None:
     if len(square) < len(strokes):  # a second pass that is missing is seen
         wedges = (pieces(part, square)[0] - lying(part_solid(part), part)).volume()
         assert wedges > 100.0
+
+
+@needs_rs274
+@pytest.mark.parametrize("seed", sampled(range(60), 4))
+def test_random_webs_with_bevels_on_both_sides_fall_out_of_the_bar(
+    seed: int, tmp_path: Path
+) -> None:
+    part = random_prepared_web(seed)
+    plan = plan_coping((part,), BEVEL)
+    if any(cut.bevel for cut in plan.operations) and not hand_rows(plan):
+        check(part, tmp_path, BEVEL)
+        strokes = burns(written(part, tmp_path, BEVEL))
+        square = [burn for burn in strokes if not burn.points[1][4]]
+        assert len(square) < len(strokes)
+        # Without its passes the piece keeps the wedges.
+        more = (pieces(part, square)[0] - lying(part_solid(part), part)).volume()
+        assert more > (pieces(part, strokes)[0] - lying(part_solid(part), part)).volume() + 50.0
 
 
 @needs_rs274

@@ -321,8 +321,9 @@ def test_a_plate_is_what_its_outlines_enclose() -> None:
 
 def test_a_bevel_takes_a_wedge_from_its_surface_to_its_land() -> None:
     chain = _closed((0, 0), (300, 0), (300, 200), (0, 200))
-    for angle, z in ((45.0, 12 - 8 / 3), (-45.0, 8 / 3)):
-        outer = Contour("v", "outer", chain, SRC, bevels=(Bevel(1, angle, 4.0),))
+    # Where it ends counts from the far side; 12 mm thick, 8 of them are taken.
+    for angle, end, z in ((45.0, 4.0, 12 - 8 / 3), (-45.0, 8.0, 8 / 3)):
+        outer = Contour("v", "outer", chain, SRC, bevels=(Bevel(1, angle, end),))
         square = Contour("v", "outer", chain, SRC)
         gone = part_solid(part(PLATE, square, length=300.0)) - part_solid(
             part(PLATE, outer, length=300.0)

@@ -1,0 +1,136 @@
+"""The steel that a torch square to the bar leaves at the ends and the roots of a profile.
+
+ends      a skew end that no torch was tilted to has what its walls and roots have beyond it
+ledges    a web with a hole at a flange keeps a ledge along that
+steps     a cut that crosses a root on a slant is square there
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from beamcam.geometry.curves import Line
+from beamcam.machine.coper import Coper
+from beamcam.model.part import Part
+from beamcam.solid.coper_solid import Burn
+from beamcam.solid.kernel import FREE, behind, kernel, prism
+from beamcam.solid.kernel import outline as section_of
+from beamcam.solid.stock_solid import ALONG as ALONG_BAR
+from beamcam.solid.stock_solid import end_planes, is_cut
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
+
+APART = 1.0  #: mm along the bar that web and flange are drawn apart at one cut
+SQUARE = 0.05  #: mm along the bar that a square cut may slant
+
+
+def square_ends(
+    part: Part, coper: Coper, burns: Sequence[Burn], slack: float
+) -> "Iterator[Manifold]":
+    """What may stay beyond each skew end of a bar to which no torch was tilted.
+
+    Square to a wall t thick it is t times the tangent of the angle at most; through a root a pass
+    goes square as deep as its row, and as wide as web and fillets are.
+    """
+    profile = part.profile
+    if part.made is not None or coper.turns == "bar":
+        return
+    deepest = max((burn.row.up_to for burn in burns), default=0.0) + slack
+    wide = (profile.web_thickness or 0.0) + 2 * profile.radius + slack
+    over = profile.height + profile.width + FREE
+    bar = prism(section_of(part), -over, part.length + over, ALONG_BAR)
+    for (x, y, z), (side, by_y, by_z) in end_planes(part, drawn=True):
+        near = [burn for burn in burns if side * (burn.path[-1][0] - part.length / 2) > 0.0]
+        if not (by_y or by_z) or any(burn.b_deg for burn in near):
+            continue
+        # A T lies on its side: its flange is seen along its z.
+        across, along = (abs(by_z), abs(by_y)) if profile.code == "T" else (abs(by_y), abs(by_z))
+        most = across * deepest + along * wide
+        grown = behind(bar, (x + side * (most + slack), y, z), (side, by_y, by_z))
+        yield grown - behind(bar, (x - side * 2 * slack, y, z), (side, by_y, by_z))
+
+
+def ledges_of(
+    drawn: "Manifold", part: Part, burns: Sequence[Burn], slack: float
+) -> "Iterator[Manifold]":
+    """What may stay of a web along each flange where the part, without bevels, has a hole in it.
+
+    Over the web no torch comes to the flange; it is as high as a pass through the root is deep.
+    """
+    m = kernel()
+    profile, flange = part.profile, part.profile.flange_thickness
+    if profile.code not in ("I", "U", "L", "T") or not burns:
+        return
+    rows = [burn.row for burn in burns if burn.a_deg]
+    ends = [*end_planes(part, drawn=True)]
+    # The round jet leaves a little more in the corner between the hole and what stays.
+    deep = max((row.up_to for row in rows), default=0.0) + 2 * slack
+    deep += max(burn.row.kerf for burn in burns)
+    high, wide = profile.height, profile.width
+    strips = [(0.0, flange, deep)]
+    if profile.code in ("I", "U"):
+        strips.append((high - flange, high - deep, high - flange))
+    for low, first, last in strips:
+        first, last = sorted((first, last))
+        slabs = [(low, low + flange), (first, last)]
+        boxes = [
+            m.Manifold.cube((2 * part.length, b - a, 2 * wide)).translate(
+                (-part.length / 2, a, -wide / 2)
+            )
+            if profile.code != "T"
+            else m.Manifold.cube((2 * part.length, 2 * high, b - a)).translate(
+                (-part.length / 2, -high / 2, a)
+            )
+            for a, b in slabs
+        ]
+        stays = (drawn ^ boxes[0]).bounding_box()
+        # At a skew end the web may go on farther than its flange.
+        more = deep * max(abs(normal[1]) for _, normal in ends)
+        strip = prism(section_of(part), stays[0] - more, stays[3] + more, ALONG_BAR) ^ boxes[1]
+        for place, normal in ends if more else ():
+            strip = behind(strip, place, normal)
+        ledge = strip - drawn
+        if ledge.volume() > 1.0:
+            yield ledge
+
+
+def steps_of(part: Part, burns: Sequence[Burn], slack: float) -> "Iterator[Manifold]":
+    """What may stay at a root that an outline crosses on a slant.
+
+    It lies within the outline's own stretch of the bar, as deep as a pass through the root cuts,
+    and of the flange as wide as web and fillets are.
+    """
+    m = kernel()
+    profile, is_tee = part.profile, part.profile.code == "T"
+    web = profile.web_thickness or 0.0
+    if profile.code not in ("I", "U", "L", "T") or not burns:
+        return
+    deep = max((burn.row.up_to for burn in burns if burn.a_deg), default=0.0)
+    near = max(burn.row.kerf for burn in burns) + slack
+    high, wide = (profile.width, profile.height) if is_tee else (profile.height, profile.width)
+    middle = (wide - web) / 2 if profile.code in ("I", "T") else 0.0
+    across = middle - profile.radius - near, middle + web + profile.radius + near
+    for face, low in (("u", True), ("o", False)) if profile.code in ("I", "U") else (("u", True),):
+        root = (0.0, deep + near) if low else (high - deep - near, high)
+        webs, flanges = ("ou", "hv") if is_tee else ("vh", face)
+        inner = (0.0, deep) if low else (high - deep, high)
+        for contour in part.contours:
+            band = inner if contour.face in webs else across if contour.face in flanges else None
+            for line in contour.curves if band and is_cut(contour) else ():
+                xs = _crossing(line, band) if isinstance(line, Line) and band else None
+                if xs is None or xs[1] - xs[0] <= SQUARE:
+                    continue
+                first, last = xs[0] - APART - slack, xs[1] + APART + slack
+                (y0, y1), (z0, z1) = (across, root) if is_tee else (root, across)
+                cube = m.Manifold.cube((last - first, y1 - y0, z1 - z0)).translate((first, y0, z0))
+                yield prism(section_of(part), first, last, ALONG_BAR) ^ cube
+
+
+def _crossing(line: Line, band: tuple[float, float]) -> tuple[float, float] | None:
+    """The least and the greatest x of a line on a band that it crosses; None if it does not."""
+    (xa, ya), (xb, yb) = sorted((line.start, line.end), key=lambda place: place[1])
+    low, high = max(band[0], ya), min(band[1], yb)
+    if high - low < (band[1] - band[0]) / 2:
+        return None
+    first, last = (xa + (xb - xa) * (y - ya) / (yb - ya) for y in (low, high))
+    return min(first, last), max(first, last)
