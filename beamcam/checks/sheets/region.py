@@ -172,8 +172,8 @@ def _loose_ends(toolpaths: Toolpaths, which: Counts, gap: float) -> Floats:
     a, b = tree.query(points, "dwithin", distance=gap + SAME_POINT)
     apart = np.zeros(len(own))
     np.maximum.at(apart, a, np.hypot(*(ends[own[a]] - ends[b]).T))
-    found: Floats = apart.reshape(2, -1).max(axis=0)
-    return found
+    widest: Floats = apart.reshape(2, -1).max(axis=0)
+    return widest
 
 
 def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:

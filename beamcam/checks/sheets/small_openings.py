@@ -48,7 +48,7 @@ def _openings(
     region: Region, ways: Sequence[Curve], tolerance: float, least: float
 ) -> dict[int, tuple[Point, ...]]:
     """The centres of the rings that are small openings, by the rings' numbers."""
-    found: dict[int, tuple[Point, ...]] = {}
+    round_ended: dict[int, tuple[Point, ...]] = {}
     areas = shapely.area(region.polygons)
     around = shapely.length(region.polygons)
     # A slot that has this area and this length all round is as wide as this; chords make it less.
@@ -64,15 +64,15 @@ def _openings(
         curves = [ways[way] for way, _ in region.rings[number]]
         corners = np.asarray(region.polygons[number].exterior.coords)
         if centres := _centres(corners, curves, tolerance, least):
-            found[number] = centres
-    if not found:
+            round_ended[number] = centres
+    if not round_ended:
         return {}
-    rings = np.array(list(found), dtype=np.int64)
+    rings = np.array(list(round_ended), dtype=np.int64)
     larger = np.bincount(own, minlength=len(narrow))[np.searchsorted(narrow, rings)]
     openings = rings[larger % 2 == 1]
     wider = shapely.STRtree(shapely.buffer(region.polygons[openings], tolerance))
     inside, _ = wider.query(region.polygons[rings], "covered_by")
-    return {k: found[k] for k in sorted({*openings.tolist(), *rings[inside].tolist()})}
+    return {k: round_ended[k] for k in sorted({*openings.tolist(), *rings[inside].tolist()})}
 
 
 def _centres(
