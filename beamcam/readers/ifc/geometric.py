@@ -17,21 +17,21 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
-from beamcam.readers.ifc.cutters import Cutter
-from beamcam.readers.ifc.ends import End
+from beamcam.readers.ifc.cutters import Cutter, planes_of
+from beamcam.readers.ifc.ends import End, of_plane
 from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
+from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
-    Circle,
     Circles,
     Shape,
-    arcs_of,
+    chain_of_ring,
+    chains_of,
     circles_in,
     cleaned,
     pieces_of,
-    ring_arcs,
     with_circles,
 )
 from beamcam.readers.ifc.rolled import (
@@ -226,11 +226,12 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
     span = None if taken else (stock.x0, stock.x1)
     gross = stock.x1 - stock.x0
-    return from_regions(stock.section, regions, holes, circles, source, gross, span=span)
+    planes = [of_plane(plane) for one in (local, *taken) for plane in planes_of(one)]
+    return from_regions(stock.section, regions, holes, circles, source, gross, planes, span)
 
 
 def _drilled(
-    levels: Sequence[Shape], wall: Wall, exact: Sequence[Circle], source: Source
+    levels: Sequence[Shape], wall: Wall, exact: Circles, source: Source
 ) -> tuple[list[Hole | Slot], list[Shape]]:
     """The round and slotted hollows that both levels of a wall show; the levels without them."""
     from shapely import MultiPolygon, Polygon, get_coordinates
@@ -243,7 +244,7 @@ def _drilled(
             for ring in piece.interiors:
                 key = (get_coordinates(ring).round(ALIKE) + 0.0).tobytes()
                 if key not in told:
-                    chain = ring_arcs(ring, exact)
+                    chain = with_arcs(chain_of_ring(ring, exact))
                     told[key] = opening(wall, chain, source) if chain else None
                 made = told[key]
                 if isinstance(made, (Hole, Slot)):
@@ -322,7 +323,7 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
         other = section(shell, scale(normal, low + share * thickness), normal, u, v)
         if float(shape.symmetric_difference(other).area) > PRISMATIC * area:
             return None
-    outline = Outline(*arcs_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
+    outline = Outline(*chains_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
     lies = Frame(scale(normal, low), u, v, normal)
     stock = plate_stock(box_of(outline), lies, scale(normal, thickness), thickness)
     inverse = stock.frame.inverse()

@@ -15,7 +15,7 @@ from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain, with_sides
 from beamcam.readers.ifc.entities import Entity, Model, OddSection, Unreadable
-from beamcam.readers.ifc.section import Section, area_by_measures, placed, walls_of
+from beamcam.readers.ifc.section import FORMS, Section, area_by_measures, placed
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
 Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web and radius
@@ -131,16 +131,9 @@ def _outline(model: Model, entity: Entity) -> Outline:
 
 def _sharp(section: Section) -> Chain:
     """The outline of a section's walls, without its fillets."""
-    from shapely import box, union_all
-
-    walls = union_all([
-        box(w.low, 0.0, w.high, w.width) if w.normal == "y" else box(0.0, w.low, w.width, w.high)
-        for w in walls_of(section)
-    ])  # fmt: skip
-    (ox, oy), (yx, yy), (zx, zy) = section.origin, section.y, section.z
-    return points_chain([
-        (ox + y * yx + z * zx, oy + y * yy + z * zy) for y, z in walls.exterior.coords[:-1]
-    ])  # fmt: skip
+    s, (ox, oy), (yx, yy), (zx, zy) = section, section.origin, section.y, section.z
+    drawn = FORMS[s.code].drawn(s.height, s.width, s.flange_thickness, s.web_thickness)
+    return points_chain([(ox + y * yx + z * zx, oy + y * yy + z * zy) for z, y in drawn])
 
 
 def rounded_box(x: float, y: float, radius: float) -> Chain:

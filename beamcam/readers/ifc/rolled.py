@@ -10,13 +10,13 @@ from msgspec.structs import replace
 from beamcam.geometry.curves import Arc, Point
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.ends import MIN_LEAN
+from beamcam.readers.ifc.cutters import MIN_LEAN
 from beamcam.readers.ifc.outline import sharpened, with_arcs
 from beamcam.readers.ifc.region import (
     Circles,
     Segments,
-    arcs_of,
     chain_of_ring,
+    chains_of,
     circles_in,
     pieces_of,
     points_of,
@@ -100,7 +100,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         if len(pieces) != 1:
             continue
         circles = circles_in(shell.cylinders, axis, u, v)
-        outer, inner = arcs_of(pieces[0], circles)
+        outer, inner = chains_of(pieces[0], circles)
         told = _told(outer, inner, pieces[0]) if outer else None
         if told is not None and told.code == "SO":
             box = (*extent(shell, u), *extent(shell, v))
@@ -112,7 +112,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         if told is None or (told.code == "B" and told.width > 200):
             continue
         if best is None or told.area > best[0] * SAME_AREA:
-            exact = polygon_of(outer, inner, Circles()) if circles else pieces[0]
+            exact = polygon_of(outer, inner, Circles()) if circles.known else pieces[0]
             best = (told.area, told, outer, exact, pieces[0])
     slanted = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
     if slanted and not shell.cylinders:
