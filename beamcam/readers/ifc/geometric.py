@@ -17,7 +17,7 @@ from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.model.part import Contour, Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
-from beamcam.readers.ifc.cutters import Cutter, planes_of
+from beamcam.readers.ifc.cutters import planes_of
 from beamcam.readers.ifc.ends import End, of_plane
 from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
@@ -84,24 +84,20 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     errors = [line for line in built.log if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    return replace(read_shell(built.shell, (), source, built.volume), fitted=built.others)
+    return replace(read_shell(built.shell, source, built.volume), fitted=built.others)
 
 
-def read_shell(
-    shell: Shell, cutters: Sequence[Cutter], source: Source, volume: float | None = None
-) -> Shaped:
+def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Shaped:
     """The member of a shell, checked against it. Raises Unreadable, which says what was found.
 
     `volume` is that of the solid in mm3 where the shell only stands for it.
     """
     best: Shaped | None = None
     fault: Unreadable | None = None
-    for found in _readings(shell, cutters, source):
+    for found in _readings(shell, source):
         if isinstance(found, Unreadable):
             fault = fault or found
             continue
-        if cutters:  # which the shell does not show
-            return found
         try:
             said = _unexplained(found, shell, source, volume)
         except Unreadable as reason:
@@ -124,11 +120,9 @@ def _denied(found: Shaped) -> bool:
     return any(d.severity is Severity.ERROR for d in found.said)
 
 
-def _readings(
-    shell: Shell, cutters: Sequence[Cutter], source: Source
-) -> Iterator[Shaped | Unreadable]:
+def _readings(shell: Shell, source: Source) -> Iterator[Shaped | Unreadable]:
     """The members that a shell may be, the likeliest first; or why it is none."""
-    found = _plate(shell, cutters, source)
+    found = _plate(shell, source)
     if found is not None:
         yield found
     along = longest_direction(shell)
@@ -145,7 +139,7 @@ def _readings(
         if length < least.get(section.code, 0.0):
             continue
         try:
-            made = _member(shell, cutters, stock, source)
+            made = _member(shell, stock, source)
         except Unreadable as reason:
             yield reason
         else:
@@ -191,14 +185,10 @@ def _not_explained(theirs: float, explained: float) -> OddSection:
     )
 
 
-def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Source) -> Shaped:
-    inverse = stock.frame.inverse()
-    local = shell.moved(inverse)
-    taken = [c.moved(inverse) for c in cutters]
+def _member(shell: Shell, stock: Rolled, source: Source) -> Shaped:
+    local = shell.moved(stock.frame.inverse())
     walls, flat = walls_of(stock.section), stock.section.is_plain_flat
     if not walls:
-        if taken:
-            raise OddSection("cuts in a faceted round or special section")
         return _round(local, stock, source)
     circles = Circles()
     regions: Regions = {}
@@ -210,24 +200,19 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
             shares = (edge, *BETWEEN, 1 - edge)
         cs = [wall.low + share * wall.thickness for share in shares]
         raw = [local.raw_slice(wall, c) for c in cs]
-        if not taken:
-            drilled, raw = _drilled(raw, wall, local.circles(wall), source)
-            holes += drilled
+        drilled, raw = _drilled(raw, wall, local.circles(wall), source)
+        holes += drilled
         levels: list[tuple[float, Shape]] = []
         for c, shape in zip(cs, raw, strict=True):
-            shape = with_circles(shape, circles, local.circles(wall))
-            for one in taken:
-                shape = shape.difference(one.slice(wall, c, circles))
-            shape = cleaned(shape)
+            shape = cleaned(with_circles(shape, circles, local.circles(wall)))
             if not flat:
                 shape = _full_width(shape, wall, c, stock)
             levels.append((c, shape))
         regions[wall] = tuple(levels)
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
-    span = None if taken else (stock.x0, stock.x1)
+    span, planes = (stock.x0, stock.x1), map(of_plane, planes_of(local))
     gross = stock.x1 - stock.x0
-    planes = [of_plane(plane) for one in (local, *taken) for plane in planes_of(one)]
-    return from_regions(stock.section, regions, holes, circles, source, gross, planes, span)
+    return from_regions(stock.section, regions, holes, circles, source, gross, [*planes], span)
 
 
 def _drilled(
@@ -302,7 +287,7 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
     return MultiPolygon(found)
 
 
-def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
+def _plate(shell: Shell, source: Source) -> Shaped | None:
     """The plate that a shell is, if it is one."""
     normal = broadest_normal(shell)
     low, high = extent(shell, normal)
@@ -326,8 +311,7 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
     outline = Outline(*chains_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
     lies = Frame(scale(normal, low), u, v, normal)
     stock = plate_stock(box_of(outline), lies, scale(normal, thickness), thickness)
-    inverse = stock.frame.inverse()
-    return in_place(cut(stock, [c.moved(inverse) for c in cutters], source), stock.frame)
+    return in_place(cut(stock, (), source), stock.frame)
 
 
 def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:

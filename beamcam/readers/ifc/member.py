@@ -54,7 +54,6 @@ from beamcam.readers.ifc.marks import (
 )
 from beamcam.readers.ifc.opening import elements_of, open_file
 from beamcam.readers.ifc.semantic import read_swept
-from beamcam.readers.ifc.space import IDENTITY
 
 SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is not steel
 
@@ -242,15 +241,15 @@ class Members(Struct):
     def _shape(self, element: Entity, body: Body, source: Source) -> tuple[Shaped, Entity | None]:
         if isinstance(body.base, Swept):
             return read_swept(self.model, element, body, source), body.base.profile
+        if body.removed:
+            raise Unreadable("cuts in a body that is given by its faces")
         form = self._form(element)
         if form not in self.shells:  # a model has most of its accessories many times
             try:
-                self.shells[form] = read_shell(
-                    body.base, body.cutters(self.model, IDENTITY), source
-                )
+                self.shells[form] = read_shell(body.base, source)
             except Unreadable as reason:
                 # A closed shell of planar faces is all that the kernel would have.
-                reason.final |= not body.removed and body.base.volume is not None
+                reason.final |= body.base.volume is not None
                 self.shells[form] = reason
         known = self.shells[form]
         if isinstance(known, Unreadable):
@@ -354,7 +353,7 @@ class Members(Struct):
         form = self._form(element)
         if form not in self.compared:
             solid = Compared()
-            if isinstance(body.base, Swept) or body.removed:
+            if isinstance(body.base, Swept):
                 solid = check_kernel(self.model, element, shaped, profile, source)
             if profile is not None:
                 stock = check_stock(self.model, element, shaped, profile, source)

@@ -8,8 +8,9 @@ from math import atan2, degrees, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
 
+from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line, Point
-from beamcam.readers.ifc.curves2d import Chain, arc_by_points
+from beamcam.readers.ifc.curves2d import Chain
 
 MIN_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
 MIN_RUN = 3  #: chords of a polygon that stand for an arc
@@ -140,7 +141,7 @@ def _regular(lines: Chain) -> Chain | None:
     points = [c.start for c in lines]
     n = len(points)
     third = arc_by_points(points[0], points[n // 3], points[2 * n // 3])
-    if not isinstance(third, Arc) or not all(_on(third, p) for p in points):
+    if third is None or not all(_on(third, p) for p in points):
         return None
     if max(c.length for c in lines) > 2 * third.radius * sin(pi / MIN_CORNERS) + ON_CIRCLE:
         return None
@@ -156,9 +157,7 @@ def _on(arc: Arc, p: Point) -> bool:
 def _arc_of(run: list[Curve]) -> Arc | None:
     middle = run[len(run) // 2].start
     arc = arc_by_points(run[0].start, middle, run[-1].end)
-    if isinstance(arc, Arc) and all(_on(arc, c.start) for c in run):
-        return arc
-    return None
+    return arc if arc is not None and all(_on(arc, c.start) for c in run) else None
 
 
 def shape_of(chain: Chain) -> Round | Slotted | None:
@@ -268,8 +267,7 @@ def _rounded(before: Line, after: Line) -> Point | Arc | None:
     long = hypot(wx, wy)
     middle = (x + wx / long * deep, y + wy / long * deep)
     start, end = (x - ux * reach, y - uy * reach), (x + vx * reach, y + vy * reach)
-    arc = arc_by_points(start, middle, end)
-    return arc if isinstance(arc, Arc) else at
+    return arc_by_points(start, middle, end) or at
 
 
 def corners_of(curves: Chain) -> tuple[Corner, ...] | None:

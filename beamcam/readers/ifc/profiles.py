@@ -2,18 +2,19 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import atan2, degrees, hypot, pi
+from math import hypot, pi
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Arc, Line, Point
-from beamcam.geometry.plane import MAX_COORDINATE, Matrix, mapped, mapped_vector
+from beamcam.geometry.conics import arc_between
+from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.plane import MAX_COORDINATE, Matrix, cross, mapped, mapped_vector, normalized
 from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
-from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain, with_sides
+from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
 from beamcam.readers.ifc.entities import Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.section import FORMS, Section, area_by_measures, placed
 from beamcam.readers.ifc.space import IDENTITY, Frame
@@ -138,17 +139,12 @@ def _sharp(section: Section) -> Chain:
 
 def rounded_box(x: float, y: float, radius: float) -> Chain:
     """A rectangle about the origin with round corners; a circle or a slot where nothing is left."""
-    r = min(radius, x / 2, y / 2)
+    x, y = x / 2, y / 2
+    r, corners = min(radius, x, y), [(-x, -y), (x, -y), (x, y), (-x, y)]
     if r <= 0:
-        return points_chain([(-x / 2, -y / 2), (x / 2, -y / 2), (x / 2, y / 2), (-x / 2, y / 2)])
-    a, b = x / 2 - r, y / 2 - r
-    arcs = [
-        Arc((a, -b), r, -90.0, 90.0),
-        Arc((a, b), r, 0.0, 90.0),
-        Arc((-a, b), r, 90.0, 90.0),
-        Arc((-a, -b), r, 180.0, 90.0),
-    ]
-    return with_sides(arcs)
+        return points_chain(corners)
+    first, *rest = rounded_chain(corners, [r] * 4)
+    return (*rest, first)
 
 
 def _circle(radius: float) -> Chain:
@@ -243,31 +239,17 @@ def _lips(girth: float, wall: float, radius: float) -> float:
     return 2 * max(0.0, girth - wall) * wall + bends - 2 * corner * radius * radius
 
 
-def _reflex(corners: Sequence[Point], i: int) -> bool:
-    """Whether a corner of a polygon that runs counter-clockwise points inwards."""
-    (ax, ay), (bx, by), (cx, cy) = corners[i - 1], corners[i], corners[(i + 1) % len(corners)]
-    return (bx - ax) * (cy - by) - (by - ay) * (cx - bx) < 0
-
-
 def rounded_chain(corners: Sequence[Point], radii: Sequence[float]) -> Chain:
     """A polygon of right angles with each corner rounded by its radius, or sharp where it is 0."""
-    n = len(corners)
-    out: list[Any] = []
-    ends: list[tuple[Point, Point]] = []
-    for i, (p, r) in enumerate(zip(corners, radii, strict=True)):
-        before, after = corners[i - 1], corners[(i + 1) % n]
-        u, v = (_towards(p, before), _towards(p, after))
-        ends.append(((p[0] + u[0] * r, p[1] + u[1] * r), (p[0] + v[0] * r, p[1] + v[1] * r)))
-    for i, ((enter, leave), r) in enumerate(zip(ends, radii, strict=True)):
+    before, after = [corners[-1], *corners[:-1]], [*corners[1:], corners[0]]
+    out: list[Curve] = []
+    for p, a, b, r, s in zip(corners, before, after, radii, [*radii[1:], radii[0]], strict=True):
+        u, v = (normalized((q[0] - p[0], q[1] - p[1])) for q in (a, b))
+        enter, leave = (p[0] + u[0] * r, p[1] + u[1] * r), (p[0] + v[0] * r, p[1] + v[1] * r)
         if r > 0:
-            p = corners[i]
             centre = (enter[0] + leave[0] - p[0], enter[1] + leave[1] - p[1])
-            start = degrees(atan2(enter[1] - centre[1], enter[0] - centre[0]))
-            out.append(Arc(centre, r, start, -90.0 if _reflex(corners, i) else 90.0))
-        out.append(Line(leave, ends[(i + 1) % n][0]))
+            out.append(arc_between(enter, leave, centre, -cross(u, v)))
+        side = Line(leave, (b[0] - v[0] * s, b[1] - v[1] * s))
+        if side.length > 1e-9:
+            out.append(side)
     return tuple(out)
-
-
-def _towards(a: Point, b: Point) -> Point:
-    by = hypot(b[0] - a[0], b[1] - a[1])
-    return (b[0] - a[0]) / by, (b[1] - a[1]) / by
