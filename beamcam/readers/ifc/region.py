@@ -7,7 +7,8 @@ a solid whose cylinders are known.
 
 from collections import Counter
 from collections.abc import Sequence
-from math import acos, atan2, ceil, cos, degrees, dist, hypot, radians
+from itertools import groupby
+from math import acos, ceil, dist, hypot, radians
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
 from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.entities import Unreadable
-from beamcam.readers.ifc.outline import angle_between, joined, with_arcs
+from beamcam.readers.ifc.outline import joined, with_arcs
 from beamcam.readers.ifc.space import Vec, dot
 
 SAGITTA = 5e-4  #: mm between an arc and its polygon
@@ -54,18 +55,6 @@ class Circles(Struct):
     def add(self, centre: Point, radius: float, off: float = 1e-4) -> None:
         if not any(abs(r - radius) < off and dist(o, centre) < off for o, r in self.known):
             self.known.append((centre, radius))
-
-    def arc(self, line: Curve) -> Curve:
-        """The arc that a chord of one of the circles stands for; the line itself of none."""
-        a, b, off = line.start, line.end, SAME if self.facets else ON_CIRCLE
-        for centre, radius in self.known:
-            if abs(dist(a, centre) - radius) < off and abs(dist(b, centre) - radius) < off:
-                u, v = (a[0] - centre[0], a[1] - centre[1]), (b[0] - centre[0], b[1] - centre[1])
-                turn = angle_between(u, v)
-                rise = radius * (1 - cos(turn / 2))
-                if 0.0 < abs(turn) < FACET_RAD and (self.facets or rise < 2 * ON_CIRCLE):
-                    return Arc(centre, radius, degrees(atan2(u[1], u[0])), degrees(turn))
-        return line
 
 
 def points_of(chain: Chain, circles: Circles) -> list[Point]:
@@ -156,9 +145,35 @@ def on_circles(chain: Chain, circles: Circles) -> Chain:
         chain = joined(chain)  # a facet's corners are on its circle, and no points between them
     if not circles.known:
         return chain
-    arcs = joined(tuple(map(circles.arc, chain)))
-    # What is too short to tell from a chord is one.
-    return joined(tuple(c if c.length > SHORTEST else Line(c.start, c.end) for c in arcs))
+    centres = np.array([centre for centre, _ in circles.known])
+    radii = np.array([radius for _, radius in circles.known])
+    a, b = (
+        np.array(ends)[:, None] - centres
+        for ends in zip(*((c.start, c.end) for c in chain), strict=True)
+    )
+    off = np.maximum(*(np.abs(np.hypot(e[..., 0], e[..., 1]) - radii) for e in (a, b)))
+    turns = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2))
+    fits = (
+        (off < (SAME if circles.facets else ON_CIRCLE))
+        & (np.abs(turns) > 0)
+        & (np.abs(turns) < FACET_RAD)
+    )
+    if not circles.facets:  # of which chords are as fine as those of `points_of`
+        fits &= radii * (1 - np.cos(turns / 2)) < 2 * ON_CIRCLE
+    which = np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
+    first = int(np.argmax(which != np.roll(which, 1)))
+    out: list[Curve] = []
+    for k, run in groupby(np.roll(np.arange(len(chain)), -first).tolist(), key=which.__getitem__):
+        lines = [*run]
+        i, j = lines[0], lines[-1]
+        if k < 0:
+            out += [chain[one] for one in lines]
+            continue
+        start, sweep = np.arctan2(a[i, k, 1], a[i, k, 0]), turns[lines, k].sum()
+        arc = Arc(*circles.known[k], *np.degrees((start, sweep)).clip(-360.0, 360.0).tolist())
+        # What is too short to tell from a chord is one.
+        out.append(arc if arc.length > SHORTEST else Line(chain[i].start, chain[j].end))
+    return joined(tuple(out))
 
 
 def chains_of(polygon: Any, circles: Circles) -> tuple[Chain, tuple[Chain, ...]]:
