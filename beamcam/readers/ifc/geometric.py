@@ -7,7 +7,6 @@
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,7 @@ from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
 from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
+    FAR,
     Circles,
     Shape,
     chain_of_ring,
@@ -259,14 +259,10 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import MultiPolygon, Polygon, get_coordinates
+    from shapely import LineString, MultiPolygon, Polygon, get_coordinates
 
-    at = 0 if wall.normal == "y" else 1
-    crossed = [
-        a[1 - at] + (c - a[at]) / (b[at] - a[at]) * (b[1 - at] - a[1 - at])
-        for a, b in pairwise((stock.outline[-1], *stock.outline))
-        if (a[at] > c) != (b[at] > c)
-    ]
+    lines = LineString([wall.point(0.0, q, c)[1:] for q in (-FAR, FAR)])
+    crossed = [wall.split((0.0, *p))[0] for p in get_coordinates(stock.shape.intersection(lines))]
     if len(crossed) < 2:
         return shape
     low, high, near = min(crossed), max(crossed), EDGE + STEEPEST * stock.rise

@@ -7,7 +7,7 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Arc, Point
+from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import MIN_LEAN
@@ -19,7 +19,6 @@ from beamcam.readers.ifc.region import (
     chains_of,
     circles_in,
     pieces_of,
-    points_of,
     polygon_of,
     region_within,
 )
@@ -52,7 +51,7 @@ SAME = 1e-9  #: mm between the lines of one section at two stations, from roundi
 
 
 Rough = tuple[float, Any]  #: mm between arcs and facets, and the region in which facets lie
-Best = tuple[float, Section, Chain, Any, Any]
+Best = tuple[Section, Any, Any]  #: a section, its region with its arcs, and with its facets
 
 
 class Rolled(Struct, frozen=True):
@@ -62,7 +61,7 @@ class Rolled(Struct, frozen=True):
     frame: Frame
     x0: float
     x1: float
-    outline: tuple[Point, ...]  #: (Y, Z) of the section's border
+    shape: Any  #: the section's region in (Y, Z), with its arcs
     stock: BareStock
     rise: float = 0.0  #: mm between its roundings and facets that run slantwise
 
@@ -106,14 +105,14 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
             box = (*extent(shell, u), *extent(shell, v))
             last = told.area
             areas.append(last)
-            if special is None or told.area > special[0] * SAME_AREA:
-                special = told.area, told, outer, pieces[0], pieces[0]
+            if special is None or told.area > special[0].area * SAME_AREA:
+                special = told, pieces[0], pieces[0]
             told = _flat(pieces[0]) if _reaches(pieces[0], box) else None
         if told is None or (told.code == "B" and told.width > 200):
             continue
-        if best is None or told.area > best[0] * SAME_AREA:
+        if best is None or told.area > best[0].area * SAME_AREA:
             exact = polygon_of(outer, inner, Circles()) if circles.known else pieces[0]
-            best = (told.area, told, outer, exact, pieces[0])
+            best = told, exact, pieces[0]
     slanted = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
     if slanted and not shell.cylinders:
         for side in (-1, 1):
@@ -122,7 +121,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
                 best, rough = skinned
                 break
     if best is None and special is not None:
-        alike = sum(area * SAME_AREA >= special[0] for area in areas)
+        alike = sum(area * SAME_AREA >= special[0].area for area in areas)
         best = special if alike > len(STATIONS) // 2 else None
     return None if best is None else _as_rolled(shell, best, rough, u, v)
 
@@ -131,31 +130,24 @@ def _as_rolled(shell: Shell, best: Best, rough: Rough | None, u: Vec, v: Vec) ->
     """The stock of the best section that stations along a shell show, in axes u and v."""
     from shapely import transform
 
-    found = best[1]
-    o = add(scale(u, found.origin[0]), scale(v, found.origin[1]))
-    y = add(scale(u, found.y[0]), scale(v, found.y[1]))
-    z = add(scale(u, found.z[0]), scale(v, found.z[1]))
-    x = cross(y, z)
-    frame = Frame(o, x, y, z)
-    x0, x1 = extent(shell, x)
-    (ox, oy), sy, sz = found.origin, found.y, found.z
-    border = tuple(
-        ((p - ox) * sy[0] + (q - oy) * sy[1], (p - ox) * sz[0] + (q - oy) * sz[1])
-        for p, q in points_of(best[2], Circles())
-    )
+    found, exact, drawn = best
+    o, y, z = (add(scale(u, p), scale(v, q)) for p, q in (found.origin, found.y, found.z))
+    frame = Frame(o, cross(y, z), y, z)
+    x0, x1 = extent(shell, frame.x)
 
     def turned(points: Any) -> Any:
         off = points - np.array(found.origin)
         return np.column_stack((off @ np.array(found.y), off @ np.array(found.z)))
 
+    shape = transform(exact, turned)
     if found.is_plain_flat:  # its edges may be bevelled all along
         found = replace(found, area=found.height * found.width)
-        return Rolled(found, frame, x0, x1, border, plain_stock(found))
-    shown = BareStock(transform(best[4], turned), float(best[3].area))
+        return Rolled(found, frame, x0, x1, shape, plain_stock(found))
+    shown = BareStock(transform(drawn, turned), float(exact.area))
     rise = 0.0
     if rough is not None:
         rise, shown = rough[0], replace(shown, rough=transform(rough[1], turned))
-    return Rolled(found, frame, x0, x1, border, shown, rise)
+    return Rolled(found, frame, x0, x1, shape, shown, rise)
 
 
 def _same(lines: Segments, others: Segments) -> bool:
@@ -217,7 +209,7 @@ def _end_section(
         bands += [Polygon([*outside[k : k + 2], *inside[k : k + 2][::-1]]) for k in range(count)]
     shape = polygon_of(outer, tuple(inner), Circles())
     told = replace(told, area=float(shape.area))
-    return (told.area, told, outer, shape, shape), (most, union_all(bands))
+    return (told, shape, shape), (most, union_all(bands))
 
 
 def round_axis(shell: Shell, along: Vec) -> Vec | None:
