@@ -16,7 +16,8 @@ from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from beamcam.budget import check_member
-from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
+from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.plane import cross
 from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.entities import Unreadable
@@ -133,10 +134,10 @@ def chain_of_ring(ring: Any, circles: Circles) -> Chain:
     points = [p for i, p in enumerate(coordinates) if dist(p, coordinates[i - 1]) > SAME_POINT]
     if len(points) < 3:
         return ()
-    chain: Chain = tuple(Line(p, q) for p, q in zip(points, [*points[1:], points[0]], strict=True))
-    if signed_area(chain) < 0:
-        chain = tuple(line.reversed() for line in reversed(chain))
-    return on_circles(chain, circles)
+    if sum(map(cross, points, [*points[1:], points[0]])) < 0:
+        points.reverse()
+    lines = tuple(Line(p, q) for p, q in zip(points, [*points[1:], points[0]], strict=True))
+    return on_circles(lines, circles)
 
 
 def on_circles(chain: Chain, circles: Circles) -> Chain:
@@ -161,7 +162,7 @@ def on_circles(chain: Chain, circles: Circles) -> Chain:
     if not circles.facets:  # of which chords are as fine as those of `points_of`
         fits &= radii * (1 - np.cos(turns / 2)) < 2 * ON_CIRCLE
     which = np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
-    first = int(np.argmax(which != np.roll(which, 1)))
+    first = int(np.argmax((which < 0) | (which != np.roll(which, 1))))
     out: list[Curve] = []
     for k, run in groupby(np.roll(np.arange(len(chain)), -first).tolist(), key=which.__getitem__):
         lines = [*run]
