@@ -112,9 +112,6 @@ class Prism(Struct, frozen=True, gc=False):
             if size(n) > 1e-9
         ]
 
-    def moved(self, by: Frame) -> "Prism":
-        return Prism(by.times(self.frame), self.outline, self.where, self.shape)
-
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The prism's section by the wall's plane at `c`."""
         f, n = self.frame, wall.direction
@@ -192,9 +189,6 @@ class Bounded(Struct, frozen=True):
         high = (min(b[0], d[0]), min(b[1], d[1]), min(b[2], d[2]))
         return low, high
 
-    def moved(self, by: Frame) -> "Bounded":
-        return Bounded(self.first.moved(by), self.second.moved(by), self.where)
-
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         return self.first.slice(wall, c, circles).intersection(self.second.slice(wall, c, circles))
 
@@ -209,9 +203,6 @@ class Less(Struct, frozen=True):
     @property
     def box(self) -> Box3:
         return self.first.box
-
-    def moved(self, by: Frame) -> "Less":
-        return Less(self.first.moved(by), tuple(t.moved(by) for t in self.taken), self.where)
 
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         shape = self.first.slice(wall, c, circles)

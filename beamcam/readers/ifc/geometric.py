@@ -13,7 +13,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.model.part import Contour, Hole, Slot
+from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
 from beamcam.readers.ifc.cutters import planes_of
@@ -60,8 +60,7 @@ from beamcam.readers.ifc.space import Frame, cross, scale
 from beamcam.readers.ifc.stock import box_of, plate_stock
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
-ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one
-SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
+SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
 STEEPEST = 4.0  #: mm along a level of a wall for each mm that facets lie off its round edge
 STRAIGHT = 1e-3  #: mm that a corner of a region may lie off the line between its neighbours
@@ -219,39 +218,24 @@ def _drilled(
     levels: Sequence[Shape], wall: Wall, exact: Circles, source: Source
 ) -> tuple[list[Hole | Slot], list[Shape]]:
     """The round and slotted hollows that both levels of a wall show; the levels without them."""
-    from shapely import MultiPolygon, Polygon, get_coordinates
+    from shapely import MultiPolygon, Polygon
 
-    told: dict[bytes, Contour | Hole | Slot | None] = {}  # most are alike at both levels
-    seen: list[list[tuple[Hole | Slot, tuple[float, ...]]]] = []
-    for shape in levels:
-        rows = []
-        for piece in pieces_of(shape):
-            for ring in piece.interiors:
-                key = (get_coordinates(ring).round(ALIKE) + 0.0).tobytes()
-                if key not in told:
-                    chain = with_arcs(chain_of_ring(ring, exact))
-                    told[key] = opening(wall, chain, source) if chain else None
-                made = told[key]
-                if isinstance(made, (Hole, Slot)):
-                    rows.append((made, ring.bounds))
-        seen.append(rows)
-    holes: list[Hole | Slot] = []
-    filled: set[tuple[float, ...]] = set()
-    for low, ring in seen[0]:
-        for high, other in seen[-1]:
-            apart = max(abs(low.x - high.x), abs(low.y - high.y), abs(low.diameter - high.diameter))
-            if type(low) is type(high) and apart < SAME_HOLE:
-                holes.append(low)
-                filled |= {ring, other}
-                break
-    kept = []
-    for shape in levels:
-        pieces = [
-            Polygon(p.exterior, [r for r in p.interiors if r.bounds not in filled])
-            for p in pieces_of(shape)
-        ]
-        kept.append(MultiPolygon(pieces))
-    return holes, kept
+    def place(ring: Any) -> tuple[float, ...]:
+        return tuple(round(value, SAME_HOLE) for value in ring.bounds)
+
+    pieces = [pieces_of(shape) for shape in levels]
+    rings = [{place(r): r for piece in row for r in piece.interiors} for row in pieces]
+    holes: dict[tuple[float, ...], Hole | Slot] = {}
+    for at, ring in rings[0].items():
+        chain = with_arcs(chain_of_ring(ring, exact)) if at in rings[-1] else ()
+        made = opening(wall, chain, source) if chain else None
+        if isinstance(made, (Hole, Slot)):
+            holes[at] = made
+    kept = [
+        [Polygon(p.exterior, [r for r in p.interiors if place(r) not in holes]) for p in row]
+        for row in pieces
+    ]
+    return [*holes.values()], [MultiPolygon(row) for row in kept]
 
 
 def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:

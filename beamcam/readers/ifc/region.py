@@ -95,16 +95,9 @@ def half_plane(a: float, b: float, d: float) -> Shape:
     by = hypot(a, b)
     nx, ny = a / by, b / by
     ox, oy = nx * d / by, ny * d / by
-    tx, ty = -ny * FAR, nx * FAR
     ux, uy = nx * FAR, ny * FAR
-    return Polygon(
-        [
-            (ox - tx, oy - ty),
-            (ox - tx + ux, oy - ty + uy),
-            (ox + tx + ux, oy + ty + uy),
-            (ox + tx, oy + ty),
-        ]
-    )
+    return Polygon([(ox + uy, oy - ux), (ox + uy + ux, oy - ux + uy),
+                    (ox - uy + ux, oy + ux + uy), (ox - uy, oy + ux)])  # fmt: skip
 
 
 def rectangle(x0: float, y0: float, x1: float, y1: float) -> Shape:

@@ -282,9 +282,4 @@ def walls_of(section: Section) -> tuple[Wall, ...]:
 @cached("ifc.corners")
 def corner_points(section: Section) -> tuple[tuple[float, float], ...]:
     """(Y, Z) of the outermost points of a section, in which the end cuts reach furthest."""
-    found = list(corners(section.profile(""), section.points))
-    for wall in () if section.code in ("M", "C") else walls_of(section):
-        for q in (0.0, wall.width):
-            for c in (wall.low, wall.high):
-                found.append((c, q) if wall.normal == "y" else (q, c))
-    return tuple(dict.fromkeys(found))
+    return corners(section.profile(""), section.points)
