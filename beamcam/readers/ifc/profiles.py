@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import hypot, pi
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.geometry.conics import arc_between
-from beamcam.geometry.curves import Arc, Curve, Line, Point
-from beamcam.geometry.plane import MAX_COORDINATE, Matrix, cross, mapped, mapped_vector, normalized
+from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
+from beamcam.geometry.plane import MAX_COORDINATE, cross, normalized
 from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
@@ -69,8 +68,6 @@ def _section(model: Model, entity: Entity) -> Section:
 
 
 def _stated_section(model: Model, entity: Entity) -> Section:
-    if entity.is_a("IfcDerivedProfileDef"):
-        return _mapped(section_of(model, entity.ParentProfile), _operator(model, entity))
     if entity.is_a() in MEASURES:
         return _measured(model, entity)
     outline = outline_of(model, entity)
@@ -122,19 +119,27 @@ def _outline(model: Model, entity: Entity) -> Outline:
         radii = [0.0, 0.0, number(*FILLETS), number("TopFlangeFilletRadius", *FILLETS), 0.0, 0.0]
         half = [(b0, -h), (b0, t0 - h), (w, t0 - h), (w, h - t1), (b1, h - t1), (b1, h)]
         outer = rounded_chain(half + [(-x, y) for x, y in half[::-1]], radii + radii[::-1])
-    elif entity.is_a() in MEASURES and not entity.is_a("IfcCShapeProfileDef"):
-        return Outline(_sharp(section_of(model, entity)))
+    elif entity.is_a() in MEASURES:
+        return Outline(_drawn(section_of(model, entity), number("Girth")))
     else:
         raise Unreadable(f"a profile by {entity.is_a()}")
     frame = model.axes(entity.Position)
     return Outline(_moved(outer, frame), tuple(_moved(c, frame) for c in hollow))
 
 
-def _sharp(section: Section) -> Chain:
-    """The outline of a section's walls, without its fillets."""
-    s, (ox, oy), (yx, yy), (zx, zy) = section, section.origin, section.y, section.z
-    drawn = FORMS[s.code].drawn(s.height, s.width, s.flange_thickness, s.web_thickness)
-    return points_chain([(ox + y * yx + z * zx, oy + y * yy + z * zy) for z, y in drawn])
+def _drawn(section: Section, lip: float) -> Chain:
+    """The outline of a section with its fillets; of a C all of whose bends are round."""
+    s, form, (ox, oy), (yx, yy), (zx, zy) = (
+        section, FORMS[section.code], section.origin, section.y, section.z,
+    )  # fmt: skip
+    points = form.drawn(s.height, s.width, s.flange_thickness, s.web_thickness, lip)
+    outside = s.radius + s.web_thickness if s.code == "C" and s.radius else 0.0
+    radii = [
+        s.radius if inner else outside * (set(at) <= set("0bh"))
+        for at, inner in zip(form.corners, form.reflex, strict=True)
+    ]
+    matrix = (zx, yx, ox), (zy, yy, oy)
+    return tuple(c.transformed(matrix) for c in rounded_chain(points, radii))
 
 
 def rounded_box(x: float, y: float, radius: float) -> Chain:
@@ -156,12 +161,8 @@ def _circle(radius: float) -> Chain:
 def _moved(chain: Chain, by: Frame) -> Chain:
     if by is IDENTITY:
         return chain
-    matrix = _matrix(by)
+    matrix = (by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1])
     return tuple(c.transformed(matrix) for c in chain)
-
-
-def _matrix(by: Frame) -> Matrix:
-    return (by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1])
 
 
 def _operator(model: Model, entity: Entity) -> Frame:
@@ -169,27 +170,6 @@ def _operator(model: Model, entity: Entity) -> Frame:
     if entity.is_a("IfcMirroredProfileDef"):
         return Frame(x=(-1.0, 0.0, 0.0))
     return model.operator(entity.Operator)
-
-
-def _mapped(section: Section, by: Frame) -> Section:
-    """A section under a map that keeps its form."""
-    x, y = hypot(by.x[0], by.x[1]), hypot(by.y[0], by.y[1])
-    if abs(x - y) > 1e-6 or abs(by.x[0] * by.y[0] + by.x[1] * by.y[1]) > 1e-6 or x == 0:
-        raise Unreadable("a derived profile that is stretched unevenly")
-
-    matrix = _matrix(by)
-
-    def direction(v: Point) -> Point:
-        mapped = mapped_vector(matrix, v)
-        return mapped[0] / x, mapped[1] / x
-
-    return replace(
-        section.scaled(x),
-        origin=mapped(matrix, section.origin),
-        y=direction(section.y),
-        z=direction(section.z),
-        outline=_moved(section.outline, by),
-    ).right_way()
 
 
 def _measured(model: Model, entity: Entity) -> Section:
@@ -203,7 +183,7 @@ def _measured(model: Model, entity: Entity) -> Section:
         code, (h, b or h if code == "L" else b, tf, tw, r), model.axes(entity.Position)
     )
     if code == "C":
-        return replace(found, area=found.area + _lips(number("Girth"), tw, r))
+        found = replace(found, area=abs(signed_area(_drawn(found, number("Girth")))))
     return found
 
 
@@ -226,17 +206,6 @@ def _number(entity: Entity, mm: float, *names: str) -> float:
     """The first of some measures that a profile has, in mm; 0 where it has none."""
     stated = (getattr(entity, name, None) for name in names)
     return float(next((value for value in stated if value is not None), 0.0)) * mm
-
-
-def _lips(girth: float, wall: float, radius: float) -> float:
-    """Area that the lips of a cold formed channel add to its sharp area, with all its bends.
-
-    Each of its four bends is round outside too: the inner fillet is in the sharp area already for
-    two of them.
-    """
-    corner = 1 - pi / 4
-    bends = 4 * corner * (radius * radius - (radius + wall) ** 2)
-    return 2 * max(0.0, girth - wall) * wall + bends - 2 * corner * radius * radius
 
 
 def rounded_chain(corners: Sequence[Point], radii: Sequence[float]) -> Chain:

@@ -145,22 +145,22 @@ class Form(Struct, frozen=True):
     share: float | None
 
     def levels(
-        self, h: float, b: float, tf: float, tw: float
+        self, h: float, b: float, tf: float, tw: float, lip: float = 0.0
     ) -> tuple[dict[str, float], dict[str, float]]:
-        """Where the surfaces of a section of height, width, flange and web lie along Z and Y."""
+        """Where the surfaces of a section of height, width, flange, web and lip lie, by Z and Y."""
         across = {"0": 0.0, "b": b, "w": tw, "W": b - tw, "a": (b - tw) / 2, "A": (b + tw) / 2}
         up = {"0": 0.0, "h": h, "t": tf, "T": h - tf, "s": (h - tf) / 2, "S": (h + tf) / 2}
-        return across, up | {"g": 2 * tf, "G": h - 2 * tf}
+        return across, up | {"g": lip, "G": h - lip}
 
     def drawn(self, *sizes: float) -> list[Point]:
-        """(Z, Y) of the corners for height, width, flange and web."""
+        """(Z, Y) of the corners for height, width, flange, web and lip."""
         across, up = self.levels(*sizes)
         return [(across[z], up[y]) for z, y in self.corners]
 
     @property
     def reflex(self) -> list[bool]:
         """Whether each corner is an inner one."""
-        p = self.drawn(9.0, 7.0, 1.0, 1.0)
+        p = self.drawn(9.0, 7.0, 1.0, 1.0, 2.0)
         sides = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([p[-1], *p], p, strict=False)]
         return [cross(a, b) < 0 for a, b in zip(sides, [*sides[1:], sides[0]], strict=True)]
 
