@@ -27,6 +27,7 @@ SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
 REACHED = 0.01  #: mm by which an end's plane may miss the end of the member
 LEVEL_REACH = 0.08  #: mm that the outer levels of a wall lie inside it, at most
 UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
+SQUARE = 0.9  #: share of what a square end holds by which a plane of a face is taken before it
 FILM = 0.05  #: mm before a plane in which the walls that end at it are seen
 
 
@@ -113,14 +114,11 @@ def end_of(
     is where the member ends, if that is known better than from `levels`.
     """
     bounds = [p.bounds for _, _, s in levels for p in pieces_of(s)]
+    outermost = max(b[2] for b in bounds) if side > 0 else min(b[0] for b in bounds)
     # A level lies a little inside its wall, and a leaning end reaches further at the surface.
-    inside, last = (
-        (0.0, x)
-        if x is not None
-        else (LEVEL_REACH, side * max(side * b[2 if side > 0 else 0] for b in bounds))
-    )
-    best = End(side, 0.0, 0.0, last)
-    most, best_x = _weight(best, levels), last
+    last, inside = (outermost, LEVEL_REACH) if x is None else (x, 0.0)
+    best, best_x = End(side, 0.0, 0.0, last), last
+    most = SQUARE * _weight(best, levels)
     for one in planes:
         plane = replace(one, side=side)
         reached = side * max(reaches(plane, corners))
@@ -129,7 +127,7 @@ def end_of(
         over = (s.intersection(plane.removed(wall, c)) for wall, c, s in levels)
         weight = _weight(plane, levels)
         if weight > most and all(shape.buffer(-UNEXPLAINED).is_empty for shape in over):
-            best, most, best_x = plane, weight, reached
+            best, best_x, most = plane, reached, weight
     return best, best_x if x is None else x
 
 
