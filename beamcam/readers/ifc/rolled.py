@@ -33,7 +33,7 @@ from beamcam.readers.ifc.shell import (
     segments,
     vec,
 )
-from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, sub, unit
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
 FLAT = 0.6  #: share of its box that a flat bar with bevelled edges fills
@@ -215,29 +215,30 @@ def _end_section(
 def round_axis(shell: Shell, along: Vec) -> Vec | None:
     """The axis of a round bar or tube near a direction, through the corners of its skin; or None.
 
-    Where facets run slantwise, as only triangles do, no edge shows it: by least squares (Gauss and
-    Newton), in six steps.
+    Where facets run slantwise, as only triangles do, no edge shows it: what lies by the line from
+    the middle of one end to that of the other is the skin, and by least squares a cylinder,
+
+        (x - p - a z)^2 + (y - q - b z)^2 = r^2,  linear in p, q, a, b and what they make with r.
     """
     if len(shell.points) != 3 * shell.count:
         return None
-    u = across(along)
-    v = cross(along, u)
-    x, y, z = (c - c.mean() for c in (coordinates(shell.points, way) for way in (u, v, along)))
-    x, y = (c - (c.min() + c.max()) / 2 for c in (x, y))
-    far = np.hypot(x, y)
-    skin = far > SKIN * far.max()
-    x, y, z = x[skin], y[skin], z[skin]
-    found = np.array([0.0, 0.0, 0.0, 0.0, float(far.max())])  # centre, slopes, radius
-    off = np.full(1, np.inf)
-    for _ in range(6):
-        dx, dy = x - found[0] - found[2] * z, y - found[1] - found[3] * z
-        r = np.hypot(dx, dy)
-        off = r - found[4]
-        slopes = np.column_stack((dx / r, dy / r, dx * z / r, dy * z / r, np.ones(len(r))))
-        found += np.linalg.lstsq(slopes, off, rcond=None)[0]
-    if np.abs(off).max() > ON_ARC:
+    middles = shell.points.reshape(-1, 3, 3).mean(axis=1)
+    ends = [end_faces(shell, along, side) for side in (-1, 1)]
+    if not all(map(len, ends)):
         return None
-    return unit(add(along, add(scale(u, float(found[2])), scale(v, float(found[3])))))
+    start, end = (vec(np.average(middles[e], axis=0, weights=shell.areas[e])) for e in ends)
+    axis = unit(sub(end, start))
+    u = across(axis)
+    v = cross(axis, u)
+    x, y, z = (coordinates(shell.points - start, way) for way in (u, v, axis))
+    far = np.hypot(x, y)
+    x, y, z = (c[far > SKIN * far.max()] for c in (x, y, z))
+    z /= (long := size(sub(end, start)))
+    rows = np.column_stack((2 * x, 2 * y, 2 * x * z, 2 * y * z, np.ones(len(z)), z, z * z))
+    p, q, a, b, *_ = np.linalg.lstsq(rows, x * x + y * y, rcond=None)[0].tolist()
+    if np.ptp(np.hypot(x - p - a * z, y - q - b * z)) > 2 * ON_ARC:
+        return None
+    return unit(add(axis, add(scale(u, a / long), scale(v, b / long))))
 
 
 def end_faces(shell: Shell, axis: Vec, side: int) -> Places:
