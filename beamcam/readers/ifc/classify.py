@@ -10,12 +10,12 @@ from beamcam.geometry.plane import box_around, cross, distance, dot, normalized
 from beamcam.model.part import ProfileCode
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.outline import Corner, Round, corners_of, shape_of, with_arcs
-from beamcam.readers.ifc.section import FORMS, SQUARE, Section, placed, special
+from beamcam.readers.ifc.section import FORMS, SQUARE, Names, Section, placed, special
 
 ALIKE = 0.2  #: mm between what a form has alike: flanges, tips, a web and the middle
 WALLS_ALIKE = 0.3  #: mm between the walls of a tube
 SAME_SIDES = 0.01  #: mm between the sides of a square
-MIDDLE = ("aA", "sS")  #: walls that stand in the middle of a section
+MIDDLE = (("a", "A"), ("s", "S"))  #: walls that stand in the middle of a section
 ROUND_ALIKE = 0.1  #: share between the roundings of a flat bar, which others are bevels of
 
 
@@ -106,7 +106,7 @@ def _sized(code: ProfileCode, corners: Sequence[Corner], area: float) -> Section
         root, tips = mean(p for p, inner in there if inner), [p for p, inner in there if not inner]
         return root + share * (mean(tips) - root) if tips else root
 
-    def thickness(axis: int, walls: Sequence[str], share: float) -> float:
+    def thickness(axis: int, walls: Names, share: float) -> float:
         """That of the walls across an axis; 0 where they differ or lie off the middle."""
         pairs = [(level(axis, low, share), level(axis, high, share)) for low, high in walls]
         sizes = [high - low for low, high in pairs]

@@ -134,7 +134,8 @@ def end_of(
 def _weight(end: End, levels: Sequence[Level]) -> float:
     """mm across the walls in which they end at a plane."""
     film = replace(end, c=end.c - end.side * FILM)
-    return sum(s.intersection(film.removed(wall, c)).area for wall, c, s in levels) / FILM
+    areas = (float(s.intersection(film.removed(wall, c)).area) for wall, c, s in levels)
+    return sum(areas) / FILM
 
 
 # --- bevels ---------------------------------------------------------------------------------------

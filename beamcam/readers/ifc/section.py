@@ -129,6 +129,9 @@ def plain_stock(section: Section) -> BareStock:
     return BareStock(box(0.0, 0.0, height, thickness), height * thickness)
 
 
+Names = tuple[tuple[str, str], ...]
+
+
 class Form(Struct, frozen=True):
     """A kind of section by the names of where its surfaces lie, and its outline without fillets.
 
@@ -137,10 +140,10 @@ class Form(Struct, frozen=True):
     (s and S) and the ends of lips (g and G).
     """
 
-    corners: tuple[str, ...]  #: each by its names along Z and Y, counter-clockwise as drawn
+    corners: Names  #: each by its names along Z and Y, counter-clockwise as drawn
     upright: tuple[int, int]  #: the corners between which Y runs
-    webs: tuple[str, ...]  #: the one behind v, then that behind h
-    flanges: tuple[str, ...]
+    webs: Names  #: the one behind v, then that behind h
+    flanges: Names
     #: Where flanges are measured that slope, from root (0) to tip (1); None midway of the width.
     share: float | None
 
@@ -175,8 +178,14 @@ _FORMS: tuple[tuple[ProfileCode, str, tuple[int, int], str, str, float | None], 
     ("B", "00 b0 bh 0h", (0, 3), "0b", "", 0.0),
     ("M", "00 b0 bh 0h", (0, 3), "Wb 0w", "Th 0t", 0.0),
 )
+
+
+def _names(text: str) -> Names:
+    return tuple((pair[0], pair[1]) for pair in text.split())
+
+
 FORMS = {
-    code: Form(tuple(corners.split()), upright, tuple(webs.split()), tuple(flanges.split()), share)
+    code: Form(_names(corners), upright, _names(webs), _names(flanges), share)
     for code, corners, upright, webs, flanges, share in _FORMS
 }
 
