@@ -37,10 +37,7 @@ def box_around(chain: Chain) -> Box:
 
 def points_chain(points: list[Point]) -> Chain:
     """The polygon of `points`, closed."""
-    ring = [p for i, p in enumerate(points) if i == 0 or _apart(p, points[i - 1])]
-    while len(ring) > 1 and not _apart(ring[0], ring[-1]):
-        ring.pop()
-    return tuple(Line(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True))
+    return tuple(_polyline([*points, points[0]]))
 
 
 def _apart(a: Point, b: Point) -> bool:

@@ -168,25 +168,23 @@ class Form(Struct, frozen=True):
         return [cross(a, b) < 0 for a, b in zip(sides, [*sides[1:], sides[0]], strict=True)]
 
 
-#: Code, corners, those between which Y runs, webs, flanges, and where these are measured.
-_FORMS: tuple[tuple[ProfileCode, str, tuple[int, int], str, str, float | None], ...] = (
-    ("I", "00 b0 bt At AT bT bh 0h 0T aT at 0t", (3, 4), "aA", "Th 0t", 0.5),
-    ("U", "00 b0 bt wt wT bT bh 0h", (0, 7), "0w", "Th 0t", None),
-    ("C", "00 b0 bg Wg Wt wt wT WT WG bG bh 0h", (0, 11), "0w", "Th 0t", 0.0),
-    ("L", "00 b0 bt wt wh 0h", (0, 5), "0w", "0t", 0.0),
-    ("T", "00 w0 ws bs bS wS wh 0h", (0, 7), "0w", "sS", 1.0),
-    ("B", "00 b0 bh 0h", (0, 3), "0b", "", 0.0),
-    ("M", "00 b0 bh 0h", (0, 3), "Wb 0w", "Th 0t", 0.0),
-)
+def _form(
+    corners: str, upright: tuple[int, int], webs: str, flanges: str, share: float | None = 0.0
+) -> Form:
+    def names(text: str) -> Names:
+        return tuple((pair[0], pair[1]) for pair in text.split())
+
+    return Form(names(corners), upright, names(webs), names(flanges), share)
 
 
-def _names(text: str) -> Names:
-    return tuple((pair[0], pair[1]) for pair in text.split())
-
-
-FORMS = {
-    code: Form(_names(corners), upright, _names(webs), _names(flanges), share)
-    for code, corners, upright, webs, flanges, share in _FORMS
+FORMS: dict[ProfileCode, Form] = {
+    "I": _form("00 b0 bt At AT bT bh 0h 0T aT at 0t", (3, 4), "aA", "Th 0t", 0.5),
+    "U": _form("00 b0 bt wt wT bT bh 0h", (0, 7), "0w", "Th 0t", None),
+    "C": _form("00 b0 bg Wg Wt wt wT WT WG bG bh 0h", (0, 11), "0w", "Th 0t"),
+    "L": _form("00 b0 bt wt wh 0h", (0, 5), "0w", "0t"),
+    "T": _form("00 w0 ws bs bS wS wh 0h", (0, 7), "0w", "sS", 1.0),
+    "B": _form("00 b0 bh 0h", (0, 3), "0b", ""),
+    "M": _form("00 b0 bh 0h", (0, 3), "Wb 0w", "Th 0t"),
 }
 
 

@@ -116,7 +116,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         raise Unreadable("end cuts that leave nothing")
     holes: list[Hole | Slot] = []
     general: list[Boxed] = []
-    into = Drilled(section, walls, start, end)
+    into = Drilled(section, start, end)
     for cutter, box in rest:
         pierced = pierce(cutter, box, into, source)
         if pierced is None:
