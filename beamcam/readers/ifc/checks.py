@@ -161,7 +161,7 @@ def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | No
 
 
 def _built_stock(model: Model, element: Entity, frame: Frame) -> BareStock:
-    built = kernel.build(model, element, bare=True)
+    built = kernel.build_stock(model, element)
     body = built.shell.moved(frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     return BareStock(across(body, (low + high) / 2), built.volume / (high - low))

@@ -105,15 +105,20 @@ class Built(Struct, frozen=True):
     others: tuple[str, ...] = ()  #: names of curved faces that are no cylinders, if they were asked
 
 
-def build(model: Model, element: Entity, bare: bool = False) -> Built:
-    """The kernel's solid of an element, in closer facets than a reading needs.
+def build(model: Model, element: Entity) -> Built:
+    """The kernel's solid of an element, openings taken off, in closer facets than a reading needs.
 
-    `bare` is before anything was cut off, openings included. Raises Unreadable if it has none.
+    Raises Unreadable if it has none.
     """
+    return _built(_solid(model, element, {"mesher-linear-deflection": FINE_CHORD}))
+
+
+def build_stock(model: Model, element: Entity) -> Built:
+    """As `build`, before anything was cut off. Raises Unreadable."""
     asked = {
         "mesher-linear-deflection": FINE_CHORD,
-        "disable-boolean-result": bare,
-        "disable-opening-subtractions": bare,
+        "disable-boolean-result": True,
+        "disable-opening-subtractions": True,
     }
     return _built(_solid(model, element, asked))
 

@@ -170,7 +170,7 @@ def _kept(
 def area_normals(points: Points, rings: Rings) -> Points:
     """The normal of each face times its area, hollows taken off whichever way they run."""
     off = points - points[rings.start][rings.ring]
-    twice = crosses(off[rings.before], off)
+    twice = np.cross(off[rings.before], off)
     count = len(rings.face)
     by_ring = np.column_stack([np.bincount(rings.ring, column, count) for column in twice.T]) / 2
     borders = rings.borders
@@ -213,14 +213,8 @@ def dots(a: Points, b: Points) -> Numbers:
     return found
 
 
-def crosses(a: Points, b: Points) -> Points:
-    (ax, ay, az), (bx, by, bz) = a.T, b.T
-    return np.column_stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
-
-
 def lengths(vectors: Points) -> Numbers:
-    x, y, z = vectors.T
-    found: Numbers = np.sqrt(x * x + y * y + z * z)
+    found: Numbers = np.linalg.norm(vectors, axis=1)
     return found
 
 
@@ -242,7 +236,7 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
     hits = points[down] + (points[up] - points[down]) * share[:, None]
     # The plane goes into a face and out of it by turns, along the line in which they meet.
     face = rings.face[rings.ring[after]]
-    ways = crosses(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
+    ways = np.cross(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
     order = np.lexsort((dots(hits, ways), face))
     flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
     lines: Segments = flat.reshape(-1, 2, 2)
