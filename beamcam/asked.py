@@ -39,7 +39,6 @@ ASK_VALUE = error("ask-value",
     "The options of the library are those of the command line and of beamcam.toml, by their "
     "names.")  # fmt: skip
 
-RULES = (ASK_VALUE, ASK_TYPE, ASK_BAR, ASK_JOB, ASK_SKIP, ASK_NUMBER)
 _HERE = Source("beamcam")
 
 AnyMachine = str | os.PathLike[str] | Machine  #: how a caller may say which machine is meant

@@ -133,4 +133,3 @@ MEMBER = _limit(
     "Its solid is cut up by hundreds of faces that no section, hole or cut explains. Export it as "
     "a profile with openings, or leave it out by --mark or --guid of the others.",
 )
-RULES = (PIECES, FEATURES, BYTES, DEPTH, MEMBER)

@@ -12,9 +12,8 @@ from typing import Any
 
 import click
 
-from beamcam.interrupts import end_here
 from beamcam.plain_text import terminal_lines
-from beamcam.system import collector_seldom, is_unicode
+from beamcam.system import collector_seldom, end_here, is_unicode
 from beamcam.version import __version__
 
 #: name -> module of beamcam.commands whose `command` it is, and its help in a line

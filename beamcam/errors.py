@@ -134,7 +134,6 @@ MORE = note("more-messages",
     "hold each",
     "A fault of an exporter often repeats in each line; the first twenty messages show "
     "it.")  # fmt: skip
-RULES = (MORE,)
 
 
 class BeamcamError(Exception):

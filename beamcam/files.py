@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import partial
 
-from beamcam.interrupts import taken_back
-from beamcam.system import BINARY, replace_file
+from beamcam.system import BINARY, replace_file, taken_back
 
 REFUSED_SUFFIX = ".refused"  #: behind the name of an output whose program was refused
 

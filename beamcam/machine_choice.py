@@ -17,7 +17,6 @@ from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import NOT_MADE, AnyPlan, clock
 from beamcam.model.request import Job, Request
-from beamcam.planning.begun import begun_part
 from beamcam.planning.rules import SKIP_NAMES
 from beamcam.posts import plan_seconds, post_of
 
@@ -74,6 +73,8 @@ def _chains(
         makes_nothing = part.made is not None and left == len(part.features)
         if makes_nothing or _planned(request, part, machine, skips) is None:
             continue
+        from beamcam.planning.begun import begun_part
+
         others = [one for one in machines if one is not machine]
         for rest in _chains(request, begun_part(part, plan, machine), others, count - 1):
             yield (Link(machine, part, skips), *rest)
@@ -106,7 +107,6 @@ NONE_MAKES_IT = error("plan-no-machine",
     "Each machine that was tried is listed with the codes of what it cannot make. The messages "
     "above are those of the machine that lacks least. `beamcam codes CODE` explains a code and the "
     "ways out.")  # fmt: skip
-RULES = (CHOSEN, NONE_MAKES_IT)
 
 
 class InTurn(Sequence[Machine]):

@@ -12,13 +12,13 @@ from collections.abc import Iterator
 from beamcam.caches import PerObject
 from beamcam.checks.head import head_of
 from beamcam.controllers.machine_words import WordFault, fault_in, load_machine
-from beamcam.emitters.head import head_lines
+from beamcam.emitters import head_lines
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
-from beamcam.machine import rules
 from beamcam.machine.coper import Coper
 from beamcam.machine.load import shipped, source_in
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import WORD
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
 from beamcam.model.request import Job, Request
 from beamcam.planning.left_out import by_hand_sources, left_out_kinds
@@ -49,7 +49,7 @@ def load_proved(name: str) -> Machine:
     if name in shipped():
         return machine
     said = tuple(
-        rules.WORD.at(source_in(name, key, text), key=key, said=said)
+        WORD.at(source_in(name, key, text), key=key, said=said)
         for key, text, said in _faults(machine)
     )
     if said:

@@ -19,7 +19,7 @@ from beamcam.budget import check_pieces
 from beamcam.checks.asked import job_faults, pieces_asked
 from beamcam.checks.head import head_of, other_bar
 from beamcam.checks.rules import BAR_NEEDED
-from beamcam.emitters.head import head_lines
+from beamcam.emitters import head_lines
 from beamcam.errors import (
     Diagnostic,
     PlanError,
@@ -33,7 +33,7 @@ from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
-from beamcam.planning.jobs import Share, shares_of
+from beamcam.planning import Share, shares_of
 from beamcam.planning.left_out import (
     BY_HAND,
     LEFT_OUT,

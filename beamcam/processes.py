@@ -20,8 +20,7 @@ from typing import Any, Generic, TypeVar
 
 from msgspec import Struct
 
-from beamcam.interrupts import LOOK_S, interrupts_waiting
-from beamcam.system import max_workers, start_method
+from beamcam.system import LOOK_S, interrupts_waiting, max_workers, start_method
 
 Given = TypeVar("Given")
 Made = TypeVar("Made")

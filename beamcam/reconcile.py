@@ -54,7 +54,9 @@ def other_than_planned(
             refused = True
             yield replace(said, severity=Severity.ERROR)
         elif said.code == BAR_NEEDED.code and isinstance(plan, Plan):
-            yield from _too_short(plan, said, job.machine.format.resolution)
+            if float(said["found"]) > plan.bar.length + job.machine.format.resolution + TOLD_BAR:
+                expected = f"{plan.bar.length:.3f}"
+                yield BAR_TOLD.at(said.source, found=said["found"], expected=expected)
         else:
             refused = refused or said.severity is Severity.ERROR
             yield said
@@ -89,13 +91,6 @@ def _untold(plan: AnyPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
     place = uncut["x"], uncut["y"]
     if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in told):
         yield UNCUT_TOLD.at(uncut.source, **dict(uncut.values))
-
-
-def _too_short(plan: Plan, needed: Diagnostic, step: float) -> Iterator[Diagnostic]:
-    """An error if the plan's bar is shorter than its program needs, by more than `step`."""
-    if float(needed["found"]) > plan.bar.length + step + TOLD_BAR:
-        expected = f"{plan.bar.length:.3f}"
-        yield BAR_TOLD.at(needed.source, found=needed["found"], expected=expected)
 
 
 def head_differences(

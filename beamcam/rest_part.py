@@ -39,7 +39,6 @@ SPLIT = note("plan-split",
     "made by {found} program(s), on {machines}",
     "Each machine gets what the one before leaves. The shortest chain is taken, in it first the "
     "machine that leaves least.")  # fmt: skip
-RULES = (REST, NO_REST, SPLIT)
 
 
 def rest_of_part(posted: Posted, target: Target) -> tuple[Part, str] | None:

@@ -47,7 +47,6 @@ NO_WAY_TO_READ = note("read-no-way-out",
     "found no way out: no option reads the file as it stands; expected it corrected where the "
     "messages say",
     "Whoever wrote the file has to export it again; a guess would make another part.")  # fmt: skip
-RULES = (WAYS_OUT, NO_WAY_OUT, UNTRIED, WAYS_TO_READ, NO_WAY_TO_READ)
 #: Options of the readers, as on a command line and as they take them, by the file's format.
 _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
     "dxf": (("--units mm", {"units": "mm"}), ("--units in", {"units": "in"})),
@@ -108,6 +107,20 @@ def ways_out(
         return UNTRIED.at(source, found=f"{curves} curves", expected=MOST_CURVES)
     texts = sum(isinstance(f, TextMark) for f in features)
     search = _Search(curves + len(features) + TEXT_WORK * texts)
+    found = _options(search, request, tried, tuple(others), read)
+    if found:
+        return WAYS_OUT.at(source, found=" or ".join(found))
+    if search.is_spent:
+        return UNTRIED.at(source, found=f"{curves + len(features)} curves and features",
+                          expected=MOST_WORK // MANY_TRIES)  # fmt: skip
+    return NO_WAY_OUT.at(source)
+
+
+def _options(
+    search: "_Search", request: Request, tried: Sequence[Machine], others: Sequence[Machine],
+    read: Callable[..., Reading] | None,
+) -> list[str]:  # fmt: skip
+    """The options that help, those first that change least."""
     on = [replace(request, machine=machine) for machine in tried]
     # What is refused only for how many there are is helped by no other lay of one.
     refused = [
@@ -118,7 +131,6 @@ def ways_out(
     open_ones = [one for one, codes in refused if any(c.startswith("plan-open") for c in codes)]
     touching = [one for one, codes in refused if SHARED.code in codes]
     too_large = [one for one, codes in refused if not codes.isdisjoint(_OFF_SHEET)]
-    others = tuple(others)
     fits = any(map(_keeps_size, tried))
     answers = [
         (one, search.planned(one))
@@ -152,12 +164,7 @@ def ways_out(
         found = [*search.by_switch(open_ones, "allow_open")]
     if not found and read is not None:
         found = [*search.by_units(on, read)]
-    if found:
-        return WAYS_OUT.at(source, found=" or ".join(found))
-    if search.is_spent:
-        return UNTRIED.at(source, found=f"{curves + len(features)} curves and features",
-                          expected=MOST_WORK // MANY_TRIES)  # fmt: skip
-    return NO_WAY_OUT.at(source)
+    return found
 
 
 def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:

@@ -19,8 +19,8 @@ from beamcam.machine.overlay import with_torch
 from beamcam.machine.torch import Torch
 from beamcam.model.part import Contour, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
+from beamcam.planning import Share
 from beamcam.planning.contours import layout
-from beamcam.planning.jobs import Share
 from benchmarks.liars import Lies
 
 S = Source("asked.nc1", 1)

@@ -21,7 +21,7 @@ from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from beamcam.emitters.head import head_lines
+from beamcam.emitters import head_lines
 from beamcam.errors import PlanError, errors_in
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, Part

@@ -144,7 +144,7 @@ def _is_refused(part: Part, machine: Machine, change: Change, rng: random.Random
         found = place(*asked)
         return found if isinstance(found, str) else change(found, rng)
 
-    users = ("beamcam.planning.contours.assign_process", "beamcam.planning.operations.text")
+    users = ("beamcam.planning.contours.assign_process", "beamcam.planning.lettering")
     with patch(f"{users[0]}.place_text", lying), patch(f"{users[1]}.place_text", lying):
         try:
             post([part], machine)

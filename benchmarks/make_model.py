@@ -15,7 +15,7 @@ from random import Random
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from beamcam.model.weight import sections  # noqa: E402
+from beamcam.model.section import sections  # noqa: E402
 from benchmarks.bent_accessories import add_bent, bent  # noqa: E402
 from benchmarks.script import arguments, at_least, start  # noqa: E402
 from tests.property.ifc_builder import HoleSpec, Member, Writer, walls  # noqa: E402

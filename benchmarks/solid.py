@@ -76,7 +76,7 @@ def depth(case: Case, rng: Random) -> str | None:
     wall = profile.web_thickness if axis == "Z" else profile.flange_thickness
     shallower = drill.breakthrough + rng.uniform(0.2, 0.8) * (wall or 0.0)
     line = stroke[4].replace(bottom[0], f"{axis}{float(bottom[1]) - shallower:.3f}")
-    return case.text[: stroke.start(4)] + line + case.text[stroke.end(4) :]
+    return case.text[: stroke.retract(4)] + line + case.text[stroke.end(4) :]
 
 
 def face(case: Case, rng: Random) -> str | None:

@@ -1,14 +1,19 @@
 """Where the samples are, where real files may be, and how golden files are compared."""
 
+import ast
 import difflib
+import inspect
 import os
 import signal
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from beamcam.errors import Rule
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLES = ROOT / "samples"
@@ -31,6 +36,17 @@ _PATIENT: dict[str, Any] = {
 def examples(thorough: int) -> int:
     """How many examples of a law are tried, of so many that are under HYPOTHESIS_PROFILE=random."""
     return thorough if PROFILE == "random" else -(-thorough // 5)
+
+
+def rules_of(*modules: ModuleType) -> list[Rule]:
+    """The rules that modules define, without those that they import."""
+    return [
+        rule
+        for module in modules
+        for node in ast.parse(inspect.getsource(module)).body
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+        if isinstance(rule := getattr(module, node.targets[0].id), Rule)
+    ]
 
 
 def sampled(cases: Iterable[Any], every: int) -> list[Any]:

@@ -21,7 +21,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.part import Bend, Contour, Hole, Part, Profile, Slot, TextMark
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import begin, finished
-from beamcam.planning import jobs
+from beamcam.planning import Share, pieces_of, shares_of
 from beamcam.planning.contours.layout import laid
 from benchmarks.asked_liars import told
 from tests.conftest import SAMPLES, examples
@@ -55,13 +55,13 @@ def test_pieces_are_counted_as_the_words_say(numbers: list[int], quantity: objec
     one_each = {None: 1, "file": None}.get(quantity, quantity)  # type: ignore[call-overload]
     expected = {k: n if one_each is None else one_each for k, n in enumerate(numbers)}
     assert pieces_asked(request) == expected
-    assert Counter(jobs.pieces_of(request)) == expected
+    assert Counter(pieces_of(request)) == expected
 
 
 def test_a_line_without_a_saw_makes_one_of_each_with_every_run() -> None:
     request = Request((bar_part("A", 3000.0, 4),), replace(LINE, saw=None), quantity="file")
     assert pieces_asked(request) == {0: 1}
-    assert jobs.pieces_of(request) == (0,)
+    assert pieces_of(request) == (0,)
 
 
 @given(
@@ -75,7 +75,7 @@ def test_programs_that_are_not_what_was_asked_for(
     made = tuple(bar_part(f"P{k}", length, n) for k, (length, n) in enumerate(parts))
     request = Request(made, LINE, stock=(6000.0, 12000.0), quantity="file")
     true = [
-        Job(request, share.pieces, share.lengths[0]) for share in jobs.shares_of(request)
+        Job(request, share.pieces, share.lengths[0]) for share in shares_of(request)
     ]  # fmt: skip
     assert job_faults(request, true) == ()
     at = data.draw(st.integers(0, len(true) - 1))
@@ -99,7 +99,7 @@ def test_a_planner_that_drops_a_piece_posts_nothing(monkeypatch: pytest.MonkeyPa
     true = pipeline.shares_of
     monkeypatch.setattr(
         pipeline, "shares_of",
-        lambda *asked: [jobs.Share(s.pieces[:-1], s.lengths) for s in true(*asked)],
+        lambda *asked: [Share(s.pieces[:-1], s.lengths) for s in true(*asked)],
     )  # fmt: skip
     with pytest.raises(VerifyError, match=r"verify-pieces: found 2 of A .* expected 3"):
         begin(request)

@@ -16,7 +16,7 @@ import pytest
 from tests.conftest import ROOT, sampled
 
 SAMPLES = ROOT / "samples"
-LAYOUT, JOBS = "planning/contours/layout.py", "planning/jobs.py"
+LAYOUT, JOBS = "planning/contours/layout.py", "planning/__init__.py"
 ROWS, HATCH = "planning/sheet_rows.py", "model/hatch.py"
 ANGLE = """0
 SECTION

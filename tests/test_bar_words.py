@@ -200,7 +200,7 @@ def m_blocks(machine: Machine, now: Modal) -> Iterator[Words]:
     if now.turning and " K" in now.turning:
         usual["speed"] = float(now.turning.split(" K")[1])
     if machine.saw is not None:
-        usual["angle"] = machine.saw.square
+        usual["angle"] = machine.saw.zero_angle
     for number, word in sorted(dialect_of(machine).m_words.items()):
         name = f"M{number}" if number in DOCUMENTED else word.role
         said = {letter: usual[field] for letter, field in word.fields}

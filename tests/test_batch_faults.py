@@ -220,8 +220,7 @@ def test_several_parts_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 def test_members_that_cannot_be_read_stop_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     """The members of a model are parts of their own; of any other file an error refuses all."""
     from beamcam.readers import read
-    from beamcam.readers.content import Reading
-    from beamcam.readers.rules import EMPTY
+    from beamcam.readers.content import EMPTY, Reading
 
     (good,) = read(part("M1").encode(), "1.nc1").parts
     said = EMPTY.at(Source("model.ifc", None, "GUID"))

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from beamcam.batch import LINK, NOT_OURS, SAME_NAME, WRITE
 from beamcam.batch.record import RECORD_NAME
-from beamcam.batch.rules import LINK, NOT_OURS, SAME_NAME, WRITE
 from beamcam.system import is_windows
 from tests.runs import batch, counts, fill, part
 

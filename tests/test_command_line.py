@@ -11,8 +11,8 @@ from click.testing import CliRunner, Result
 from beamcam.cli import main
 from beamcam.commands import common
 from beamcam.commands.common import FIRST, GROUPS, MOST_SHOWN, OTHER, Grouped, heading_of
-from beamcam.commands.pictures import KINDS, NO_PROGRAMS
-from beamcam.machine.names import DEFAULTS
+from beamcam.commands.outputs import KINDS, NO_PROGRAMS
+from beamcam.machine import DEFAULTS
 from tests.conftest import SAMPLES
 from tests.runs import part
 from tests.test_docs import WORDS

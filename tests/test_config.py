@@ -314,7 +314,8 @@ def test_tolerances_without_a_drill(tmp_path: Path) -> None:
     ("value", "expected"),
     [
         ("merge = 1.1", "at most 1 mm"), ("duplicate = 300", "at most 1 mm"),
-        ("twin = 10", "at most 1 mm"), ("sink = 90", "at most 1 mm"), ("path = 5", "at most 1 mm"),
+        ("same_tool = 10", "at most 1 mm"), ("sink = 90", "at most 1 mm"),
+        ("path = 5", "at most 1 mm"),
         ("path = 0", "at least 0.001 mm"),
     ],
 )  # fmt: skip

@@ -13,7 +13,7 @@ from beamcam.asked import expected_job
 from beamcam.checks.head import Head, head_of
 from beamcam.cli import main
 from beamcam.controllers import longest_line
-from beamcam.emitters.head import MAX_TEXT, comment_room
+from beamcam.emitters import MAX_TEXT, comment_room
 from beamcam.errors import errors_in
 from beamcam.machine import load
 from beamcam.model.part import EndCuts, Part

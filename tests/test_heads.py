@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from beamcam import pipeline
 from beamcam.checks.head import VERSION, head_of
 from beamcam.cli import main
-from beamcam.emitters.head import FORM
+from beamcam.emitters import FORM
 from beamcam.machine import load, shipped
 from beamcam.model.request import Job
 from beamcam.pipeline import RefusedProgram, parts_of, post, read_file

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.interrupts import asked_to_end, interrupts_waiting
+from beamcam.system import asked_to_end, interrupts_waiting
 from tests.conftest import ROOT, sampled
 from tests.runs import HANG_S, children, fill, part, processor_s, wait_until
 
@@ -202,7 +202,7 @@ def test_who_asks_twice_does_not_wait(tmp_path: Path) -> None:
     half = tmp_path / "half"
     code = (
         "import os, signal, sys\n"
-        "from beamcam.interrupts import asked_to_end, taken_back\n"
+        "from beamcam.system import asked_to_end, taken_back\n"
         "open(sys.argv[1], 'w').close()\n"
         "with asked_to_end() as asked, taken_back(lambda: os.unlink(sys.argv[1])):\n"
         "    signal.raise_signal(signal.SIGINT)\n"

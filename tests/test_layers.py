@@ -15,7 +15,6 @@ PACKAGE = ROOT / "beamcam"
 #: A package may import those of lower steps; packages on one step never import each other.
 STEPS = (
     ("caches", "conversion", "plain_text", "system", "version"),
-    ("interrupts",),
     ("errors", "files", "processes"),
     ("budget",),
     ("geometry",),
@@ -41,7 +40,7 @@ STEPS = (
     ("pipeline",),
     ("machine_choice",),
     ("ways_out",),
-    ("remainder", "sheet_remainder", "rest_part"),
+    ("remainder", "rest_part"),
     ("batch", "api"),
     ("watch",),
     ("commands",),

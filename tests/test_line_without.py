@@ -41,8 +41,8 @@ across = { axis = "Y", position = "y" }
 
 [spindles.stroke]
 axis = "Z"
-start = "clearance"
-near = "clearance - face_depth"
+retract = "clearance"
+approach = "clearance - face_depth"
 bottom = "-(face_depth + depth + tip)"
 
 [words]
@@ -77,7 +77,7 @@ LINES = {
     "web-only": 'base = "beamline"\npairs = []\n' + (
         '[[spindles]]\nname = "web"\nnumber = 2\nface = "v"\nstations = 5\n'
         'across = { axis = "Y", position = "height / 2 - y" }\n'
-        'stroke = { axis = "Z", start = "-clearance", near = "face_depth - clearance", '
+        'stroke = { axis = "Z", retract = "-clearance", approach = "face_depth - clearance", '
         'bottom = "face_depth + depth + tip" }\n'
     ),
 }  # fmt: skip

@@ -23,7 +23,7 @@ from beamcam.machine import Machine, load
 from beamcam.model.part import Part
 from beamcam.model.section import corners
 from beamcam.pipeline import read_file
-from beamcam.planning.jobs import numbered
+from beamcam.planning import numbered
 from beamcam.reports.part_list import Weights, weights_of
 from beamcam.solid.kernel import outline
 from beamcam.solid.part_solid import part_solid

@@ -17,14 +17,13 @@ from beamcam.api import lists
 from beamcam.asked import AskError
 from beamcam.cli import main
 from beamcam.errors import PlanError, Source
-from beamcam.machine import load
-from beamcam.machine.names import default_machines
-from beamcam.machine_choice import RULES, on_best_machine
+from beamcam.machine import default_machines, load
+from beamcam.machine_choice import on_best_machine
 from beamcam.model.plan import Outcome, clock
 from beamcam.model.request import ChosenBy, Job, Request
 from beamcam.pipeline import Planned, plans_of, post, read_file, stock_of
 from beamcam.planning.rules import BAR_FULL
-from tests.conftest import ROOT
+from tests.conftest import ROOT, rules_of
 
 BAD, GOOD = ROOT / "samples" / "bad", ROOT / "samples" / "dstv"
 MACHINES = tuple(map(load, ("beamline", "beamline-pusher", "beamline-annex")))
@@ -72,7 +71,7 @@ def test_the_first_that_makes_it_takes_it(can: list[bool]) -> None:
     # Nothing behind it is planned.
     assert attempt.tried == [machine.name for machine in MACHINES[: can.index(True) + 1]]
     assert [d.code for d in said] == (["plan-machine"] if can.index(True) else [])
-    assert {rule.code for rule in RULES} == {"plan-machine", "plan-no-machine"}
+    assert {rule.code for rule in rules_of(machine_choice)} == {"plan-machine", "plan-no-machine"}
 
 
 @given(

@@ -21,21 +21,21 @@ name = "top"
 number = 1
 face = "o"
 across = {{ axis = "Z", position = "{o}" }}
-stroke = {{ axis = "Y", start = "-clearance", bottom = "depth + tip" }}
+stroke = {{ axis = "Y", retract = "-clearance", bottom = "depth + tip" }}
 
 [[spindles]]
 name = "front"
 number = 2
 face = "v"
 across = {{ axis = "Y", position = "height / 2 - y" }}
-stroke = {{ axis = "Z", start = "-clearance", bottom = "face_depth + depth + tip" }}
+stroke = {{ axis = "Z", retract = "-clearance", bottom = "face_depth + depth + tip" }}
 
 [[spindles]]
 name = "{third}"
 number = 3
 face = "{face}"
 across = {{ axis = "{axis}", position = "{position}" }}
-stroke = {{ axis = "{stroke}", start = "{start}", bottom = "{into}" }}
+stroke = {{ axis = "{stroke}", retract = "{start}", bottom = "{into}" }}
 """
 RIGHT, MIRRORED = "188.6 - y", "188.6 - (width - y)"  # y from the far edge, and from v's edge
 BOTTOM = {"third": "bottom", "face": "u", "axis": "Z", "position": RIGHT, "stroke": "Y",

@@ -12,7 +12,7 @@ from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.plan import SheetPlan
 from beamcam.pipeline import Posted, post
-from beamcam.sheet_remainder import faults_of_sheet_rest, rest_of_sheet
+from beamcam.remainder import faults_of_sheet_rest, rest_of_sheet
 from tests.conftest import SAMPLES, sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines
 

@@ -23,8 +23,8 @@ from beamcam.cli import main
 from beamcam.commands.common import Console, stop_without_output, write
 from beamcam.config.values import load as load_config
 from beamcam.files import FilesRead, write_whole
-from beamcam.interrupts import asked_to_end
 from beamcam.machine import load
+from beamcam.system import asked_to_end
 from tests.conftest import ROOT, SAMPLES
 from tests.runs import HANG_S, batch, counts, fill, part, programs
 
@@ -56,7 +56,7 @@ def refusing(monkeypatch: pytest.MonkeyPatch, times: int) -> list[float]:
         really(part, target)
 
     monkeypatch.setattr(os, "replace", replace)
-    monkeypatch.setattr(system, "sleep", waits.append)
+    monkeypatch.setattr(system.time, "sleep", waits.append)
     return waits
 
 

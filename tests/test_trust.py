@@ -14,8 +14,8 @@ from click.testing import CliRunner, Result
 
 from beamcam.batch.record import RECORD_NAME
 from beamcam.cli import main
+from beamcam.config import NOT_FOLLOWED, NOT_REPEATED
 from beamcam.config.places import HARMLESS
-from beamcam.config.rules import NOT_FOLLOWED, NOT_REPEATED
 from beamcam.machine.load import SHIPPED
 from tests.runs import BAD, fill, part, report
 

@@ -20,9 +20,8 @@ from beamcam.model.part import Contour, Hole, Measures, Part, Profile
 from beamcam.model.request import Job, Request
 from beamcam.pipeline import read_file, stock_of
 from beamcam.posts import Post, post_of
-from beamcam.ways_out import RULES
 from beamcam.writers.dstv import write
-from tests.conftest import CORPUS, ROOT
+from tests.conftest import CORPUS, ROOT, rules_of
 
 SAMPLES = ROOT / "samples"
 FOUND, END = "plan-ways-out: with ", " it can be made"
@@ -121,7 +120,7 @@ def test_no_way_out_is_none_on_any_machine() -> None:
     assert "plan-no-way-out" in run("post", path, "-o", "-").stderr
     beams = [name for name in shipped() if load(name).stock == "beam"]
     assert all(run("post", path, "-o", "-", "--machine", name).exit_code == 1 for name in beams)
-    assert {rule.code for rule in RULES} == {
+    assert {rule.code for rule in rules_of(ways_out)} == {
         "plan-ways-out", "plan-no-way-out", "plan-ways-untried", "read-ways-out",
         "read-no-way-out",
     }  # fmt: skip

@@ -2,13 +2,19 @@
 have there."""
 
 import os
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import Any, Literal, TypedDict, Unpack, get_args
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any, Literal, Unpack, get_args
 
-from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.api.inputs import FileInput, bytes_of, program_bytes
+from beamcam.api.inputs import (
+    CheckedReadOptions,
+    FileInput,
+    ReadOptions,
+    SheetOptions,
+    bytes_of,
+    program_bytes,
+)
 from beamcam.asked import (
     ASK_TYPE,
     ASK_VALUE,
@@ -23,15 +29,13 @@ from beamcam.asked import (
     machine_of,
     parts_asked,
 )
-from beamcam.conversion import PositiveCount
 from beamcam.errors import Diagnostic, PlanError, ReadError, Source
-from beamcam.machine import Machine
+from beamcam.machine import DEFAULT_MACHINE, Machine
 from beamcam.machine.faults import TABLE_CONTROLLERS
-from beamcam.machine.names import DEFAULT_MACHINE
 from beamcam.machine.overlay import with_corner
 from beamcam.machine.runtime import STYLES
 from beamcam.machine.tables import DIALECTS, STEP_FORMS
-from beamcam.model.description import MarkFrom, marked
+from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order
 from beamcam.model.request import Request
@@ -46,58 +50,6 @@ from beamcam.readers.content import Reading
 Process = Literal["cut", "mark", "engrave", "ignore"]
 
 
-class _ReadOptions(Struct, forbid_unknown_fields=True):
-    """What a caller asks of a reader, checked."""
-
-    units: str | None = None
-    width: str | None = None
-    layers: tuple[str, ...] = ()
-    letters: tuple[str, ...] = ()
-    fit: tuple[str, ...] = ()
-    encoding: str | None = None
-    wrap: str | None = None
-    marks: tuple[str, ...] = ()
-    guids: tuple[str, ...] = ()
-    classes: tuple[str, ...] = ()
-    assemblies: tuple[str, ...] = ()
-    force: bool = False
-    letter: Literal["mark"] | None = None
-    mark_from: MarkFrom = "mark"
-    check: bool = True
-    workers: PositiveCount = 1
-
-
-class SheetOptions(TypedDict, total=False):
-    """How a sheet is cut, as the options of the command line and the keys of `[sheet]`; mm."""
-
-    thickness: float
-    material: str
-    amps: float
-    nozzle: str
-    kerf: float
-    kerf_by: Literal["none", "offset", "machine"]
-    lead: Literal["none", "line", "arc"]
-    lead_in: float
-    lead_out: float
-    tabs: int
-    tab_width: float
-    inner_tabs: bool
-    overcut: float
-    gap: float
-    allow_open: bool
-    place: Literal["corner", "drawn"]
-    origin: Literal["table", "lower-left", "lower-right", "upper-left", "upper-right", "centre"]
-    mirror: Literal["none", "x", "y"]
-    rotate: float
-    copies: tuple[int, int]
-    spacing: float
-    common_cuts: bool
-    chain_cuts: float
-    skeleton_cuts: bool
-    sheet_size: tuple[float, float]
-    unrolled: bool
-
-
 def load(
     machine: AnyMachine = DEFAULT_MACHINE,
     *,
@@ -109,8 +61,8 @@ def load(
     """A machine as a job wants it, for every function that takes one.
 
     `map` says what is done with a colour or layer, `tolerances` are those of a drill (merge,
-    duplicate, sink, path, twin), `corner` is the outer radius of a rectangular tube's corners where
-    neither its file nor the machine's has one, `sheet` how a sheet is cut; all as in
+    duplicate, sink, path, same_tool), `corner` is the outer radius of a rectangular tube's corners
+    where neither its file nor the machine's has one, `sheet` how a sheet is cut; all as in
     `beamcam.toml`, over what the machine's file says. Raises MachineError; AskError for a name or
     value that cannot be meant; ConfigError and PlanError for what this machine cannot do.
     """
@@ -139,27 +91,6 @@ def load(
         raise PlanError(OPTION.at(Source(loaded.name), found=error)) from error
 
 
-class ReadOptions(TypedDict, total=False):
-    """How a file is read, as the options of the command line."""
-
-    units: str | None  #: of a drawing's numbers: "mm", "in"
-    width: str | None  #: of an SVG's page: "600mm"
-    layers: Sequence[str]  #: of a drawing, those to read
-    letters: Sequence[str]  #: layers whose texts become strokes
-    fit: Sequence[str]  #: layers whose polylines become polynomials through their vertices
-    encoding: str | None  #: of a DSTV file
-    wrap: str | None  #: the round tube whose unrolled surface a drawing is: "RO168.3x8"
-    marks: Sequence[str]  #: members of a model by mark,
-    guids: Sequence[str]  #: by GlobalId,
-    classes: Sequence[str]  #: by IFC class
-    assemblies: Sequence[str]  #: or by assembly
-    force: bool  #: whether members with contradictory data are accepted
-    letter: Literal["mark"] | None  #: whether they are lettered with their marks
-    mark_from: MarkFrom  #: where marks stand: "mark", "drawing", "file" or "position"
-    check: bool  #: whether their cuts are checked by the geometry kernel; True
-    workers: int  #: processes that read a large model; 1
-
-
 def read(
     source: FileInput, *, name: str = "part", strict: bool = False, **options: Unpack[ReadOptions]
 ) -> Reading:
@@ -179,13 +110,13 @@ def read(
         reading = judged(read_bytes(data, name, **asked), strict)
     if reading.refused:
         raise ReadError(reading.diagnostics)
-    source_of_marks = converted(options, _ReadOptions).mark_from
+    source_of_marks = converted(options, CheckedReadOptions).mark_from
     return replace(reading, parts=marked(reading.parts, source_of_marks))
 
 
 def _reader_options(asked: ReadOptions) -> dict[str, object]:
     """What was asked of a reader, by the names that readers have for it. Raises AskError."""
-    values = converted(asked, _ReadOptions)
+    values = converted(asked, CheckedReadOptions)
     if values.encoding is not None:
         try:
             "a".encode(values.encoding)
@@ -285,7 +216,7 @@ def post(
     check_text("date", date)
     posted = post_bar(wanted, loaded, job, bar, skips, read_back, order, turn, strict, style, date)
     if from_contour is not None:
-        from beamcam.sheet_remainder import rest_of_sheet
+        from beamcam.remainder import rest_of_sheet
 
         return rest_of_sheet(posted, _contour(from_contour, loaded))
     if from_operation is None:
@@ -376,7 +307,7 @@ def verify(
         whole = program_bytes(after).decode("utf-8", "replace")
     rest, job = data.decode("utf-8", "replace"), whole_job(request, bar)
     if from_contour is not None:
-        from beamcam.sheet_remainder import faults_of_sheet_rest
+        from beamcam.remainder import faults_of_sheet_rest
 
         return faults_of_sheet_rest(rest, whole, first, job)
     return faults_of(rest, whole, first, job)

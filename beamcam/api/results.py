@@ -23,10 +23,9 @@ from beamcam.asked import (
 from beamcam.checks.head import head_of
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
-from beamcam.controllers import rules
+from beamcam.controllers.dialect import ARC, SYNTAX, WORD
 from beamcam.errors import Diagnostic, Severity, Source, VerifyError, errors_in
-from beamcam.machine import Machine
-from beamcam.machine.names import DEFAULT_MACHINE
+from beamcam.machine import DEFAULT_MACHINE, Machine
 from beamcam.model.part import Part, Profile
 from beamcam.model.plan import Plan
 from beamcam.model.request import Request
@@ -45,7 +44,7 @@ if TYPE_CHECKING:
 
 
 #: Faults that make a program's meaning unknown.
-NOT_UNDERSTOOD = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
+NOT_UNDERSTOOD = {r.code for r in (SYNTAX, WORD, ARC)}
 
 
 class Compared(Struct, frozen=True):
@@ -69,13 +68,13 @@ def compared(a: ProgramText, b: ProgramText) -> Compared:
     if (is_sheet and said) or any(one.code in NOT_UNDERSTOOD for one in said):
         raise VerifyError(said)
     if is_sheet:
-        said = tuple(fault for one in (a, b) for fault in _alone(one))
+        said = tuple(
+            fault
+            for one in (a, b)
+            for fault in read_back(one.text, Request((), one.machine, name=one.name))
+            if fault.severity is not Severity.NOTE
+        )
     return Compared((*different, *_left_to_hand(a.text, b.text)), said)
-
-
-def _alone(program: ProgramText) -> list[Diagnostic]:
-    said = read_back(program.text, Request((), program.machine, name=program.name))
-    return [d for d in said if d.severity is not Severity.NOTE]
 
 
 def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:
@@ -162,7 +161,7 @@ def recover(
     was read back against what was found.
     """
     from beamcam.machine.faults import TABLE_CONTROLLERS
-    from beamcam.model.weight import measures_of
+    from beamcam.model.section import measures_of
     from beamcam.recovery import Stock
     from beamcam.recovery import recover as recover_parts
 

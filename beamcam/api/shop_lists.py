@@ -17,14 +17,14 @@ from beamcam.asked import (
 )
 from beamcam.budget import check_pieces
 from beamcam.errors import Diagnostic, PlanError
+from beamcam.machine import default_machines
 from beamcam.machine.machine import Machine
-from beamcam.machine.names import default_machines
 from beamcam.machine_choice import InTurn, on_best_machine
 from beamcam.model.part import Part
 from beamcam.model.plan import stock_used
 from beamcam.model.request import ChosenBy, Quantity, Remnant, Request, remnant_of
 from beamcam.pipeline import Planned, plan_share, plans_of, stock_of
-from beamcam.planning.jobs import LotKey, Share, number_of, remnants_of, shares_of
+from beamcam.planning import LotKey, Share, number_of, remnants_of, shares_of
 from beamcam.planning.rules import named_skips
 from beamcam.reports.hand_list import MARKS, hand_rows
 from beamcam.reports.part_list import (

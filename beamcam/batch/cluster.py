@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from typing import Any
 
-from beamcam.batch import rules
+from beamcam.batch import SCHEDULER
 from beamcam.batch.pool import Chunk, Result
 from beamcam.batch.work import BatchSettings, FileResult, Task, make_all, thaw
 from beamcam.errors import BeamcamError, Source
-from beamcam.interrupts import LOOK_S
+from beamcam.system import LOOK_S
 
 ANSWER_S = 6.0  #: for the scheduler to answer, and for its workers to say which beamcam they have
 CHUNKS = 2  #: that each thread of the cluster has at most, one of them in work
@@ -73,7 +73,7 @@ class Cluster:
 
         def version_there() -> str:
             try:
-                from beamcam import __version__
+                from beamcam.version import __version__
             except ImportError:
                 return ""
             return __version__
@@ -95,7 +95,7 @@ class Cluster:
         from beamcam.version import __version__
 
         return SchedulerError(
-            rules.SCHEDULER.at(
+            SCHEDULER.at(
                 Source("--scheduler"), address=self._address, found=found, version=__version__
             )
         )

@@ -13,12 +13,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from msgspec import Struct
 
-from beamcam.batch import rules
+from beamcam.batch import FOLDER, LOOP, NOTHING
 from beamcam.config.places import CONFIG_NAME
 from beamcam.errors import Diagnostic, Source
 from beamcam.readers import FORMATS
-from beamcam.readers.content import STANDARD_INPUT, content
-from beamcam.readers.rules import UNREADABLE
+from beamcam.readers.content import STANDARD_INPUT, UNREADABLE, content
 
 #: Suffixes of the inputs of a batch.
 SUFFIXES = tuple(suffix for known in FORMATS for suffix in known.suffixes)
@@ -61,7 +60,7 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundI
                 else:
                     places.append((path, root))
         if (len(places), len(said)) == before:
-            said.append(rules.NOTHING.at(Source(name), found=name))
+            said.append(NOTHING.at(Source(name), found=name))
     return FoundInputs(tuple(_inputs(places)), tuple(said), tuple(dict.fromkeys(configurations)))
 
 
@@ -122,7 +121,7 @@ def _walk(
     identity = _identity(folder) or (0, 0)
     back = [path for known, path in (*above, *(parents if above else ())) if known == identity]
     if back:
-        said.append(rules.LOOP.at(Source(folder), found=back[0]))
+        said.append(LOOP.at(Source(folder), found=back[0]))
         return
     if above and identity in without:  # a folder that is named is meant
         return
@@ -130,7 +129,7 @@ def _walk(
         with os.scandir(folder) as listing:
             entries = sorted(listing, key=lambda entry: entry.name)
     except OSError as error:
-        said.append(rules.FOLDER.at(Source(folder), found=error.strerror or error))
+        said.append(FOLDER.at(Source(folder), found=error.strerror or error))
         return
     for entry in entries:
         if entry.name.startswith("."):

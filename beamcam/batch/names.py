@@ -14,15 +14,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from string import Formatter
 
-from beamcam.batch.rules import OTHER_CONTENT
+from beamcam.batch import OTHER_CONTENT
 from beamcam.errors import Diagnostic
-from beamcam.interrupts import Asked
 from beamcam.machine.machine import Machine
 from beamcam.model.description import MarkFrom
 from beamcam.model.part import Part
 from beamcam.model.part_json import part_to_json
 from beamcam.readers.dstv.header import said_of_part
-from beamcam.system import free_of_devices
+from beamcam.system import Asked, free_of_devices
 
 _FORM = re.compile(r"[^{}]?[<>^]?[0-9]{0,2}[sd]?")  #: of a value in a name
 _NOT_IN_NAMES = frozenset('<>:"|?*\\')  #: which Windows has for something else

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Mapping, Sequence
 
-from beamcam.batch import rules
+from beamcam.batch import OVER_INPUT, SAME_NAME, WRITE
 from beamcam.batch.names import folded
 from beamcam.batch.record import Record, Standing
 from beamcam.errors import Diagnostic, Source
@@ -56,7 +56,7 @@ class Outputs:
         for name, output in wanted.items():
             other = self._claims.get(name, path)
             if other != path:
-                return rules.SAME_NAME.at(Source(path), found=output, other=other)
+                return SAME_NAME.at(Source(path), found=output, other=other)
         self._claims |= dict.fromkeys(wanted, path)
         return None
 
@@ -64,7 +64,7 @@ class Outputs:
         """Why an output may not be written: an input of the run is there, or what is not ours."""
         other = self._read_files.written_over_by(os.path.join(self._folder, output))
         if other is not None:
-            return rules.OVER_INPUT.at(Source(path), found=output, read=other)
+            return OVER_INPUT.at(Source(path), found=output, read=other)
         return self._standing.refusal(output, content, path)
 
     def write(self, files: Mapping[str, bytes], path: str) -> Diagnostic | None:
@@ -89,5 +89,5 @@ class Outputs:
                 if not write_new(folder, name, content):
                     write_whole(os.path.join(folder, name), content, durable=not can_sync_all())
         except OSError as error:
-            return rules.WRITE.at(Source(path), found=output, reason=error.strerror or error)
+            return WRITE.at(Source(path), found=output, reason=error.strerror or error)
         return None

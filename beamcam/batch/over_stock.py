@@ -17,7 +17,7 @@ from hashlib import sha256
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.batch import rules
+from beamcam.batch import STALE_SHARE
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import other_content
 from beamcam.batch.pool import Workers, driven
@@ -29,12 +29,12 @@ from beamcam.batch.work import BatchSettings, Task, refused_row
 from beamcam.checks.asked import job_faults
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, VerifyError
 from beamcam.files import FilesRead
-from beamcam.interrupts import NEVER, Asked
 from beamcam.model.part import Part
 from beamcam.model.request import Job, Request
-from beamcam.planning.jobs import LotKey, Share, remnants_of, shares_of
+from beamcam.planning import LotKey, Share, remnants_of, shares_of
 from beamcam.reports.part_list import CutBar, CutPiece, PartCount
 from beamcam.reports.run import Message, PartRow, Row, as_message
+from beamcam.system import NEVER, Asked
 
 THICKNESS_DECIMALS = 2
 
@@ -216,7 +216,7 @@ class StockRun:
         now = {task.name for task in tasks}
         for output in sorted(before.keys() - now):
             if _stands(os.path.join(self._folder, output), before[output]):
-                self.told.append(rules.STALE_SHARE.at(Source(output), found=output))
+                self.told.append(STALE_SHARE.at(Source(output), found=output))
 
     def bars(self) -> tuple[CutBar, ...]:
         """The bars that programs are for, as a cutting list has them."""

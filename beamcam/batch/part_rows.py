@@ -1,7 +1,6 @@
 """What the account of a batch says of one program."""
 
 from collections import Counter
-from collections.abc import Iterable
 from hashlib import sha256
 from typing import cast
 
@@ -46,7 +45,7 @@ def part_row(
         "by_hand": hand_rows(plan),
         "skipped_by": dict(sorted(skipped_by.items())),
         "mapped": _mapped(part, machine),
-        "tools": sorted({_tool_name(op) for op in _of_each_tool(plan.operations)}),
+        "tools": sorted({_tool_name(op) for op in plan.operations}),
         "operations": len(plan.operations),
         "stock": None,
         "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
@@ -64,14 +63,9 @@ def _mapped(part: Part, machine: Machine) -> dict[str, int]:
     """The curves that each key of the machine's map of colours and layers stands for."""
     if machine.torch is None:
         return {}
-    from beamcam.planning.left_out import curves_by_key
+    from beamcam.planning.map_keys import curves_by_key
 
     return dict(sorted(curves_by_key((part,), machine.torch.colours).items()))
-
-
-def _of_each_tool(operations: Iterable[object]) -> Iterable[object]:
-    """One of the operations of each tool."""
-    return {id(getattr(op, "tool", None) or op): op for op in operations}.values()
 
 
 def _tool_name(operation: object) -> str:

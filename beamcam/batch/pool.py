@@ -13,9 +13,8 @@ from typing import Literal, Protocol
 from msgspec import Struct
 
 from beamcam.batch.work import BatchSettings, FileResult, Task, died, make_all, thaw
-from beamcam.interrupts import Asked
 from beamcam.processes import Died, Pool
-from beamcam.system import collector_seldom
+from beamcam.system import Asked, collector_seldom
 
 Chunk = tuple[Task, ...]
 CHUNK_BYTES = 256 * 1024  #: a chunk of more is closed

@@ -22,7 +22,7 @@ from typing import Any, BinaryIO
 
 from msgspec import Struct, convert
 
-from beamcam.batch import rules
+from beamcam.batch import LINK, NOT_OURS
 from beamcam.batch.find import Input
 from beamcam.batch.names import folded
 from beamcam.batch.recipe import Recipe, path_below, path_from
@@ -306,7 +306,7 @@ class Standing:
         place = os.path.join(self._folder, output)
         if not self.is_within(output):
             found = os.path.realpath(place)
-            return rules.LINK.at(Source(path), found=output, to=found)
+            return LINK.at(Source(path), found=output, to=found)
         if self._force:
             return None
         try:
@@ -314,7 +314,7 @@ class Standing:
         except OSError:
             return None  # nothing is there, or writing says what is wrong
         why = _locked(found_there) or self._strange(output, place, content)
-        return rules.NOT_OURS.at(Source(path), found=output, why=why) if why else None
+        return NOT_OURS.at(Source(path), found=output, why=why) if why else None
 
     def is_within(self, output: str) -> bool:
         """Whether an output lies in the folder, with every link followed."""

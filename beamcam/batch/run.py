@@ -16,7 +16,7 @@ from hashlib import sha256
 
 from msgspec import Struct
 
-from beamcam.batch import rules
+from beamcam.batch import KEPT, OWN_REST, RECORD, STALE, WRITE
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.names import MarkKey, folded, mixed_marks, other_content
 from beamcam.batch.outputs import Outputs
@@ -26,13 +26,12 @@ from beamcam.batch.record import RECORD_NAME, Record, noted_in, partly, rests_of
 from beamcam.batch.work import BatchSettings, FileResult, Task, died, refused_row
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead
-from beamcam.interrupts import NEVER, Asked
 from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, judged, sound
 from beamcam.readers import read
 from beamcam.reports.run import PartRow, Row, as_message, names_in
-from beamcam.system import can_sync_all
+from beamcam.system import NEVER, Asked, can_sync_all
 
 MOST_HELD = 64 * 1024 * 1024  #: bytes of programs that wait for an earlier one
 MOST_FLYING = 256 * 1024 * 1024  #: bytes of inputs that workers have
@@ -102,7 +101,7 @@ def recorded(
     except OSError as error:
         workers.close()
         reason = error.strerror or str(error)
-        raise BatchError(rules.WRITE.at(Source(folder), found=folder, reason=reason)) from error
+        raise BatchError(WRITE.at(Source(folder), found=folder, reason=reason)) from error
     try:
         yield record
     finally:
@@ -212,7 +211,7 @@ class Run:
         slot = Slot(index, found)
         self._slots.append(slot)
         if found.path in self._own:
-            said = rules.OWN_REST.at(Source(found.path))
+            said = OWN_REST.at(Source(found.path))
             slot.row = {**refused_row(found.path, as_message(said)), "status": "unchanged"}
             return None
         if found.path in self._mixed:
@@ -281,7 +280,7 @@ class Run:
                 except OSError as error:
                     self._keeps_record = False
                     source = Source(os.path.join(self._folder, RECORD_NAME))
-                    said = rules.RECORD.at(source, found=error.strerror or error)
+                    said = RECORD.at(source, found=error.strerror or error)
                     row["messages"].append(as_message(said))
         before = self._before.get(self._record.input_of(slot.input)) if self._before else None
         if before is not None and slot.made is not None:
@@ -354,7 +353,7 @@ class Run:
                 {output: content}, path
             )
             if said is None and not self._dry:
-                said = rules.KEPT.at(Source(path), found=output)
+                said = KEPT.at(Source(path), found=output)
             if said is not None:
                 row["messages"].append(as_message(said))
 
@@ -374,7 +373,7 @@ class Run:
             with suppress(OSError):
                 stands = os.path.lexists(os.path.join(self._folder, output))
             if stands and folded(output) not in self._claims:
-                said = rules.STALE.at(Source(slot.input.path), found=output)
+                said = STALE.at(Source(slot.input.path), found=output)
                 row["messages"].append(as_message(said))
 
 

@@ -18,7 +18,7 @@ from beamcam.model.part_json import part_to_json
 from beamcam.model.plan import stock_used
 from beamcam.model.request import Request
 from beamcam.pipeline import Begun, begin_share, plans_of
-from beamcam.planning.jobs import Share, number_of
+from beamcam.planning import Share, number_of
 from beamcam.reports.hand_list import MARKS, hand_rows
 from beamcam.reports.part_list import ByHand, PartCount
 from beamcam.reports.run import PartRow, Row, StockRow, as_message, dumped

@@ -14,7 +14,7 @@ from msgspec import Struct, field, json
 from msgspec.structs import replace
 
 from beamcam import budget
-from beamcam.batch import rules
+from beamcam.batch import DIED, INTERNAL, NO_PART, SAME_NAME
 from beamcam.batch.names import (
     FileNames,
     mark_key,
@@ -44,7 +44,7 @@ from beamcam.pipeline import (
     sound,
     stock_of,
 )
-from beamcam.planning.jobs import numbered
+from beamcam.planning import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers import read
 from beamcam.reports.part_list import PartCount
@@ -184,7 +184,7 @@ def make_all(tasks: Sequence[Task], shop: BatchSettings) -> list[FileResult]:
     is quicker by a sixth than one that does everything for each in turn.
     """
     budget.set_limits(shop.limits)
-    clock = shop.clock or _no_clock
+    clock = shop.clock or (lambda: 0.0)
     seconds = [0.0] * len(tasks)
     made: dict[int, FileResult] = {}
     under_way = {place: making(task, shop) for place, task in enumerate(tasks)}
@@ -221,7 +221,7 @@ def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
         frame = traceback.extract_tb(error.__traceback__)[-1]
         what = f"{type(error).__name__} at {os.path.basename(frame.filename)}:{frame.lineno}"
         what = f"{what}: {error}" if str(error) else what
-        said = rules.INTERNAL.at(Source(task.name), found=what)
+        said = INTERNAL.at(Source(task.name), found=what)
         row["messages"].append(as_message(said))
         row["parts"], found.outputs, found.rests = [], [], []
     return FileResult(
@@ -240,11 +240,7 @@ def refused_row(path: str, said: Message) -> Row:
 
 def died(path: str) -> Row:
     """The row of a file that ended its worker."""
-    return {**refused_row(path, as_message(rules.DIED.at(Source(path)))), "status": "failed"}
-
-
-def _no_clock() -> float:
-    return 0.0
+    return {**refused_row(path, as_message(DIED.at(Source(path)))), "status": "failed"}
 
 
 def parts_in(task: Task, shop: BatchSettings, row: Row) -> tuple[Part, ...]:
@@ -261,7 +257,7 @@ def parts_in(task: Task, shop: BatchSettings, row: Row) -> tuple[Part, ...]:
         parts, said = parts_of((reading,), counted)
     row["messages"] += map(as_message, said)
     if not parts:
-        raise ReadError(rules.NO_PART.at(Source(task.name)))
+        raise ReadError(NO_PART.at(Source(task.name)))
     return marked(parts, shop.mark_from)
 
 
@@ -321,7 +317,7 @@ def _post_job(
     other = names.owner(name)
     if other is not None and shop.name is not None:
         row["status"] = "refused"
-        clash = rules.SAME_NAME.at(part.source, found=name, other=f"part {other}")
+        clash = SAME_NAME.at(part.source, found=name, other=f"part {other}")
         row["messages"].append(as_message(clash))
         return
     name = names.take(name, part.mark)
@@ -366,7 +362,7 @@ def _post_chain(
     if taken and shop.name is not None:
         other = f"part {names.owner(taken[0])}"
         row["status"] = "refused"
-        clash = rules.SAME_NAME.at(part.source, found=taken[0], other=other)
+        clash = SAME_NAME.at(part.source, found=taken[0], other=other)
         row["messages"].append(as_message(clash))
         return
     for stage, (name, rest_name) in zip(stages, wanted, strict=True):

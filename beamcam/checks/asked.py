@@ -206,18 +206,3 @@ def rest_faults(part: Part, rest: Part, missing: Collection[int]) -> Iterator[Di
 def _bare(feature: Feature) -> Feature:
     """A feature wherever it stands in its file."""
     return replace(feature, source=NOWHERE)
-
-
-RULES = (
-    PIECES,
-    PIECE_ORDER,
-    STOCK_BAR,
-    LEFT_OUT,
-    LEDGER,
-    TEXT_TOLD,
-    BY_HAND,
-    TEXT_MOVED,
-    UNCUT,
-    UNCUT_TOLD,
-    REST,
-)

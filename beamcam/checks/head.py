@@ -72,7 +72,6 @@ MACHINE_CHANGED = warning("verify-machine-changed",
     "found a program for the machine {found}; the machine file is now {expected}",
     "The machine's file has changed since the program was made: offsets, tools or limits may be "
     "others. Post the part again.")  # fmt: skip
-RULES = (HEAD, HEAD_TEXT, HEAD_BAR, NEWER, MACHINE_CHANGED)
 
 
 class HeadPart(Struct, frozen=True):

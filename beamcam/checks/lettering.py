@@ -36,7 +36,6 @@ TEXT_EXTRA = error("verify-text-extra",
     "found the text {text!r} on face {face} at machine x {x}, y {y}; expected none, no part has it "
     "there",
     "What is stamped or printed cannot be taken off again.")  # fmt: skip
-RULES = (TEXT, TEXT_MISSING, TEXT_EXTRA)
 
 
 SURE = 0.15  #: mm by which a place is more than clear, or a room wide enough

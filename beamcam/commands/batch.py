@@ -8,10 +8,10 @@ from typing import Any
 import click
 
 from beamcam.api.shop_lists import label_lines
+from beamcam.batch import NOT_OURS, WRITE
 from beamcam.batch.find import find_inputs
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.recipe import path_from, recipe_of
-from beamcam.batch.rules import NOT_OURS, WRITE
 from beamcam.batch.run import run
 from beamcam.commands import options
 from beamcam.commands.common import (
@@ -37,13 +37,12 @@ from beamcam.commands.running import (
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
-from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.reports.labels import SCHEMA, Label
 from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
 from beamcam.reports.run import Row, as_message
 from beamcam.reports.tables import as_csv
-from beamcam.system import cores, portable_path
+from beamcam.system import INTERRUPTED, asked_to_end, cores, portable_path
 
 FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
 

@@ -9,20 +9,18 @@ from typing import Any
 import click
 from msgspec.structs import replace
 
-from beamcam.commands import options
+from beamcam.commands import NO_SAMPLE, NOTHING, UNKNOWN, options
 from beamcam.commands.batch import is_stock_list
 from beamcam.commands.common import REFUSED, Console, cannot_write, say_json, say_lines
 from beamcam.commands.golden import Checked, compared, named, records, sample_of, told
+from beamcam.commands.outputs import outputs, table_style
 from beamcam.commands.parts import program_text, request_of
 from beamcam.commands.recorded import DEFAULT_SAMPLES, Recorded, accept, record_folders
-from beamcam.commands.rules import NO_SAMPLE, NOTHING, UNKNOWN
 from beamcam.commands.settings import machine_for, settled
-from beamcam.commands.tables import outputs, table_style
 from beamcam.config.values import Config, over
 from beamcam.errors import BeamcamError, Severity, Source
 from beamcam.files import REFUSED_SUFFIX
-from beamcam.machine import Machine, shipped
-from beamcam.machine.names import is_of_programs
+from beamcam.machine import Machine, is_of_programs, shipped
 from beamcam.pipeline import begin, finished, parts_of, read_file
 from beamcam.reports.hand_list import hand_rows, is_hand_list
 from beamcam.reports.run import as_message, message_line

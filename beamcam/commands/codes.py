@@ -11,21 +11,20 @@ from msgspec import Struct
 
 import beamcam
 from beamcam.checks.owners import Language, Owner, Rows, Stock
-from beamcam.commands import options
+from beamcam.commands import UNKNOWN_CODE, options
 from beamcam.commands.common import Console, say_json
-from beamcam.commands.rules import UNKNOWN_CODE
 from beamcam.conversion import nearest
 from beamcam.errors import Rule, Source
 
 
 def all_rules() -> Iterator[Rule]:
-    """Every rule there is: a module that has rules names them in a tuple `RULES`."""
+    """Every rule that a module has a name for."""
     seen: set[Rule] = set()
     for module in pkgutil.walk_packages(beamcam.__path__, "beamcam."):
         if module.name == "beamcam.__main__":
             continue
-        for rule in getattr(importlib.import_module(module.name), "RULES", ()):
-            if rule not in seen:
+        for rule in vars(importlib.import_module(module.name)).values():
+            if isinstance(rule, Rule) and rule not in seen:
                 seen.add(rule)
                 yield rule
 

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from beamcam.commands.rules import ACCOUNT, CANNOT_WRITE, OVER_INPUT
+from beamcam.commands import ACCOUNT, CANNOT_WRITE, OVER_INPUT
 from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
-from beamcam.interrupts import taken_back
 from beamcam.plain_text import json_text, terminal_text
-from beamcam.system import is_reader_gone, is_unicode
+from beamcam.system import is_reader_gone, is_unicode, taken_back
 
 if TYPE_CHECKING:
     from beamcam.readers.content import Reading
@@ -253,7 +252,7 @@ def keep_refused(output: str, pieces: Iterable[bytes], read: FilesRead) -> Itera
     """Keep a program that the read-back refused beside its output, and say where it is."""
     if output == STANDARD or (os.path.exists(output) and not os.path.isfile(output)):
         return
-    from beamcam.batch.rules import KEPT
+    from beamcam.batch import KEPT
 
     kept = output + REFUSED_SUFFIX
     if over := over_input(kept, read):

@@ -12,8 +12,8 @@ from typing import Any
 from msgspec.structs import replace
 
 from beamcam.asked import expected_job
-from beamcam.commands.rules import MACHINE_ELSEWHERE
-from beamcam.config import rules
+from beamcam.commands import MACHINE_ELSEWHERE
+from beamcam.config import NOT_REPEATED, TWO, WRONG_VALUE
 from beamcam.config.places import (
     CONFIG_NAME,
     ConfigFiles,
@@ -37,7 +37,7 @@ def checked(files: ConfigFiles, trust: Sequence[str] = ()) -> Config:
     Raises ConfigError.
     """
     if files.two:
-        raise ConfigError(rules.TWO.at(Source(files.two[1]), found=files.two[0]))
+        raise ConfigError(TWO.at(Source(files.two[1]), found=files.two[0]))
     config = Config()
     for path in reversed(files.own):
         config = merged(config, _loaded(path))
@@ -63,7 +63,7 @@ def refuse_strange(path: str, trust: Sequence[str]) -> None:
     """Raises ConfigError for a file that a record names and that is not trusted."""
     if not (is_ones_own_place(path) or is_in(path, trust)):
         folder = os.path.dirname(path) or os.curdir
-        raise ConfigError(rules.NOT_REPEATED.at(Source(path), found=path, folder=folder))
+        raise ConfigError(NOT_REPEATED.at(Source(path), found=path, folder=folder))
 
 
 def _loaded(path: str) -> Config:
@@ -73,9 +73,7 @@ def _loaded(path: str) -> Config:
         value = getattr(config, key)
         if value and (expected := check(value)):
             found = repr(value) if isinstance(value, str) else ", ".join(map(repr, value))
-            said = rules.WRONG_VALUE.at(
-                config.sources[key], key=key, found=found, expected=expected
-            )
+            said = WRONG_VALUE.at(config.sources[key], key=key, found=found, expected=expected)
             raise ConfigError(said)
     return replace(config, allow_skips=named_skips(config.allow_skips))
 

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from beamcam.batch.names import FileNames, cleaned
-from beamcam.commands import options
+from beamcam.commands import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN, options
 from beamcam.commands.common import (
     REFUSED,
     Console,
@@ -26,7 +26,6 @@ from beamcam.commands.parts import (
     member_options,
     thickness,
 )
-from beamcam.commands.rules import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN
 from beamcam.commands.settings import files_read, settled, with_thickness
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
 from beamcam.files import FilesRead, write_whole

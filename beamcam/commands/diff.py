@@ -13,8 +13,8 @@ from beamcam.batch.record import RECORD_NAME
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, STANDARD, Console, say_json, say_lines, write
 from beamcam.commands.golden import Checked, Result, records, told
+from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import input_bytes
-from beamcam.commands.pictures import KINDS, expected
 from beamcam.commands.recorded import Recorded
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.comparison.pairing import Difference
@@ -22,8 +22,7 @@ from beamcam.comparison.parts import diff_parts
 from beamcam.comparison.statements import ProgramText
 from beamcam.config.values import COMMAND_LINE, Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Severity, errors_in
-from beamcam.machine import Machine
-from beamcam.machine.names import is_of_programs
+from beamcam.machine import Machine, is_of_programs
 from beamcam.model.part import Part
 from beamcam.pipeline import judged, parts_of
 from beamcam.readers.content import shown_name
@@ -69,7 +68,7 @@ def drawn_over(
 
     Raises ReadError, VerifyError and PictureError; UsageError for another format.
     """
-    from beamcam.commands.pictures import picture
+    from beamcam.commands.outputs import picture
     from beamcam.pictures.comparison import compared_parts, compared_programs
     from beamcam.pictures.program import ReadProgram
 

@@ -8,7 +8,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam import readers
-from beamcam.commands.rules import NEW, NO_SAMPLE
+from beamcam.commands import NEW, NO_SAMPLE
 from beamcam.comparison.pairing import Difference
 from beamcam.comparison.statements import ProgramText, diff_texts
 from beamcam.errors import ReadError, Source, errors_in

@@ -20,7 +20,7 @@ from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in
 from beamcam.model.plan import Order
 from beamcam.model.request import Request
-from beamcam.planning.jobs import numbered
+from beamcam.planning import numbered
 from beamcam.planning.rules import named_skips
 from beamcam.readers.content import content
 from beamcam.reports.labels import (

@@ -12,7 +12,7 @@ from beamcam.api.shop_lists import bars_of, not_made, planned_counts
 from beamcam.batch.find import FoundInputs, find_inputs
 from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
-from beamcam.commands import options
+from beamcam.commands import MISSING_EXTRA, options
 from beamcam.commands.common import (
     REFUSED,
     STANDARD,
@@ -30,7 +30,6 @@ from beamcam.commands.parts import (
     member_options,
     torch_options,
 )
-from beamcam.commands.rules import MISSING_EXTRA
 from beamcam.commands.settings import (
     files_read,
     machine_of_stock,
@@ -47,7 +46,7 @@ from beamcam.model.plan import Order
 from beamcam.model.request import Request, remnant_of
 from beamcam.pipeline import counted, sound, stock_of
 from beamcam.plain_text import terminal_text
-from beamcam.planning.jobs import number_of
+from beamcam.planning import number_of
 from beamcam.planning.rules import named_skips
 from beamcam.reports.part_list import (
     CutBar,

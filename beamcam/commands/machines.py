@@ -9,15 +9,22 @@ import click
 from beamcam.batch.names import cleaned
 from beamcam.commands import options
 from beamcam.commands.common import Console, cannot_write, say_json, say_lines, write
-from beamcam.commands.pictures import picture, picture_suffix
+from beamcam.commands.outputs import picture, picture_suffix
 from beamcam.config.places import own_files
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.files import FilesRead, write_whole
-from beamcam.machine import Machine, load, settings, shipped
+from beamcam.machine import (
+    Machine,
+    load,
+    machine_folders,
+    own_machines,
+    resolved,
+    settings,
+    shipped,
+)
 from beamcam.machine.chart_file import chart_rows
 from beamcam.machine.keys import starting_file
 from beamcam.machine.load import files_of
-from beamcam.machine.names import machine_folders, own_machines, resolved
 from beamcam.machine_proof import load_proved
 
 MAX_CHART_BYTES = 10_000_000

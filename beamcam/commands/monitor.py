@@ -18,9 +18,9 @@ from beamcam.commands.parts import input_bytes
 from beamcam.commands.settings import machine_of_stock, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Source, VerifyError
-from beamcam.interrupts import INTERRUPTED, LOOK_S, asked_to_end
 from beamcam.machine.machine import Machine
 from beamcam.pipeline import parts_of, read_file, stock_of
+from beamcam.system import INTERRUPTED, LOOK_S, asked_to_end
 
 if TYPE_CHECKING:
     from beamcam.setup_sheet.study_page import KnownWork
@@ -183,7 +183,7 @@ def command(
     beamcam monitor 127.0.0.1:5020 --page 127.0.0.1:8021 --every 0.05
     """
     from beamcam.setup_sheet.study_page import axes_of, monitor_page
-    from beamcam.simulation.rules import PORT
+    from beamcam.simulation import PORT
 
     try:
         machine, work = _work(parts, program, settled(asked, ()))
@@ -242,16 +242,16 @@ class Reader:
 
     def read_first(self) -> None:
         """Raises VerifyError where there is no controller, or not such registers."""
+        from beamcam.simulation import CONTROLLER
         from beamcam.simulation.modbus import Client
-        from beamcam.simulation.rules import CONTROLLER
 
         with Client(*self._host, CONTROLLER) as client:
             self._read(client)
 
     def run(self) -> None:
         """Read until the process ends."""
+        from beamcam.simulation import CONTROLLER
         from beamcam.simulation.modbus import Client
-        from beamcam.simulation.rules import CONTROLLER
 
         pause = threading.Event()
         while True:

@@ -18,13 +18,13 @@ from typing import Any
 
 import click
 
+from beamcam.commands import MORE_BARS, OUTPUT_FORMAT
 from beamcam.commands.common import STANDARD, Console
-from beamcam.commands.pictures import Callback
-from beamcam.commands.rules import MORE_BARS, OUTPUT_FORMAT
+from beamcam.commands.outputs import Callback
 from beamcam.errors import BeamcamError, PlanError, Source
 from beamcam.model.description import MARKS_FROM
 from beamcam.model.request import remnant_of
-from beamcam.planning.jobs import numbered
+from beamcam.planning import numbered
 from beamcam.planning.rules import ALL_SKIPS, SKIP_NAMES, named_skips
 
 Function = Callable[..., Any]
@@ -125,8 +125,7 @@ class SkipNames(click.Choice):  # type: ignore[type-arg]  # older versions take 
 
 def machine_names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
     from beamcam.config.places import own_files
-    from beamcam.machine import shipped
-    from beamcam.machine.names import own_machines
+    from beamcam.machine import own_machines, shipped
 
     own = own_machines(own_files())
     return [name for name in (*shipped(), *own) if name.startswith(incomplete)]

@@ -16,7 +16,7 @@ from beamcam.machine.overlay import MEANINGS, Meaning
 from beamcam.model.description import marked
 from beamcam.model.part import Part
 from beamcam.model.plan import Order
-from beamcam.model.request import Quantity, Request
+from beamcam.model.request import Options, Quantity, Request, Selection
 from beamcam.pipeline import counted, parts_of
 from beamcam.planning.rules import named_skips
 from beamcam.readers.content import content
@@ -66,10 +66,11 @@ def _copies(
 
 def _tube(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     """The diameter and wall of a round tube."""
-    from beamcam.readers.drawing.wrap import tube_of
+    if value is not None:
+        from beamcam.readers.drawing.wrap import tube_of
 
-    if value is not None and tube_of(value) is None:
-        raise click.BadParameter(f"found {value!r}; expected diameter x wall, as RO168.3x8")
+        if tube_of(value) is None:
+            raise click.BadParameter(f"found {value!r}; expected diameter x wall, as RO168.3x8")
     return value
 
 
@@ -211,8 +212,6 @@ def member_choice(
     So many `workers` read the members of a large model, or as many as there are cores. Two at
     least: while the kernel builds in another process, this one hears of an interrupt.
     """
-    from beamcam.readers.ifc import Options, Selection
-
     names = ("marks", "guids", "classes", "assemblies")
     return {
         "selection": Selection(*(frozenset(values[name]) for name in names)),

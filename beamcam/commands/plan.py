@@ -8,8 +8,8 @@ import click
 from beamcam.commands import options
 from beamcam.commands.common import Console, Grouped, write
 from beamcam.commands.common import as_json as json_of
+from beamcam.commands.outputs import of_kind
 from beamcam.commands.parts import looking_options, read_parts, request_of
-from beamcam.commands.pictures import of_kind
 from beamcam.commands.plan_output import (
     coping_lines,
     coping_record,
@@ -219,23 +219,13 @@ def plan_record(
     return {
         "machine": machine.name,
         "bar": {
-            "length": bar.length,
-            "front_trim": bar.front_trim,
-            "parts": bar.parts,
-            "kerfs": bar.kerfs,
-            "nested": bar.nested,
-            "rest": bar.remnant,
+            "length": bar.length, "front_trim": bar.front_trim, "parts": bar.parts,
+            "kerfs": bar.kerfs, "nested": bar.nested, "rest": bar.remnant,
             "end_trim": bar.end_trim,
         },
         "parts": [
-            {
-                "mark": piece.part.mark,
-                "start": piece.start,
-                "end": piece.end,
-                "input": piece.given,
-                "turn": piece.turn,
-            }
-            for piece in plan.pieces
+            {"mark": p.part.mark, "start": p.start, "end": p.end, "input": p.given, "turn": p.turn}
+            for p in plan.pieces
         ],
         "turns": [
             {"mark": p.mark, "turn": t.turn.name, "seconds": t.seconds, "because": t.because}
@@ -244,23 +234,16 @@ def plan_record(
         ],
         "tools": [
             {
-                "before": loaded.before,
-                "spindle": loaded.spindle,
-                "station": loaded.station,
-                "tool": loaded.tool.name,
-                "out": None if loaded.out is None else loaded.out.name,
+                "before": load.before, "spindle": load.spindle, "station": load.station,
+                "tool": load.tool.name, "out": None if load.out is None else load.out.name,
             }
-            for loaded in explained.loads
+            for load in explained.loads
         ],
         "operations": [
             {
-                "x": step.x,
-                "what": step.what,
-                "where": step.where,
-                "seconds": round(step.seconds, 3),
-                "reasons": dict(step.reasons),
-                "rejected": list(step.rejected),
-                "sources": list(step.sources),
+                "x": step.x, "what": step.what, "where": step.where,
+                "seconds": round(step.seconds, 3), "reasons": dict(step.reasons),
+                "rejected": list(step.rejected), "sources": list(step.sources),
             }
             for step in explained.steps
         ],
@@ -271,8 +254,8 @@ def plan_record(
         "changes": explained.changes,
         "travel": {"forward": explained.forward, "back": explained.back},
         "time": {
-            "reloads_s": round(explained.reloads_s, 3),
+            "manual_changes_s": round(explained.manual_changes_s, 3),
             "total_s": round(explained.total_s, 3),
         },
         "messages": [as_message(d) for d in said],
-    }
+    }  # fmt: skip

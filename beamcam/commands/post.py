@@ -11,8 +11,8 @@ from msgspec.structs import replace
 from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, Grouped, keep_apart, keep_refused, write
 from beamcam.commands.options import program_names, quantity
+from beamcam.commands.outputs import job_name, outputs, program, table_style, write_list
 from beamcam.commands.parts import part_options, read_parts, request_of
-from beamcam.commands.pictures import program
 from beamcam.commands.remainders import (
     ONE_BAR,
     ONE_SHEET,
@@ -30,7 +30,6 @@ from beamcam.commands.settings import (
     map_remarks,
     settled,
 )
-from beamcam.commands.tables import job_name, outputs, table_style, write_list
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError
 from beamcam.files import FilesRead
@@ -216,8 +215,7 @@ def _rest(made: Sequence[tuple[str, Posted]], first: int | None, contour: int | 
 
     Raises PlanError and RefusedProgram.
     """
-    from beamcam.remainder import rest_of
-    from beamcam.sheet_remainder import rest_of_sheet
+    from beamcam.remainder import rest_of, rest_of_sheet
 
     if first is None:
         assert contour is not None

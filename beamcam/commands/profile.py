@@ -8,7 +8,7 @@ import click
 
 from beamcam.commands import options
 from beamcam.commands.common import Console, write
-from beamcam.commands.pictures import KINDS, PICTURES, expected, picture
+from beamcam.commands.outputs import KINDS, PICTURES, expected, picture
 from beamcam.errors import BeamcamError
 from beamcam.files import FilesRead
 

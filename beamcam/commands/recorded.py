@@ -8,15 +8,15 @@ from typing import Any
 
 import click
 
+from beamcam.batch import LINK
 from beamcam.batch.find import Input, read_input
 from beamcam.batch.over_stock import StockRun
 from beamcam.batch.pool import Here
 from beamcam.batch.recipe import asked_again, path_below
 from beamcam.batch.record import RECORD_NAME, Noted, Record, is_within, noted_in, partly, rests_of
-from beamcam.batch.rules import LINK
 from beamcam.batch.work import BatchSettings, Task, make_all
+from beamcam.commands import GONE, NEW
 from beamcam.commands.golden import Checked, compared, named, sample_of
-from beamcam.commands.rules import GONE, NEW
 from beamcam.commands.running import shop_of
 from beamcam.commands.settings import settled_again
 from beamcam.comparison.pairing import Difference

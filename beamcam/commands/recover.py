@@ -6,17 +6,16 @@ from typing import Any
 
 import click
 
-from beamcam.commands import options
+from beamcam.commands import SECTION, options
 from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, read_all, write
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes, torch_options
-from beamcam.commands.rules import SECTION
 from beamcam.commands.settings import files_read, machine_for_program, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
 from beamcam.model.part import Profile
-from beamcam.model.weight import measures_of
+from beamcam.model.section import measures_of
 from beamcam.pipeline import as_error
 from beamcam.readers.content import shown_name
 from beamcam.recovery import Stock, recover, with_marks

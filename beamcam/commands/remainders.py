@@ -54,8 +54,7 @@ def faults_of_rest(
     Of a sheet that is a contour. `whole` is the file of the program that was stopped; without it,
     it is posted anew. `bar` is the bar's length where it is known.
     """
-    from beamcam.remainder import faults_of
-    from beamcam.sheet_remainder import faults_of_sheet_rest
+    from beamcam.remainder import faults_of, faults_of_sheet_rest
 
     of_sheet = is_coded_sheet(request.machine)
     said = ONE_SHEET if of_sheet else ONE_BAR

@@ -19,9 +19,10 @@ from beamcam.batch.names import check_template
 from beamcam.batch.pool import Here, Workers
 from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings
-from beamcam.commands import options
+from beamcam.commands import SETTINGS, options
 from beamcam.commands.common import Console, say_lines
 from beamcam.commands.options import quantity
+from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import (
     drawing_choice,
     drawing_options,
@@ -30,10 +31,8 @@ from beamcam.commands.parts import (
     selection_options,
     torch_options,
 )
-from beamcam.commands.pictures import KINDS, expected
-from beamcam.commands.rules import SETTINGS
 from beamcam.commands.settings import check_split, machines_of_split, machines_of_stock
-from beamcam.config.rules import UNUSED
+from beamcam.config import UNUSED
 from beamcam.config.values import Config, Dask
 from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.files import write_whole
@@ -182,7 +181,7 @@ def unmatched_keys(config: Config, counts: Counts) -> tuple[Diagnostic, ...]:
     """A note for each key of the job's map that no drawing of a whole run has curves for."""
     if not config.map or not counts.mapped:
         return ()
-    from beamcam.planning.left_out import idle
+    from beamcam.planning.map_keys import idle
 
     return tuple(idle(config.map, counts.mapped, config.sources.get("map", Source("--map"))))
 

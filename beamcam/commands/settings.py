@@ -16,10 +16,9 @@ from beamcam.config.places import ConfigFiles, config_files, own_files
 from beamcam.config.values import COMMAND_LINE, Config, Stock, over
 from beamcam.errors import BeamcamError, Diagnostic, MachineError, PlanError, Source
 from beamcam.files import FilesRead
-from beamcam.machine import Machine
-from beamcam.machine.names import default_machines, is_of_sheets
+from beamcam.machine import Machine, default_machines, is_of_sheets
 from beamcam.machine.overlay import with_corner
-from beamcam.machine.rules import UNKNOWN_MACHINE
+from beamcam.machine.words import UNKNOWN_MACHINE
 from beamcam.machine_choice import InTurn
 from beamcam.machine_proof import load_proved
 from beamcam.model.part import Part
@@ -91,7 +90,7 @@ def _with_own_machines(config: Config) -> Config:
     """
     if config.machine is None and not config.machines and not config.split:
         return config
-    from beamcam.machine.names import resolved
+    from beamcam.machine import resolved
 
     machine = config.machine and resolved(config.machine, config.own)
     machines = {
@@ -205,7 +204,7 @@ def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tupl
     """
     if not config.map or machine.torch is None:
         return ()
-    from beamcam.planning.left_out import curves_by_key, idle, unmatched
+    from beamcam.planning.map_keys import curves_by_key, idle, unmatched
 
     here = {k: v for k, v in config.meanings.items() if _is_asked(config, k)}
     table = machine.torch.colours
@@ -234,7 +233,7 @@ def machine_for_program(
         allowed = machines_for(config, parts, program)
     else:
         allowed = machines_of_stock(config, "sheet" if is_of_sheets(program) else "beam", program)
-    from beamcam.machine.names import is_file_name
+    from beamcam.machine import is_file_name
 
     named = _machine_in_head(data)
     if named is None:
@@ -361,7 +360,7 @@ def _named_machine(config: Config, of: Stock | Literal["split"], named: str) -> 
         source = config.sources.get(key)
         if source in (None, COMMAND_LINE) or error.diagnostics[0].code != UNKNOWN_MACHINE.code:
             raise
-        from beamcam.config.rules import WRONG_VALUE
+        from beamcam.config import WRONG_VALUE
         from beamcam.config.values import ConfigError
 
         expected = error.diagnostics[0]["expected"]

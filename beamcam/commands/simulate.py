@@ -11,12 +11,12 @@ from beamcam.commands import options
 from beamcam.commands.common import STANDARD, Console, Grouped, say_lines, write
 from beamcam.commands.jobs import against, asked_program
 from beamcam.commands.options import Address, quantity
+from beamcam.commands.outputs import PICTURES, of_kind, picture
 from beamcam.commands.parts import job_options
-from beamcam.commands.pictures import PICTURES, of_kind, picture
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source, VerifyError, errors_in
-from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.model.plan import Order
+from beamcam.system import INTERRUPTED, asked_to_end
 
 if TYPE_CHECKING:
     from beamcam.machine.machine import Machine
@@ -219,8 +219,8 @@ def _own_encoder(machine: "Machine") -> "Encoder":
 
 def _precision(trace: "Trace", encoder: "Encoder", name: str) -> Diagnostic:
     """Loss of precision by an encoder, with the block of the corner with the largest error."""
+    from beamcam.simulation import PRECISION
     from beamcam.simulation.encoder import precision
-    from beamcam.simulation.rules import PRECISION
 
     study = precision(trace, encoder)
     return PRECISION.at(

@@ -6,19 +6,19 @@ from typing import Any
 
 import click
 
+from beamcam.batch import NO_END, NOTHING, WRITE
 from beamcam.batch.find import Input, find_inputs
 from beamcam.batch.names import MarkKey
 from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
-from beamcam.batch.rules import NO_END, NOTHING, WRITE
 from beamcam.batch.run import BatchError, run
 from beamcam.commands import options
 from beamcam.commands.common import REFUSED, Console, Grouped, say_lines
 from beamcam.commands.running import Progress, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
-from beamcam.interrupts import INTERRUPTED, asked_to_end
 from beamcam.reports.run import Row, as_message
+from beamcam.system import INTERRUPTED, asked_to_end
 from beamcam.watch import END_S, HotFolder, file_away, look
 
 

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from msgspec.structs import astuple, replace
 
-from beamcam.checks.bars.machined_features import (
+from beamcam.checks.bars.stations import (
     Bore,
     Cut,
     MachinedFeatures,
@@ -61,13 +61,13 @@ def _kinds(step: float) -> dict[str, Kind[Any]]:
     """The things that a program makes, by the name that they have in `MachinedFeatures`."""
     return {
         "cuts": Kind(
-            "cut", "cuts", _cut_place, _cut_name, lambda x, y: _cut(x, y, step),
-            lambda x, y: replace(x, x=y.x),
+            "cut", "cuts", _cut_place, lambda cut: f"cut at x {cut.x:.1f}",
+            lambda x, y: _cut(x, y, step), lambda x, y: replace(x, x=y.x),
         ),
         "bores": Kind("hole", "holes", _place, _bore_name, lambda x, y: _bore(x, y, step), _put),
         "paths": Kind(
-            "feature", "paths", _path_place, _path_name, lambda x, y: _path(x, y, step),
-            _path_to,
+            "feature", "paths", lambda trail: trail.points[0], _path_name,
+            lambda x, y: _path(x, y, step), _path_to,
         ),
         "texts": Kind("feature", "texts", _place, _text_name, lambda x, y: _text(x, y, step), _put),
     }  # fmt: skip
@@ -87,10 +87,6 @@ def _order(made: MachinedFeatures) -> list[tuple[object, ...]]:
 
 def _cut_place(cut: Cut) -> tuple[float, float]:
     return cut.x, cut.angle / 10  # of cuts at one place those of like angle belong together
-
-
-def _cut_name(cut: Cut) -> str:
-    return f"cut at x {cut.x:.1f}"
 
 
 def _cut(a: Cut, b: Cut, step: float) -> list[str]:
@@ -136,10 +132,6 @@ def _bore(a: Bore, b: Bore, step: float) -> list[str]:
         changes.append(f"feed from {a.begin:g} to from {b.begin:g}")
     turns = ("pitch", a.pitch, b.pitch), ("speed", a.speed_rpm, b.speed_rpm)
     return [*changes, *_figures(turns, 1e-6), *_feed(a, b)]
-
-
-def _path_place(trail: MachinedPath) -> tuple[float, float]:
-    return trail.points[0]
 
 
 def _path_to(trail: MachinedPath, at: MachinedPath) -> MachinedPath:

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from msgspec import Struct
 
-from beamcam.config import rules
+from beamcam.config import NOT_FOLLOWED
 from beamcam.config.values import Config, MapRow, Sheet, load
 from beamcam.errors import Diagnostic
 from beamcam.files import write_whole
@@ -152,10 +152,11 @@ def not_followed(config: Config) -> tuple[Diagnostic, ...]:
     keys = tuple(_more(config))
     if not keys:
         return ()
-    source = min((config.place(key, _parent(key)) for key in keys), key=lambda at: at.line or 0)
+    places = (config.place(key, key.rpartition(".")[0]) for key in keys)
+    source = min(places, key=lambda at: at.line or 0)
     folder = os.path.dirname(config.files[0]) or os.curdir
     found = ", ".join(map(repr, keys))
-    return (rules.NOT_FOLLOWED.at(source, found=found, known=", ".join(HARMLESS), folder=folder),)
+    return (NOT_FOLLOWED.at(source, found=found, known=", ".join(HARMLESS), folder=folder),)
 
 
 def _more(config: Config) -> Iterator[str]:
@@ -176,10 +177,6 @@ def _rows_of(config: Config, key: str) -> frozenset[str]:
 
 def _is_harmless(key: str) -> bool:
     return key in HARMLESS or key.startswith("map.")
-
-
-def _parent(key: str) -> str:
-    return key.rpartition(".")[0]
 
 
 # --- remember -------------------------------------------------------------------------------------

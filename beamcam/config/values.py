@@ -12,7 +12,7 @@ from msgspec import Meta, Struct, field
 from msgspec.structs import asdict, replace
 
 from beamcam.budget import Limits
-from beamcam.config import rules
+from beamcam.config import NO_DRILL, NOT_TOML, UNKNOWN_KEY, UNREADABLE, WRONG_VALUE
 from beamcam.conversion import (
     Count,
     Fault,
@@ -28,7 +28,6 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.range_faults import slack_faults
 from beamcam.machine.toml import MAX_TOML_BYTES, Place, TomlError, TomlFile, toml_text
 from beamcam.machine.torch import Degrees, LayerSettings
-from beamcam.model.colour import parse_colour
 from beamcam.system import beginning_of, portable_path
 
 COMMAND_LINE = Source("command line")
@@ -39,7 +38,7 @@ Origin = Literal["table", "lower-left", "lower-right", "upper-left", "upper-righ
 Machines = Annotated[tuple[Text, ...], Meta(min_length=1)]
 Quantity = Literal["file"] | PositiveCount
 ChosenBy = Literal["order", "time"]
-Tolerance = Literal["merge", "duplicate", "sink", "path", "twin"]
+Tolerance = Literal["merge", "duplicate", "sink", "path", "same_tool"]
 
 
 class Setting(Struct, frozen=True):
@@ -265,10 +264,10 @@ def load(path: str | Path) -> Config:
         text = toml_text(beginning_of(file, MAX_TOML_BYTES + 1))
         table = TomlFile(file, str(path), text).table
     except OSError as error:
-        said = rules.UNREADABLE.at(Source(str(path)), found=error.strerror or error)
+        said = UNREADABLE.at(Source(str(path)), found=error.strerror or error)
         raise ConfigError(said) from error
     except TomlError as error:
-        raise ConfigError(rules.NOT_TOML.at(Source(str(path), error.line), found=error)) from error
+        raise ConfigError(NOT_TOML.at(Source(str(path), error.line), found=error)) from error
     place = Place({"": (str(path), text)})
     try:
         read = converted(table, ConfigFile)
@@ -305,6 +304,10 @@ def _sources(table: Mapping[str, Any], place: Place) -> dict[str, Source]:
 
 def _check_colours(colours: Mapping[str, object]) -> None:
     """Raises Fault for a key of the map that starts like a colour and is not one."""
+    if not colours:
+        return
+    from beamcam.model.colour import parse_colour
+
     for key in colours:
         if key.startswith(("#", "rgb(", "rgba(")):
             try:
@@ -322,12 +325,12 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
         tables = {"sheet": Sheet, "dask": Dask, "limits": Limits}
         of = next((t for t, kind in tables.items() if at.key in kind.__struct_fields__), None)
         expected = fault.expected if of is None else f"it below [{of}], as {of}.{at.key}"
-        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=expected)
+        return UNKNOWN_KEY.at(at.source, found=at.key, expected=expected)
     if fault.kind == "missing":  # of a row of the map, the only table with a key that it needs
         expected = f"one of {', '.join(map(repr, get_args(Meaning)))}"
-        return rules.WRONG_VALUE.at(at.source, key=at.key, found="nothing", expected=expected)
+        return WRONG_VALUE.at(at.source, key=at.key, found="nothing", expected=expected)
     found = shown(fault.found)
-    return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
+    return WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
 
 
 # --- apply ----------------------------------------------------------------------------------------
@@ -341,7 +344,7 @@ TOLERANCES = {
     "duplicate": "duplicate_tolerance",
     "sink": "sink_tolerance",
     "path": "path_tolerance",
-    "twin": "twin",
+    "same_tool": "same_tool_tolerance",
 }
 
 
@@ -359,7 +362,7 @@ def with_tolerances(machine: Machine, config: Config) -> Machine:
             return machine
         key = f"tolerances.{next(iter(config.tolerances))}"
         source = config.place(key)
-        raise ConfigError(rules.NO_DRILL.at(source, key=key, machine=machine.name))
+        raise ConfigError(NO_DRILL.at(source, key=key, machine=machine.name))
     changed = {TOLERANCES[name]: value for name, value in config.tolerances.items()}
     # The names are those of TOLERANCES, so that they are fields of a drill.
     drill = replace(machine.drill, **changed)
@@ -369,6 +372,6 @@ def with_tolerances(machine: Machine, config: Config) -> Machine:
             found, expected = wrong[TOLERANCES[name]]
             key = f"tolerances.{name}"
             source = config.place(key)
-            said = rules.WRONG_VALUE.at(source, key=key, found=f"{found:g}", expected=expected)
+            said = WRONG_VALUE.at(source, key=key, found=f"{found:g}", expected=expected)
             raise ConfigError(said)
     return replace(machine, drill=drill)

@@ -1,4 +1,4 @@
-"""The dialect of a machine: its axes and numbers, and what its own words mean.
+"""The dialect of a machine: its axes and numbers, what its own words mean, and rules for all words.
 
 The word templates of a machine say it: the M word that carries `{angle}` saws, the one that
 carries `{spindle}` chooses a spindle, those that carry `{section}`, `{width}` or `{height}`
@@ -20,13 +20,71 @@ from typing import Literal, get_args
 from msgspec import Struct
 
 from beamcam.caches import PerObject
-from beamcam.controllers.codesys.blocks import LETTERS, NUMBER
+from beamcam.controllers.codesys import LETTERS, NUMBER
 from beamcam.controllers.events import FeedShare, Material, Other, Output, Switch
-from beamcam.controllers.rules import BY_STOCK, ProgramRules
+from beamcam.errors import Rule, Severity, error
 from beamcam.machine.codes import CARRYING, plain_code, plain_key, shown_code
 from beamcam.machine.machine import CodeMeaning, Machine
 from beamcam.machine.stations import tool_numbers
 from beamcam.machine.torch import Torch, TorchProcess
+
+# fmt: off
+
+_E = Severity.ERROR
+
+SYNTAX = error("verify-syntax",
+    "found {found!r}; expected {expected}",
+    "The controller would stop at that block, or read something else than was meant.")
+WORD = error("verify-word",
+    "found {found}; expected {expected}",
+    "What the read-back does not know it cannot vouch for, so it refuses the program.")
+M_QUEUE = error("verify-m-queue",
+    "found {found} M words in a row; expected at most {expected}",
+    "CODESYS runs out of its queue (SMC_DEC_OUTQUEUE_RAN_EMPTY); a G75 before resets the count.")
+ARC = error("verify-arc",
+    "found an arc {found}; expected one that start, end and centre agree on",
+    "CODESYS silently replaces an inconsistent arc by a straight line.")
+SETTING = error("verify-setting",
+    "found a move before {found}; expected it to be set at the beginning",
+    "Units, plane and the way of counting are what the last program left, if this one is silent.")
+END = error("verify-end",
+    "found {found}; expected M30 once, as the last command",
+    "A program that was cut off in the middle looks like a whole one up to its last line.")
+SHEET_SYNTAX = Rule("verify-sheet-syntax", _E, SYNTAX.message, SYNTAX.reason)
+SHEET_WORD = Rule("verify-sheet-word", _E, WORD.message, WORD.reason)
+SHEET_ARC = error("verify-sheet-arc",
+    "found an arc {found}; expected one that {controller} reads as meant",
+    "Controllers refuse an arc whose ends and centre disagree, or make a line or a circle of it.")
+SHEET_SETTING = Rule("verify-sheet-setting", _E, SETTING.message, SETTING.reason)
+SHEET_END = Rule(
+    "verify-sheet-end",
+    _E,
+    "found {found}; expected M2 or M30 once, as the last command, the tool off",
+    END.reason,
+)
+
+
+class ProgramRules(Struct, frozen=True):
+    """The rules of all controllers' programs, as they are called for one kind of stock."""
+
+    syntax: Rule
+    word: Rule
+    arc: Rule
+    setting: Rule
+    end: Rule
+
+
+_BARS = ProgramRules(SYNTAX, WORD, ARC, SETTING, END)
+#: A profile that is coped is a bar.
+BY_STOCK: dict[Literal["beam", "sheet", "profile"], ProgramRules] = {
+    "beam": _BARS,
+    "profile": _BARS,
+    "sheet": ProgramRules(SHEET_SYNTAX, SHEET_WORD, SHEET_ARC, SHEET_SETTING, SHEET_END),
+}
+SHEET_RULES = (SHEET_SYNTAX, SHEET_WORD, SHEET_ARC, SHEET_SETTING, SHEET_END)
+
+# fmt: on
+
 
 Role = Literal[
     "saw", "choose", "section", "on", "coolant-on", "coolant-off", "off", "end", "change", "other"

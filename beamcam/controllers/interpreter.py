@@ -28,7 +28,14 @@ from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.curves import Arc
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import shown_code
-from beamcam.model import drill_cycle
+from beamcam.model.cell_motion import (
+    DRILL,
+    DRILL_AND_DWELL,
+    PECKING,
+    clear_place,
+    cycle_moves,
+    peck_fault,
+)
 
 Words = dict[str, float]
 
@@ -93,7 +100,7 @@ class Interpreter(ABC):
         self._heights = Heights(dialect.lifting) if dialect.lifting is not None else None
         self._motion = -1
         self._absolute = True
-        self._drilling = drill_cycle.DRILL  #: the canned cycle that was said last
+        self._drilling = DRILL  #: the canned cycle that was said last
         self._cycle: Words | None = None  #: of a canned cycle that holds
         self._before_cycle = nan  #: Z where it began
         self._back_to_near = False  #: whether it draws back to R only (G99)
@@ -180,19 +187,19 @@ class Interpreter(ABC):
             self._wrong(line, "a drilling cycle that is not whole", expected)
             return
         bottom, near = said["Z"], said["R"]
-        if cycle in drill_cycle.PECKING:
-            wrong = drill_cycle.peck_fault(said.get("Q"), near, bottom)
+        if cycle in PECKING:
+            wrong = peck_fault(said.get("Q"), near, bottom)
             if wrong is not None:
                 self._wrong(line, f"a drilling cycle with Q {said.get('Q', 0.0):g}", wrong)
                 return
-        clear = drill_cycle.clear_place(self._before_cycle, near, bottom, self._back_to_near)
+        clear = clear_place(self._before_cycle, near, bottom, self._back_to_near)
         place = said.get("X", x), said.get("Y", y)
         peck = said.get("Q", 0.0)
-        for rapid, end in drill_cycle.cycle_moves(
+        for rapid, end in cycle_moves(
             self._place, place, bottom, near, clear, self._before_cycle, cycle, peck
         ):
             self._go(line, 0 if rapid else 1, dict(zip("XYZ", end, strict=True)), own_feed)
-            if not rapid and cycle == drill_cycle.DRILL_AND_DWELL:
+            if not rapid and cycle == DRILL_AND_DWELL:
                 self._event(Pause(line, said.get("P", 0.0)))
 
     @abstractmethod

@@ -16,6 +16,8 @@ from beamcam.controllers.dialect import (
     DOCUMENTED,
     FIELD,
     IDLE_SWITCHES,
+    SETTING,
+    SHEET_SETTING,
     STOPS,
     TELLS,
     Dialect,
@@ -24,14 +26,13 @@ from beamcam.controllers.dialect import (
     tool_words,
 )
 from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
-from beamcam.controllers.rules import SETTING, SHEET_SETTING
 from beamcam.errors import Diagnostic, MachineError
-from beamcam.machine import rules
 from beamcam.machine.codes import key_for, plain_code
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
 from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import DIALECTS
+from beamcam.machine.words import WORD
 from beamcam.model.description import PART_DATA
 
 #: Of the tools of a bar; `scribe` and `punch` do not turn.
@@ -78,7 +79,7 @@ def load_machine(name: str) -> Machine:
     """
     machine = load(name)
     said = tuple(
-        rules.WORD.at(source_in(name, key, text), key=key, said=said)
+        WORD.at(source_in(name, key, text), key=key, said=said)
         for key, text, said in _known_faults(machine)
     )
     if said:

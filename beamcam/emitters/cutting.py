@@ -6,8 +6,8 @@ from itertools import chain, count
 import numpy as np
 from msgspec.structs import astuple
 
+from beamcam.emitters import comment_room, number
 from beamcam.emitters.columns import lines
-from beamcam.emitters.head import comment_room, number
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow
 from beamcam.model.description import PART_DATA

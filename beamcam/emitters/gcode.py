@@ -7,7 +7,7 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.emitters.head import comment_room, number
+from beamcam.emitters import comment_room, number
 from beamcam.machine.machine import Machine, NumberFormat
 from beamcam.machine.stations import ToolNumbers, tool_numbers
 from beamcam.machine.words import PART_NAMES, names_in
@@ -95,7 +95,11 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
             case DrillCycle(stroke=stroke):
                 word = words[stroke.kind]
                 said = strokes.get(stroke) or strokes.keep(
-                    stroke, _stroke_values(stroke, word.names, templates)
+                    stroke,
+                    {
+                        **_place_values(stroke, word.names, form),
+                        **_tool_values(stroke, word.names, templates),
+                    },
                 )
                 x = number(command.x, form.length_decimals)
                 yield _filled(word, {**said, "x": x}, about)
@@ -173,7 +177,7 @@ def _feed(command: SawStroke | SpindleStroke | PathCycle, form: NumberFormat) ->
 
 #: Where a place's coordinate stands: above it, where the approach ends, and at work.
 _PLACES = {
-    "y": ("start", 0), "z": ("start", 1), "near_y": ("near", 0), "near_z": ("near", 1),
+    "y": ("retract", 0), "z": ("retract", 1), "near_y": ("approach", 0), "near_z": ("approach", 1),
     "bottom_y": ("bottom", 0), "bottom_z": ("bottom", 1),
 }  # fmt: skip
 #: What a word may say of a stroke or path besides its place.
@@ -187,12 +191,6 @@ _OF_STROKE: dict[str, Callable[[Any, NumberFormat], str]] = {
     "pitch": lambda stroke, _: number(stroke.pitch, 3),
     "peck": lambda stroke, form: number(stroke.peck, form.length_decimals),
 }
-
-
-def _stroke_values(stroke: SpindleStroke, names: Collection[str], templates: Templates) -> Values:
-    """What a template says of a stroke wherever it is."""
-    places = _place_values(stroke, names, templates.form)
-    return {**places, **_tool_values(stroke, names, templates)}
 
 
 def _tool_values(

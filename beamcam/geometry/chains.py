@@ -156,7 +156,7 @@ def _joined_within(
     junctions = tuple(
         Junction(
             _end_point(links, crowd[0]),
-            tuple(sorted({_end_member(links, e) for e in crowd})),
+            tuple(sorted({links[e // 2].members[-1 if e % 2 else 0] for e in crowd})),
             in_ring,
         )
         for crowd, in_ring in found.left
@@ -167,10 +167,6 @@ def _joined_within(
 def _end_point(links: Sequence[Chain], end: int) -> Point:
     link = links[end // 2]
     return link.curves[-1].end if end % 2 else link.curves[0].start
-
-
-def _end_member(links: Sequence[Chain], end: int) -> int:
-    return links[end // 2].members[-1 if end % 2 else 0]
 
 
 class _Meetings(Struct, frozen=True):

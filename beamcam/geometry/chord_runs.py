@@ -14,6 +14,7 @@ import numpy as np
 from beamcam.geometry.array_types import Floats
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.offset import longest_arc, longest_line
 from beamcam.geometry.plane import Point
 
 LONGEST = 3.0  #: mm of a chord
@@ -56,7 +57,7 @@ def arcs_and_lines(points: Sequence[Point], tolerance: float) -> list[Line | Arc
     found: list[Line | Arc] = []
     at = 0
     while at + 1 < len(points):
-        arc, reach = _longest(places, at, tolerance)
+        arc, reach = longest_arc(places, at, LEAST_ARC, lambda run: _arc_over(run, tolerance))
         if arc is None:
             reach = at + 1
             found.append(Line(points[at], points[reach]))
@@ -80,33 +81,15 @@ def _refit(run: Sequence[Line], tolerance: float) -> Sequence[Curve]:
     found: list[Curve] = []
     at = 0
     while at < len(run):
-        arc, reach = _longest(points, at, tolerance)
+        arc, reach = longest_arc(points, at, LEAST_ARC, lambda run: _arc_over(run, tolerance))
         if arc is None:
-            reach = _longest_line(points, at, tolerance)
+            reach = longest_line(points, at, lambda run: _is_straight(run, tolerance))
             line = run[at] if reach == at + 1 else Line(run[at].start, run[reach - 1].end)
             found.append(line)
         else:
             found.append(arc)
         at = reach
     return found if 2 * len(found) <= len(run) else run
-
-
-def _longest(points: Floats, at: int, tolerance: float) -> tuple[Arc | None, int]:
-    """The arc from a corner over the most chords; doubles its reach, then halves the step."""
-    best: Arc | None = None
-    reach, step, growing = at, LEAST_ARC, True
-    while step >= 1:
-        wished = reach + step
-        arc = _arc_over(points[at : wished + 1], tolerance) if wished < len(points) else None
-        if arc is not None:
-            best, reach = arc, wished
-            step = step * 2 if growing else step
-        elif best is None:
-            break
-        else:
-            growing = False
-            step //= 2
-    return best, reach
 
 
 def _arc_over(points: Floats, tolerance: float) -> Arc | None:
@@ -130,14 +113,6 @@ def _arc_over(points: Floats, tolerance: float) -> Arc | None:
         return None
     turn = (way[1:] * way[:-1]).sum(axis=1) / (size[1:] * size[:-1])
     return arc if turn.min() >= MOST_TURN else None
-
-
-def _longest_line(points: Floats, at: int, tolerance: float) -> int:
-    """The last corner that a line from another one may end at."""
-    reach = at + 1
-    while reach + 1 < len(points) and _is_straight(points[at : reach + 2], tolerance):
-        reach += 1
-    return reach
 
 
 def _is_straight(points: Floats, tolerance: float) -> bool:

@@ -1,18 +1,242 @@
-"""Exact curves in the plane.
+"""Exact curves in the plane, B-splines (NURBS when they have weights) among them.
 
 Every curve is an immutable record with `start`, `end`, `length`, `bbox`, `point(t)`,
 `tangent(t)` and `split(t)` for t in [0, 1], `reversed()` and `transformed(matrix)`. Nothing here
 needs numpy; many points at once are `sampling`'s.
 """
 
+from bisect import bisect_right
 from collections.abc import Sequence
+from itertools import pairwise
 from math import atan2, degrees, dist
 
-from beamcam.geometry.bezier import Bezier
-from beamcam.geometry.bspline import BSpline
+from msgspec import Struct
+
+from beamcam.caches import cached
+from beamcam.geometry.bezier import (
+    MAX_DEGREE,
+    Bezier,
+    Homogeneous,
+    check_weights,
+    from_homogeneous,
+    homogeneous,
+)
 from beamcam.geometry.conics import Arc, EllipseArc, Line, arc_through, segment_area
 from beamcam.geometry.newton import NewtonCurve
-from beamcam.geometry.plane import Box, Matrix, Point, cross, integrate, join_boxes, unit_vector
+from beamcam.geometry.plane import (
+    Box,
+    Matrix,
+    Point,
+    cross,
+    integrate,
+    join_boxes,
+    mapped,
+    unit_vector,
+)
+
+#: Taking a spline apart takes (degree + 1)^3 steps a control point, a second for so many.
+MAX_STEPS = 1_000_000
+MIN_SPAN = 1e-30  #: between knots that are not one; derivatives divide by its third power
+
+
+class BSpline(Struct, frozen=True, gc=False):
+    """A spline; it is drawn from knot number `degree` to the last but `degree`.
+
+    The parameter t in [0, 1] of all methods is the share of that range of knots.
+    """
+
+    degree: int
+    control: tuple[Point, ...]
+    knots: tuple[float, ...]  #: ascending, as many as control points + degree + 1
+    weights: tuple[float, ...] | None = None  #: one above 0 for each point; None is all 1
+
+    def __post_init__(self) -> None:
+        expected = len(self.control) + self.degree + 1
+        if self.degree < 1:
+            raise ValueError(f"a spline has degree 1 or more, found {self.degree}")
+        if self.degree > MAX_DEGREE:
+            raise ValueError(f"a spline has degree {MAX_DEGREE} at most, found {self.degree}")
+        if len(self.control) > (most := MAX_STEPS // (self.degree + 1) ** 3):
+            raise ValueError(
+                f"a spline of degree {self.degree} has at most {most} control points, "
+                f"found {len(self.control)}"
+            )
+        if len(self.control) <= self.degree:
+            raise ValueError(
+                f"a spline of degree {self.degree} needs {self.degree + 1} control points "
+                f"or more, found {len(self.control)}"
+            )
+        if len(self.knots) != expected:
+            raise ValueError(f"expected {expected} knots, found {len(self.knots)}")
+        if any(b < a for a, b in pairwise(self.knots)):
+            raise ValueError("the knots of a spline must not fall")
+        if any(0.0 < b - a < MIN_SPAN for a, b in pairwise(self.knots)):
+            raise ValueError(f"two knots of a spline differ by less than {MIN_SPAN:g}")
+        low, high = self.knots[self.degree], self.knots[len(self.control)]
+        if not low < high:
+            raise ValueError(f"the knots of a spline span nothing: {low:g} to {high:g}")
+        if any(a == b for a, b in zip(self.knots, self.knots[self.degree + 1 :], strict=False)):
+            raise ValueError(
+                f"a knot of a spline of degree {self.degree} is there {self.degree + 1} times at "
+                "most: of one that is there more often not all control points count"
+            )
+        inner = [k for k in self.knots if low < k < high]
+        # They do not fall, so that equal ones stand side by side.
+        if any(a == b for a, b in zip(inner, inner[self.degree :], strict=False)):
+            raise ValueError(f"a knot inside a spline of degree {self.degree} is there too often")
+        if self.weights is not None:
+            check_weights(self.weights, len(self.control))
+
+    @property
+    def start(self) -> Point:
+        degree, knots = self.degree, self.knots
+        if knots[1] == knots[degree]:
+            return self.control[0]
+        first = next(k for k in range(degree, len(self.control)) if knots[k] < knots[k + 1])
+        return self._at_knot(first, knots[first])
+
+    @property
+    def end(self) -> Point:
+        degree, knots, count = self.degree, self.knots, len(self.control)
+        if knots[-2] == knots[count]:
+            return self.control[-1]
+        last = next(k for k in range(count - 1, degree - 1, -1) if knots[k] < knots[k + 1])
+        return self._at_knot(last, knots[last + 1])
+
+    def _at_knot(self, span: int, knot: float) -> Point:
+        """The point at an end of a span of knots: the same numbers as its piece has there."""
+        row = homogeneous(self.control, self.weights)[span - self.degree : span + 1]
+        x, y, w = _blossom(row, self.knots, span, [knot] * self.degree)
+        return x / w, y / w
+
+    @property
+    def length(self) -> float:
+        return sum(piece.length for piece in self.pieces())
+
+    @property
+    def bbox(self) -> Box:
+        """The smallest box around the curve."""
+        box = join_boxes([piece.bbox for piece in self.pieces()])
+        assert box is not None
+        return box
+
+    def pieces(self) -> tuple[Bezier, ...]:
+        """The spline as Bezier curves, one for each span of knots; neighbours share ends."""
+        return _decomposed(self)[0]
+
+    def breaks(self) -> tuple[float, ...]:
+        """Parameters in [0, 1] where one piece ends and the next begins, both ends included."""
+        return _decomposed(self)[1]
+
+    def _locate(self, t: float) -> tuple[Bezier, float]:
+        pieces, breaks = _decomposed(self)
+        k = min(max(bisect_right(breaks, t) - 1, 0), len(pieces) - 1)
+        return pieces[k], (t - breaks[k]) / (breaks[k + 1] - breaks[k])
+
+    def point(self, t: float) -> Point:
+        """The point at parameter `t`; 0 and 1 give the ends exactly."""
+        piece, local = self._locate(t)
+        return piece.point(local)
+
+    def tangent(self, t: float) -> Point:
+        """Direction of travel, length 1; at a knot with a corner, that of the next piece."""
+        piece, local = self._locate(t)
+        return piece.tangent(local)
+
+    def split(self, t: float) -> "tuple[BSpline, BSpline]":
+        """The stretches before and after parameter `t`; they share the point there.
+
+        Raises ValueError at the ends: a spline cannot be a point.
+        """
+        if not 0.0 < t < 1.0:
+            raise ValueError(f"a spline is split inside (0, 1), not at {t:g}")
+        pieces, breaks = _decomposed(self)
+        k = bisect_right(breaks, t) - 1
+        if t == breaks[k]:
+            return _joined(pieces[:k], breaks[: k + 1]), _joined(pieces[k:], breaks[k:])
+        left, right = pieces[k].split((t - breaks[k]) / (breaks[k + 1] - breaks[k]))
+        return (
+            _joined((*pieces[:k], left), (*breaks[: k + 1], t)),
+            _joined((right, *pieces[k + 1 :]), (t, *breaks[k + 1 :])),
+        )
+
+    def reversed(self) -> "BSpline":
+        both = self.knots[0] + self.knots[-1]
+        return BSpline(
+            self.degree,
+            self.control[::-1],
+            tuple(both - k for k in self.knots[::-1]),
+            self.weights and self.weights[::-1],
+        )
+
+    def transformed(self, matrix: Matrix) -> "BSpline":
+        points = tuple(mapped(matrix, p) for p in self.control)
+        return BSpline(self.degree, points, self.knots, self.weights)
+
+
+@cached("curves.spline")
+def _decomposed(spline: BSpline) -> tuple[tuple[Bezier, ...], tuple[float, ...]]:
+    """The Bezier curves of a spline and the parameters between them.
+
+    Control point j of the span [a, b] is the blossom of the spline with b taken j times and a
+    for the rest. Source: Ramshaw, "Blossoms are polar forms", 1989.
+    """
+    degree, knots = spline.degree, spline.knots
+    points = homogeneous(spline.control, spline.weights)
+    low, high = knots[degree], knots[len(points)]
+    pieces: list[Bezier] = []
+    breaks = [0.0]
+    for k in range(degree, len(points)):
+        a, b = knots[k], knots[k + 1]
+        if a == b:
+            continue
+        row = points[k - degree : k + 1]
+        polars = tuple(
+            _blossom(row, knots, k, [a] * (degree - j) + [b] * j) for j in range(degree + 1)
+        )
+        piece = from_homogeneous(polars)
+        if pieces:
+            piece = Bezier((pieces[-1].end, *piece.points[1:]), piece.weights)
+        pieces.append(piece)
+        breaks.append((b - low) / (high - low))
+    breaks[-1] = 1.0
+    # A clamped spline begins and ends on its control points, to the last bit.
+    if knots[1] == low:
+        pieces[0] = Bezier((spline.control[0], *pieces[0].points[1:]), pieces[0].weights)
+    if knots[-2] == high:
+        pieces[-1] = Bezier((*pieces[-1].points[:-1], spline.control[-1]), pieces[-1].weights)
+    return tuple(pieces), tuple(breaks)
+
+
+def _blossom(
+    points: Sequence[Homogeneous], knots: tuple[float, ...], k: int, arguments: list[float]
+) -> Homogeneous:
+    """The blossom in span `k`, whose control points are given."""
+    degree = len(arguments)
+    row = list(points)
+    for r, u in enumerate(arguments, start=1):
+        for i in range(degree, r - 1, -1):
+            low, high = knots[k - degree + i], knots[k + 1 + i - r]
+            share = (u - low) / (high - low)
+            (x0, y0, w0), (x1, y1, w1) = row[i - 1], row[i]
+            row[i] = (x0 + share * (x1 - x0), y0 + share * (y1 - y0), w0 + share * (w1 - w0))
+    return row[degree]
+
+
+def _joined(pieces: tuple[Bezier, ...], breaks: tuple[float, ...]) -> BSpline:
+    """The spline of Bezier curves that follow one another, `degree` knots at each joint."""
+    degree = pieces[0].degree
+    control = [*pieces[0].points]
+    weights = [1.0] if pieces[0].weights is None else [pieces[0].weights[0]]
+    for piece in pieces:
+        weights.extend((piece.weights or (1.0,) * (degree + 1))[1:])
+    for piece in pieces[1:]:
+        control.extend(piece.points[1:])
+    plain = all(w == 1.0 for w in weights)
+    inner = [k for k in breaks[1:-1] for _ in range(degree)]
+    knots = [breaks[0]] * (degree + 1) + inner + [breaks[-1]] * (degree + 1)
+    return BSpline(degree, tuple(control), tuple(knots), None if plain else tuple(weights))
+
 
 Curve = Line | Arc | EllipseArc | Bezier | BSpline | NewtonCurve
 
@@ -111,3 +335,20 @@ def _area_beside_chord(curve: Bezier) -> float:
 
     reach = max(abs(x - x0) + abs(y - y0) for x, y in curve.points)
     return integrate(swept, floor=1e-13 * (reach + abs(x0) + abs(y0)) * reach) / 2
+
+
+HALVINGS = 40
+
+
+def parameter_at(curve: Curve, length: float) -> float:
+    """The parameter of the place so far along a curve, by bisection where its speed is uneven."""
+    if isinstance(curve, Line | Arc):
+        return length / curve.length
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if curve.split(middle)[0].length < length:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2

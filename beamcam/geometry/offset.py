@@ -22,14 +22,15 @@ compares the covered area with shapely's.
 """
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import degrees, hypot, sqrt
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
+from beamcam.geometry.array_types import Floats
 from beamcam.geometry.arrays import CurveTable, signed_areas
 from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line, signed_area
@@ -41,6 +42,8 @@ from beamcam.geometry.raw_offset import MITRE_LIMIT, Ring, raw_offsets
 
 # Lines and arcs found again in the corners of a polygon.
 
+
+Corners = TypeVar("Corners", list[Point], Floats)
 
 #: So many corners, at least, make an arc.
 MIN_CORNERS = 5
@@ -62,9 +65,9 @@ def refit_ring(points: Sequence[Point], tolerance: float) -> tuple[Line | Arc, .
     found: list[Line | Arc] = []
     at = 0
     while at < count:
-        arc, reach = _longest_arc(ring, at, tolerance)
+        arc, reach = longest_arc(ring, at, MIN_CORNERS - 1, lambda run: _arc_over(run, tolerance))
         if arc is None:
-            reach = _longest_line(ring, at, tolerance)
+            reach = longest_line(ring, at, lambda run: _is_straight(run, tolerance / 4))
             found.append(Line(ring[at], ring[reach]))
         else:
             found.append(arc)
@@ -80,23 +83,35 @@ def _turn(points: Sequence[Point], k: int) -> float:
     return 1.0 - dot(u, v) / size if size else 0.0
 
 
-def _longest_arc(ring: list[Point], at: int, tolerance: float) -> tuple[Arc | None, int]:
-    """The arc from corner `at` over the most corners; doubles its reach, then halves the step."""
+def longest_arc(
+    points: Corners, at: int, least: int, arc_over: Callable[[Corners], Arc | None]
+) -> tuple[Arc | None, int]:
+    """The arc from corner `at` over the most corners; doubles its reach, then halves the step.
+
+    It goes over `least` chords or more. Without one None, and `at`.
+    """
     best: Arc | None = None
-    reach, step = at, MIN_CORNERS - 1
-    growing = True
+    reach, step, growing = at, least, True
     while step >= 1:
         wished = reach + step
-        arc = _arc_over(ring[at : wished + 1], tolerance) if wished < len(ring) else None
+        arc = arc_over(points[at : wished + 1]) if wished < len(points) else None
         if arc is not None:
             best, reach = arc, wished
             step = step * 2 if growing else step
+        elif best is None:
+            break
         else:
-            if best is None:
-                break
             growing = False
             step //= 2
     return best, reach
+
+
+def longest_line(points: Corners, at: int, is_straight: Callable[[Corners], bool]) -> int:
+    """The last corner that a line from corner `at` may end at."""
+    reach = at + 1
+    while reach + 1 < len(points) and is_straight(points[at : reach + 2]):
+        reach += 1
+    return reach
 
 
 def _arc_over(points: list[Point], tolerance: float) -> Arc | None:
@@ -116,13 +131,6 @@ def _arc_over(points: list[Point], tolerance: float) -> Arc | None:
         if side * cross(from_centre, (q[0] - p[0], q[1] - p[1])) <= 0.0:
             return None
     return arc
-
-
-def _longest_line(ring: list[Point], at: int, tolerance: float) -> int:
-    reach = at + 1
-    while reach + 1 < len(ring) and _is_straight(ring[at : reach + 2], tolerance / 4):
-        reach += 1
-    return reach
 
 
 def _is_straight(points: list[Point], tolerance: float) -> bool:

@@ -23,9 +23,11 @@ def points_at(curve: Curve, t: Floats) -> Floats:
     Where `t` is 0 or 1 the ends come back exactly.
     """
     t = np.asarray(t, dtype=np.float64)
+    points: Floats
     match curve:
         case Line():
-            points = _line_points(curve, t)
+            start = np.asarray(curve.start)
+            points = start + t[:, None] * (np.asarray(curve.end) - start)
         case Arc():
             angle = np.radians(curve.start_deg + t * curve.sweep_deg)
             circle = np.column_stack((np.cos(angle), np.sin(angle)))
@@ -43,12 +45,6 @@ def points_at(curve: Curve, t: Floats) -> Floats:
             points = bezier_points(curve.as_bezier(), t)
     points[t == 0.0] = curve.start
     points[t == 1.0] = curve.end
-    return points
-
-
-def _line_points(line: Line, t: Floats) -> Floats:
-    start = np.asarray(line.start)
-    points: Floats = start + t[:, None] * (np.asarray(line.end) - start)
     return points
 
 

@@ -19,8 +19,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine import rules
 from beamcam.machine.torch import ALUMINIUM, MILD_STEEL, STAINLESS
+from beamcam.machine.words import CHART
 
 MM_PER_INCH = 25.4
 _SECTION = re.compile(r"\[(MATERIAL_NUMBER_|Tool)\s*(\d+)\]", re.IGNORECASE)
@@ -61,19 +61,19 @@ def chart_rows(text: str, name: str) -> tuple[list[Row], list[Diagnostic]]:
         row, fault = _row(number, values)
         if fault:
             found, expected = fault
-            said.append(rules.CHART.at(Source(name, line), found=found, expected=expected))
+            said.append(CHART.at(Source(name, line), found=found, expected=expected))
         else:
             rows.append(row)
     if not rows and not said:
         expected = "[MATERIAL_NUMBER_1] of QtPlasmaC or [Tool1] of SheetCam"
-        said.append(rules.CHART.at(Source(name), found="no row to cut", expected=expected))
+        said.append(CHART.at(Source(name), found="no row to cut", expected=expected))
     seen: dict[tuple[object, ...], str] = {}
     for row in rows:
         key = row["material"], row["up_to"], row.get("amps", 0.0)
         if key in seen:
             found = f"two rows of {row['material']} up to {row['up_to']:g} mm, {seen[key]!r} too"
             expected = "one, or other amperes"
-            said.append(rules.CHART.at(Source(name), found=found, expected=expected))
+            said.append(CHART.at(Source(name), found=found, expected=expected))
         seen[key] = row["nozzle"]
     return sorted(rows, key=lambda row: (row["material"], row["up_to"], row.get("amps", 0.0))), said
 

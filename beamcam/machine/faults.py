@@ -55,21 +55,21 @@ def tool_faults(machine: Machine) -> Iterator[Fault]:
 def _square_faults(saw: Saw, machine: Machine) -> Iterator[Fault]:
     """Each limit that keeps the saw from a square cut, which every bar needs."""
     for key, limit, square in (
-        ("min_angle", saw.min_angle, saw.square), ("min_tilt", saw.min_tilt, 0.0),
+        ("min_angle", saw.min_angle, saw.zero_angle), ("min_tilt", saw.min_tilt, 0.0),
     ):  # fmt: skip
         if limit > square:
             yield f"saw.{key}", limit, f"at most {square:g}, the square cut"
     for key, limit, square in (
-        ("max_angle", saw.max_angle, saw.square), ("max_tilt", saw.max_tilt, 0.0),
+        ("max_angle", saw.max_angle, saw.zero_angle), ("max_tilt", saw.max_tilt, 0.0),
     ):  # fmt: skip
         if limit < square:
             yield f"saw.{key}", limit, f"at least {square:g}, the square cut"
     for index, axis in enumerate(machine.axes):
         if axis.moves == "angle" and axis.spindle is None:
-            if axis.min is not None and axis.min > saw.square:
-                yield f"axes.{index}.min", axis.min, f"at most {saw.square:g}, the square cut"
-            if axis.max is not None and axis.max < saw.square:
-                yield f"axes.{index}.max", axis.max, f"at least {saw.square:g}, the square cut"
+            if axis.min is not None and axis.min > saw.zero_angle:
+                yield f"axes.{index}.min", axis.min, f"at most {saw.zero_angle:g}, the square cut"
+            if axis.max is not None and axis.max < saw.zero_angle:
+                yield f"axes.{index}.max", axis.max, f"at least {saw.zero_angle:g}, the square cut"
 
 
 #: Controllers that run a saw and drilling line; a cutting table may have any.
@@ -172,26 +172,7 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
     if torch.tolerance < step:
         expected = f"at least {step:g}, the step of its numbers"
         yield "torch.tolerance", torch.tolerance, expected
-    for index, row in enumerate(torch.rows):
-        if 0.0 < row.kerf < KERF_STEPS * step:
-            expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
-            yield f"torch.rows.{index}.kerf", row.kerf, expected
-        slow = "hole_feed_share" if row.slows_holes else "corner_share" if row.slows_corners else ""
-        paces = words.pace or (words.slow and words.full) or _names(words.modal, "feed")
-        if slow and not (worded and paces):
-            expected = "1, as there are no words for another feed in a contour (`words.pace`)"
-            yield f"torch.rows.{index}.{slow}", getattr(row, slow), expected
-    if not torch.rows:
-        yield "torch.rows", [], "a row for each process"
-    for process in {row.process for row in torch.rows}:
-        for name in (f"{process}_on", f"{process}_off") if worded else ():
-            if not getattr(words, name):
-                yield f"words.{name}", [], f"a template, since there is a row for {process}"
-    if not any(row.process == "cut" for row in torch.rows):
-        yield "torch.rows", [row.process for row in torch.rows], "a row for cut"
-    for colour, meaning in torch.colours.items():
-        if meaning != "ignore" and not any(row.process == meaning for row in torch.rows):
-            yield f"torch.colours.{colour}", meaning, "ignore, or what has a row in torch.rows"
+    yield from _row_faults(machine, torch, worded)
     if torch.kerf_by == "machine" and not words.left:
         yield "torch.kerf_by", torch.kerf_by, "none or offset, as there are no words for left"
     if torch.bevel == "head":
@@ -217,6 +198,31 @@ def torch_faults(machine: Machine) -> Iterator[Fault]:
         yield "torch.frame_power", torch.frame_power, expected
     if torch.lead != "none" and not torch.lead_in:
         yield "torch.lead_in", torch.lead_in, "a length, since there is a lead"
+
+
+def _row_faults(machine: Machine, torch: Torch, worded: bool) -> Iterator[Fault]:
+    """Rows of a cut chart without their words, and processes without a row."""
+    words, step = machine.words, machine.format.resolution
+    for index, row in enumerate(torch.rows):
+        if 0.0 < row.kerf < KERF_STEPS * step:
+            expected = f"0, or at least {KERF_STEPS} steps of {step:g} mm, as programs are written"
+            yield f"torch.rows.{index}.kerf", row.kerf, expected
+        slow = "hole_feed_share" if row.slows_holes else "corner_share" if row.slows_corners else ""
+        paces = words.pace or (words.slow and words.full) or _names(words.modal, "feed")
+        if slow and not (worded and paces):
+            expected = "1, as there are no words for another feed in a contour (`words.pace`)"
+            yield f"torch.rows.{index}.{slow}", getattr(row, slow), expected
+    if not torch.rows:
+        yield "torch.rows", [], "a row for each process"
+    for process in {row.process for row in torch.rows}:
+        for name in (f"{process}_on", f"{process}_off") if worded else ():
+            if not getattr(words, name):
+                yield f"words.{name}", [], f"a template, since there is a row for {process}"
+    if not any(row.process == "cut" for row in torch.rows):
+        yield "torch.rows", [row.process for row in torch.rows], "a row for cut"
+    for colour, meaning in torch.colours.items():
+        if meaning != "ignore" and not any(row.process == meaning for row in torch.rows):
+            yield f"torch.colours.{colour}", meaning, "ignore, or what has a row in torch.rows"
 
 
 _LIFTING = ("linuxcnc", "grbl", "mach3")  #: controllers whose Z a table's program may move
@@ -290,7 +296,7 @@ def spindle_faults(machine: Machine) -> Iterator[Fault]:
             yield f"spindles.{index}", spindle.name, "a [drill] table for it"
         elif _drawn_back(machine, spindle) < 0.0:
             expected = "a place outside of the bar, where the tool is drawn back"
-            yield f"spindles.{index}.stroke.start", spindle.stroke.start, expected
+            yield f"spindles.{index}.stroke.retract", spindle.stroke.retract, expected
 
 
 def _follows_y(spindle: Spindle) -> bool:
@@ -311,7 +317,7 @@ _SAMPLE_BAR = {
 def _drawn_back(machine: Machine, spindle: Spindle) -> float:
     """Clearance of the tool from the bar between two strokes, in mm; negative inside the bar."""
     values = {**_SAMPLE_BAR, "clearance": machine.drill.clearance if machine.drill else 0.0}
-    start, surface = spindle.stroke.start(values), spindle.stroke.bottom(values)
+    start, surface = spindle.stroke.retract(values), spindle.stroke.bottom(values)
     deeper = spindle.stroke.bottom({**values, "depth": 1.0})
     if deeper == surface:  # a fixed stroke, from 0 on the bar
         return -start if surface >= start else start
@@ -340,8 +346,8 @@ def _moved_by(spindle: Spindle) -> dict[str, str]:
         "across.axis": across.axis,
         "across.position": across.position,
         "stroke.axis": stroke.axis,
-        "stroke.start": stroke.start,
-        "stroke.near": stroke.near or stroke.start,
+        "stroke.retract": stroke.retract,
+        "stroke.approach": stroke.approach or stroke.retract,
         "stroke.bottom": stroke.bottom,
     }
 

@@ -14,7 +14,6 @@ from beamcam.caches import cached
 from beamcam.conversion import Fault, converted, nearest
 from beamcam.errors import Diagnostic, MachineError, Source
 from beamcam.geometry.plane import MAX_COORDINATE
-from beamcam.machine import rules
 from beamcam.machine.codes import code_faults
 from beamcam.machine.faults import (
     number_faults,
@@ -38,7 +37,19 @@ from beamcam.machine.toml import (
     toml_text,
     without,
 )
-from beamcam.machine.words import NoValueError, as_formula
+from beamcam.machine.words import (
+    BASE_LOOP,
+    FORMER_KEY,
+    KEY_TWICE,
+    MISSING_KEY,
+    NAME_TWICE,
+    NOT_TOML,
+    UNKNOWN_KEY,
+    UNKNOWN_MACHINE,
+    WRONG_VALUE,
+    NoValueError,
+    as_formula,
+)
 from beamcam.system import beginning_of, portable_path
 
 MIN_NUMBER = 1e-6  #: that a key may have, if it is not 0
@@ -147,7 +158,7 @@ def _refuse_shipped_name(file: TomlFile, name: object, place: Place) -> None:
     if file.path.parent == SHIPPED or not isinstance(name, str):
         return
     if normalize("NFKC", name).strip().casefold() in shipped():
-        raise MachineError(rules.NAME_TWICE.at(place.child("name").source, found=name))
+        raise MachineError(NAME_TWICE.at(place.child("name").source, found=name))
 
 
 def _left_behind(files: tuple[TomlFile, ...]) -> frozenset[str]:
@@ -163,7 +174,7 @@ def _renamed(file: TomlFile) -> Iterator[Diagnostic]:
     """A warning for each key of a file that has another name today."""
     for key, present in _present(file)[1]:
         source = Source(file.shown, line_of(file.text, key))
-        yield rules.FORMER_KEY.at(source, found=key, expected=present)
+        yield FORMER_KEY.at(source, found=key, expected=present)
 
 
 def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
@@ -172,7 +183,7 @@ def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
         return with_present_keys(file.table)
     except KeyTwice as twice:
         source = Source(file.shown, line_of(file.text, twice.former))
-        said = rules.KEY_TWICE.at(source, found=twice.former, expected=twice.present)
+        said = KEY_TWICE.at(source, found=twice.former, expected=twice.present)
         raise MachineError(said) from None
 
 
@@ -192,11 +203,11 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
     at = place.child(*fault.path)
     if fault.kind == "unknown":
-        return rules.UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
+        return UNKNOWN_KEY.at(at.source, found=at.key, expected=fault.expected)
     if fault.kind == "missing":
-        return rules.MISSING_KEY.at(at.source, expected=at.key)
+        return MISSING_KEY.at(at.source, expected=at.key)
     found = shown(fault.found)
-    return rules.WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
+    return WRONG_VALUE.at(at.source, key=at.key, found=found, expected=fault.expected)
 
 
 def settings(name: str) -> tuple[Setting, ...]:
@@ -247,16 +258,16 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
     while True:
         path = _find(name, found[-1] if found else None)
         if any(path == file.path for file in found):
-            raise MachineError(rules.BASE_LOOP.at(Source(str(found[0].path)), found=path.stem))
+            raise MachineError(BASE_LOOP.at(Source(str(found[0].path)), found=path.stem))
         shown = path.name if path.parent == SHIPPED else str(path)
         try:
             file = TomlFile(path, shown, toml_text(beginning_of(path, MAX_TOML_BYTES + 1)))
             base = file.table.get("base")
         except TomlError as error:
-            raise MachineError(rules.NOT_TOML.at(Source(shown, error.line), found=error)) from error
+            raise MachineError(NOT_TOML.at(Source(shown, error.line), found=error)) from error
         except OSError as error:
             expected = error.strerror or "a file that can be read"
-            said = rules.UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
+            said = UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
             raise MachineError(said) from error
         found.append(file)
         if base is None:
@@ -270,7 +281,7 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
 
 def _wrong_base(file: TomlFile, expected: str) -> Diagnostic:
     source, found = Source(file.shown, line_of(file.text, "base")), repr(file.table["base"])
-    return rules.WRONG_VALUE.at(source, key="base", found=found, expected=expected)
+    return WRONG_VALUE.at(source, key="base", found=found, expected=expected)
 
 
 def merged(
@@ -341,7 +352,7 @@ def _find(name: str, over: TomlFile | None) -> Path:
         return beside.resolve()  # one's own, laid over another one's own
     expected = f"{nearest(name, shipped())} or the path of a .toml file"
     source = Source(name) if over is None else Source(over.shown, line_of(over.text, "base"))
-    raise MachineError(rules.UNKNOWN_MACHINE.at(source, found=name, expected=expected))
+    raise MachineError(UNKNOWN_MACHINE.at(source, found=name, expected=expected))
 
 
 def _size_faults(machine: Machine) -> Iterator[tuple[str, object, str]]:
@@ -360,7 +371,7 @@ def _check(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
         _check_keys(machine, place, left_behind)
     except NoValueError as error:
         key = next(key for key, value in _leaves(machine) if value == error.formula)
-        said = rules.WRONG_VALUE.at(
+        said = WRONG_VALUE.at(
             place.child(key).source, key=key, found=repr(error.formula), expected=error.expected
         )
         raise MachineError(said) from None
@@ -385,10 +396,10 @@ def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> 
     ):
         for key, found, expected in faults(machine):
             source = place.child(key).source
-            said = rules.WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
+            said = WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
             raise MachineError(said)
     table = {"beam": "layout", "sheet": "torch", "profile": "coper"}[machine.stock]
     if getattr(machine, table) is None:
-        raise MachineError(rules.MISSING_KEY.at(place.child(table).source, expected=table))
+        raise MachineError(MISSING_KEY.at(place.child(table).source, expected=table))
     if machine.stock == "beam" and machine.saw is None and machine.drill is None:
-        raise MachineError(rules.MISSING_KEY.at(place.child("saw").source, expected="saw"))
+        raise MachineError(MISSING_KEY.at(place.child("saw").source, expected="saw"))

@@ -63,7 +63,7 @@ class Times(Keys, frozen=True):
     spindle_s: NotNegative = 0.0  #: to start and stop a spindle, each operation
     tool_change_s: NotNegative = 0.0  #: another tool of the spindle's own stations
     spindle_change_s: NotNegative = 0.0  #: another spindle
-    reload_s: NotNegative = 0.0  #: manual tool change in a station
+    manual_change_s: NotNegative = 0.0  #: manual tool change in a station
     saw_s: NotNegative = 0.0  #: to clamp, start and stop the saw, each cut
     text_s: NotNegative = 0.0  #: to stamp or print a text
 

@@ -214,13 +214,22 @@ def _counts_before(new: dict[str, Any], row: dict[str, Any]) -> bool:
 
 # Renamed keys of machine files: still read for one minor version, with a warning.
 #
-# `least_x` became `min_x` and `greatest_x` became `max_x`, the words of the field.
+# `least_x` became `min_x` and `greatest_x` became `max_x`, in every table; others by name.
 
 
 _FORMER = re.compile(r"^(least|greatest)(_|$)")
 _PRESENT = {"least": "min", "greatest": "max"}
 _WAS = re.compile(r"^(min|max)(_|$)")
 _FORMERLY = {present: former for former, present in _PRESENT.items()}
+#: Table and former key -> present key.
+_RENAMED = {
+    ("drill", "twin"): "same_tool_tolerance",
+    ("times", "reload_s"): "manual_change_s",
+    ("stroke", "start"): "retract",
+    ("stroke", "near"): "approach",
+    ("saw", "square"): "zero_angle",
+}
+_RENAMED_FROM = {(table, present): former for (table, former), present in _RENAMED.items()}
 #: Tables whose keys are names that the user chooses.
 _FREE = frozenset({"sections", "colours", "names", "default_for"})
 
@@ -233,15 +242,11 @@ class KeyTwice(ValueError):
         self.former, self.present = former, present
 
 
-def present_name(key: str) -> str:
-    """The name of a key in this version."""
-    return _FORMER.sub(lambda found: _PRESENT[found[1]] + found[2], key, count=1)
-
-
 def former_name(dotted: str) -> str:
     """A dotted key as it was called in the version before."""
     table, dot, key = dotted.rpartition(".")
-    was = _WAS.sub(lambda found: _FORMERLY[found[1]] + found[2], key, count=1)
+    was = _RENAMED_FROM.get((table.rpartition(".")[2], key))
+    was = was or _WAS.sub(lambda match: _FORMERLY[match[1]] + match[2], key, count=1)
     return f"{table}{dot}{was}"
 
 
@@ -255,15 +260,17 @@ def with_present_keys(table: dict[str, Any]) -> tuple[dict[str, Any], list[tuple
 
 
 def _table(table: dict[str, Any], prefix: str, renamed: list[tuple[str, str]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    present: dict[str, Any] = {}
+    of = prefix.rstrip(".").rpartition(".")[2]
     for key, value in table.items():
-        name = present_name(key) if _FORMER.match(key) else key
+        name = _RENAMED.get((of, key))
+        name = name or _FORMER.sub(lambda match: _PRESENT[match[1]] + match[2], key, count=1)
         if name != key:
             if name in table:
                 raise KeyTwice(prefix + key, prefix + name)
             renamed.append((prefix + key, name))
-        found[name] = value if key in _FREE else _value(value, f"{prefix}{key}.", renamed)
-    return found
+        present[name] = value if key in _FREE else _value(value, f"{prefix}{key}.", renamed)
+    return present
 
 
 def _value(value: Any, prefix: str, renamed: list[tuple[str, str]]) -> Any:

@@ -82,7 +82,8 @@ def _of_drill(drill: Drill) -> Iterator[Fault]:
 def slack_faults(drill: Drill) -> Iterator[Fault]:
     """Each tolerance with which a hole would be no hole any more, by its name in a drill."""
     for name in (
-        "merge_tolerance", "twin", "duplicate_tolerance", "sink_tolerance", "path_tolerance",
+        "merge_tolerance", "same_tool_tolerance", "duplicate_tolerance", "sink_tolerance",
+        "path_tolerance",
     ):  # fmt: skip
         if (found := getattr(drill, name)) > MAX_SLACK:
             yield name, found, f"at most {MAX_SLACK:g} mm"

@@ -121,7 +121,7 @@ class Saw(Keys, frozen=True):
     x: float = 0.0  #: machine X of a cut at bar x 0
     kerf_along: Literal["normal", "x"] = "normal"  #: across the blade, or along the bar
     pivot: Literal["o", "u"] = "o"  #: the edge of the web on which X is counted
-    square: float = 0.0  #: what a square cut is called: 0 or 90
+    zero_angle: float = 0.0  #: what a square cut is called: 0 or 90
     angle_sign: Literal[-1, 1] = 1  #: of DSTV's web angle in the machine's counting
     feed_mm_min: Positive = 2500.0  #: of the blade
     #: an end nearer to square than this is sawn square, degrees of web or flange
@@ -153,9 +153,9 @@ class StrokeAxis(Keys, frozen=True):
     """The axis that drives a spindle into the material."""
 
     axis: Axis  #: of the program; the other one
-    start: Formula  #: free of the section, where the spindle may travel
+    retract: Formula  #: free of the section, where the spindle may travel
     bottom: Formula  #: end of the stroke
-    near: Formula | None = None  #: where the rapid approach ends; `start` if not given
+    approach: Formula | None = None  #: where the rapid approach ends; `retract` if not given
 
 
 class Spindle(Keys, frozen=True):
@@ -211,7 +211,9 @@ class Drill(Keys, frozen=True):
     min_speed_rpm: Positive = 150.0  #: of a spindle
     max_speed_rpm: Positive = 2500.0  #: of a spindle
     max_feed_mm_min: Positive = 20000.0  #: of a tool
-    twin: NotNegative = 0.02  #: tools that differ by no more are one: 20.64 and 13/16 in
+    same_tool_tolerance: NotNegative = (
+        0.02  #: tools that differ by no more are one: 20.64 and 13/16 in
+    )
     duplicate_tolerance: NotNegative = 0.01  #: holes of one face nearer than this are one hole
     slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first
     runout_pitches: NotNegative = 3.0  #: of a tap's drill below a blind thread

@@ -38,6 +38,7 @@ from beamcam.geometry.tangent_circles import (
     nearest_circle,
     tangent_circles,
 )
+from beamcam.model.part import MAX_NUMBER
 from beamcam.model.part_forms import (
     ArcForm,
     BezierForm,
@@ -50,7 +51,6 @@ from beamcam.model.part_forms import (
     TangentForm,
     TouchedForm,
 )
-from beamcam.model.quantities import MAX_NUMBER
 
 Record = TypeVar("Record")
 
@@ -127,8 +127,6 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
 
 _JSON_WORDS = {"a table": "an object {...}", "a list": "a list [...]"}
-
-JSON_OBJECT_RULES = (JSON_TYPE, JSON_VALUE, JSON_KEY_MISSING, JSON_KEY_UNKNOWN)
 
 
 # --- function json --------------------------------------------------------------------------------
@@ -232,7 +230,6 @@ JSON_TANGENT_CHOICE = error("json-tangent-choice",
     "found {count} circles that touch, {circles}; expected `near`, a point whose nearest centre is "
     "the one that is meant",
     "Which of several circles is meant only the drawing knows.")  # fmt: skip
-CURVE_RULES = (JSON_CURVE, JSON_NO_TANGENT, JSON_TANGENT_CHOICE)
 
 
 def curve_to_json(curve: Curve) -> dict[str, Any]:

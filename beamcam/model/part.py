@@ -9,17 +9,15 @@ numbers of o and h. Curves are plain geometry in those numbers.
 
 from collections.abc import Iterable, Iterator
 from math import inf
-from typing import Literal
+from typing import Annotated, Literal
 
-from msgspec import Struct, field
+from msgspec import Meta, Struct, field
 from msgspec.structs import replace
 
 from beamcam.conversion import Keys
 from beamcam.errors import Source
 from beamcam.geometry.curves import Arc, Curve, Line
-from beamcam.geometry.plane import Box, Point
-from beamcam.model.lengths import total_length
-from beamcam.model.quantities import EndAngle, Number, Whole
+from beamcam.geometry.plane import MAX_COORDINATE, Box, Point
 
 Face = str
 FACES = ("v", "o", "u", "h")
@@ -33,6 +31,14 @@ ContourKind = Literal["outer", "inner", "open"]
 Process = Literal["cut", "mark", "engrave", "punch", "powder"]
 
 Vector = tuple[float, float, float]
+
+#: A part reaches from one end of all coordinates to the other at most.
+MAX_NUMBER = 10 * MAX_COORDINATE
+ALONG_DEG = 90.0  #: of an end cut that would run along the part, and so is none
+
+Number = Annotated[float, Meta(ge=-MAX_NUMBER, le=MAX_NUMBER)]
+Whole = Annotated[int, Meta(ge=-int(MAX_NUMBER), le=int(MAX_NUMBER))]
+EndAngle = Annotated[float, Meta(gt=-ALONG_DEG, lt=ALONG_DEG)]
 
 
 class Profile(Struct, frozen=True, cache_hash=True):
@@ -251,11 +257,15 @@ class Measures(Struct, frozen=True):
     @property
     def filled_length(self) -> float:
         """Length of `filled`."""
+        from beamcam.model.lengths import total_length
+
         return total_length(self.filled)
 
     @property
     def hidden_length(self) -> float:
         """Length of `hidden`."""
+        from beamcam.model.lengths import total_length
+
         return total_length(self.hidden)
 
 

@@ -9,28 +9,28 @@ from msgspec import UNSET, Meta, UnsetType, field
 
 from beamcam.conversion import Keys
 from beamcam.model.part import (
+    MAX_NUMBER,
     Bevel,
     Comment,
     ContourKind,
     EndCuts,
     HoleKind,
     Notch,
+    Number,
     Process,
     ProfileCode,
     SectionPoint,
-)
-from beamcam.model.quantities import (
-    NotNegative,
-    Number,
-    Numbers,
-    Point,
-    Points,
-    Polygon,
-    Positive,
-    Sweep,
-    Vector,
     Whole,
 )
+
+Positive = Annotated[float, Meta(gt=0, le=MAX_NUMBER)]
+NotNegative = Annotated[float, Meta(ge=0, le=MAX_NUMBER)]
+Sweep = Annotated[float, Meta(ge=-360, le=360)]
+Point = tuple[Number, Number]
+Vector = tuple[Number, Number, Number]
+Points = Annotated[tuple[Point, ...], Meta(min_length=2)]
+Polygon = Annotated[tuple[Point, ...], Meta(min_length=3)]
+Numbers = tuple[Number, ...]
 
 
 class Located(Keys, frozen=True, kw_only=True):

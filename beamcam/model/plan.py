@@ -304,12 +304,12 @@ class WorkTime(Struct, frozen=True):
     """Seconds of each operation in order of work, and of what is between and after them."""
 
     operations: tuple[float, ...]
-    reloads_s: float = 0.0  #: tools put into stations manually during the work
+    manual_changes_s: float = 0.0  #: tools put into stations manually during the work
     home_s: float = 0.0  #: from the last operation to where the next work begins
 
     @property
     def total_s(self) -> float:
-        return sum(self.operations) + self.reloads_s + self.home_s
+        return sum(self.operations) + self.manual_changes_s + self.home_s
 
 
 def clock(seconds: float) -> str:

@@ -40,8 +40,8 @@ class SpindleStroke(Struct, frozen=True, cache_hash=True):
 
     spindle: int
     diameter: float
-    start: tuple[float, float]  #: Y and Z where the spindle may travel
-    near: tuple[float, float]  #: Y and Z where the rapid approach ends
+    retract: tuple[float, float]  #: Y and Z where the spindle may travel
+    approach: tuple[float, float]  #: Y and Z where the rapid approach ends
     bottom: tuple[float, float]  #: Y and Z at the end of the stroke
     feed_mm_min: float
     speed_rpm: float
@@ -64,8 +64,8 @@ class PathPoint(Struct, frozen=True):
     """A point of a path in machine coordinates, with the tool positions above it."""
 
     x: float
-    start: tuple[float, float]  #: Y and Z where the spindle may travel
-    near: tuple[float, float]
+    retract: tuple[float, float]  #: Y and Z where the spindle may travel
+    approach: tuple[float, float]
     bottom: tuple[float, float]  #: Y and Z of the tool's point at work
 
 

@@ -1,4 +1,4 @@
-"""The walls of a section: their position behind a face, and whether they are possible.
+"""Sections: where walls lie behind a face and whether they are possible, areas, the catalogue.
 
    I              U, C           L              M              T
 ___o___         ___o____         |            ____o___      |
@@ -8,13 +8,26 @@ ___|___        |________         |____       |________|     |
    u               u               u              u         h
 """
 
+import json
+import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
+from importlib.resources import files
 from math import acos, ceil, cos, hypot, pi, radians, sin, sqrt
 
 from msgspec import Struct
 
-from beamcam.geometry.plane import unit_vector
-from beamcam.model.part import MIRRORED_FACES, Face, Profile, SectionPoint
+from beamcam.caches import cached
+from beamcam.geometry.curves import signed_area
+from beamcam.geometry.plane import join_boxes, unit_vector
+from beamcam.model.part import (
+    Contour,
+    Face,
+    Part,
+    Profile,
+    ProfileCode,
+    SectionPoint,
+)
 
 ARC_STEP_RAD = radians(1.0)
 
@@ -169,46 +182,197 @@ def section_fault(profile: Profile) -> str | None:
     return None
 
 
-# --- faces ----------------------------------------------------------------------------------------
+# --- areas and weights ----------------------------------------------------------------------------
 
-# How the faces lie on paper: from where each is seen, which way its y runs, what it is called.
+# Areas of sections and weights of parts, as part lists give them: before holes and copes.
 #
-#     h   y ^        seen through the web from the front: x to the right as on v, y up
-#     o   y v        from above, y = 0 at the far edge, which is the upper one: o unfolds over v
-#     v   y ^        from the front, y = 0 at the lower edge
-#     u   y ^        from below, y = 0 at the lower edge, the far one again
-#
-# y of o and u counts from the h side (DSTV, pages 7 and 8), so that the edge of either flange that
-# meets v has y = the flange's width. x runs to the right on all of them.
+# The areas are those of EN 10365 (I and U), EN 10056-1 (angles, whose toes have half the root's
+# radius), EN 10210-2 and EN 10219-2 (hollow sections).
+
+STEEL_KG_MM3 = 7850e-9
+#: Of a square with side r, what a fillet of radius r fills.
+_FILLET = 1 - pi / 4
+SAME = 0.1  #: mm between contours on two faces of a plate that are one, in their boxes
 
 
-FACE_NAMES = {"h": "web", "o": "top flange", "v": "web", "u": "bottom flange"}
-THROUGH = "h"  #: drawn through the steel, so that its x runs as on the others
-#: From where a face is seen, and which edge of its view is y = 0.
-SEEN = {
-    "h": ("from behind, drawn through the web", "lower"),
-    "o": ("from above", "upper"),
-    "v": ("from the front", "lower"),
-    "u": ("from below", "lower"),
-}
+def weight_of(part: Part) -> float | None:
+    """Kilograms of one part: its section over its whole length; of a plate its outline's area.
 
-
-def runs_down(face: Face) -> bool:
-    """Whether y runs down the paper: numbers are mirrored seen from outside, and so is the view.
-
-    h is mirrored too, and is drawn through the web instead.
+    A section that is not known by its figures weighs what the header says a metre; None where that
+    says nothing.
     """
-    return face in MIRRORED_FACES and face != THROUGH
+    if part.profile.code == "B":
+        thickness = part.profile.web_thickness
+        return None if thickness is None else plate_area(part) * thickness * STEEL_KG_MM3
+    area = section_area(part.profile, part.section)
+    if area is not None:
+        return area * part.length * STEEL_KG_MM3
+    return part.weight * part.length / 1000 if part.weight > 0 else None
 
 
-def face_title(face: Face, code: str) -> str:
-    """What a view shows, from where it is seen, and which of its edges is y = 0."""
-    if face not in FACE_NAMES:
-        return f"{face}   plane"
-    name, (seen, edge) = FACE_NAMES[face], SEEN[face]
-    if code == "T":
-        name = "flange" if face in ("v", "h") else "stem"
-    if code == "B":
-        name = "front" if face == "v" else "back"
-        seen = "seen from the front" if face == "v" else "drawn through the plate"
-    return f"{face}   {name}, {seen}; y = 0 is the {edge} edge"
+def plate_area(part: Part) -> float:
+    """mm2 inside the outline of a plate less its cut-outs; without contours length x width.
+
+    A contour that is drawn on both faces counts once.
+    """
+    closed = single_contours(part)
+    if not any(c.kind == "outer" for c in closed):
+        return part.length * part.profile.height
+    return sum(abs(signed_area(c.curves)) * (1 if c.kind == "outer" else -1) for c in closed)
+
+
+def single_contours(part: Part) -> list[Contour]:
+    """The closed cut contours of a plate, of those that two faces have alike the first."""
+    found: list[tuple[Contour, tuple[float, ...]]] = []
+    for contour in part.contours:
+        if not contour.closed or contour.process != "cut":
+            continue
+        box = join_boxes([curve.bbox for curve in contour.curves]) or ()
+        measures = (sqrt(abs(signed_area(contour.curves))), *box)
+        # DSTV NC: x and y of h count from the same edges as those of v.
+        twins = (
+            other.face != contour.face
+            and other.kind == contour.kind
+            and all(abs(a - b) <= SAME for a, b in zip(known, measures, strict=True))
+            for other, known in found
+        )
+        if not any(twins):
+            found.append((contour, measures))
+    return [contour for contour, _ in found]
+
+
+def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> float | None:
+    """mm2 of a section by its figures; None for lipped and special ones without an outline."""
+    h, b, r = profile.height, profile.width, profile.radius
+    flange, web = profile.flange_thickness, profile.web_thickness or 0.0
+    match profile.code:
+        case "I":
+            return 2 * b * flange + (h - 2 * flange) * web + 4 * _FILLET * r * r
+        case "U":
+            return 2 * b * flange + (h - 2 * flange) * web + 2 * _FILLET * r * r
+        case "T":
+            return b * flange + (h - flange) * web + 2 * _FILLET * r * r
+        case "L":
+            return web * h + flange * (b - web) + _FILLET * r * r / 2
+        case "M":
+            inner = max(0.0, r - flange)
+            full = h * b - (h - 2 * flange) * (b - 2 * web)
+            return full - 4 * _FILLET * (r * r - inner * inner)
+        case "RO":
+            wall = flange or web
+            return pi * (h - wall) * wall if wall else None
+        case "RU":
+            return pi * h * h / 4
+        case "SO":
+            return _outline_area(outline)
+    return None
+
+
+#: Shares of the flange's width that a lip is long (EN 1993-1-3, 5.2): the least, the greatest.
+LIP_SHARES = (0.2, 0.6)
+
+
+def lip_of(part: Part) -> float:
+    """How far the lips of a C reach over its trough, mm from the outside of its flange; else 0.
+
+    No header says it. The section is bent of one sheet, so that its weight per metre does; where
+    that gives no lip of at least 0.2 of the flange's width, the longest is taken, 0.6 of it.
+    """
+    profile = part.profile
+    wall = profile.web_thickness
+    if profile.code != "C" or not wall:
+        return 0.0
+    girth = part.weight / 1000 / STEEL_KG_MM3 / wall
+    corners = 4 * _FILLET * (2 * profile.radius + wall)  # steel that round bends have less
+    lip = (girth + corners - profile.height - 2 * profile.width + 4 * wall) / 2
+    least, greatest = (share * profile.width for share in LIP_SHARES)
+    return lip if least <= lip <= profile.height / 2 else greatest
+
+
+def _outline_area(outline: tuple[SectionPoint, ...]) -> float | None:
+    """mm2 within the corners of a special section; None where its edges are round or missing."""
+    if len(outline) < 3 or any(point.radius for point in outline):
+        return None
+    total = 0.0
+    for side, sign in (("+", 1), ("-", -1)):
+        ring = [(p.y, p.z) for p in outline if p.side == side]
+        pairs = zip(ring, ring[1:] + ring[:1], strict=True)
+        total += sign * abs(sum(y0 * z1 - y1 * z0 for (y0, z0), (y1, z1) in pairs)) / 2
+    return total
+
+
+# --- catalogue ------------------------------------------------------------------------------------
+
+# Rolled sections by name and by their measures.
+#
+# The measures are facts of the standards: I and H of EN 10365 (IPE, HE A, B, M), channels of
+# EN 10365 (UPN of DIN 1026-1, UPE of DIN 1026-2), angles of EN 10056-1, hollow sections of
+# EN 10210-2 and EN 10219-2.
+
+
+TOLERANCE = 0.3  #: mm that a section may differ from the standard's measures in any of them
+
+Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web, radius
+
+
+@cached("sections.table")
+def sections() -> dict[str, tuple[ProfileCode, Sizes]]:
+    """Code and measures of every section, by its name in capitals without blanks."""
+    text = files("beamcam.model").joinpath("sections.json").read_text("utf-8")
+    return {
+        plain_name(name): (group["code"], (h, b, tf, tw, r))
+        for group in json.loads(text)["groups"]
+        for name, (h, b, tf, tw, r) in group["sections"].items()
+    }
+
+
+@cached("sections.by_code")
+def _by_code() -> dict[str, tuple[tuple[Sizes, str], ...]]:
+    """Measures and name of the sections of each code, ascending by height; as given if equal."""
+    grouped: dict[str, list[tuple[Sizes, str]]] = {}
+    for name, (code, sizes) in sections().items():
+        grouped.setdefault(code, []).append((sizes, name))
+    return {code: tuple(sorted(rows, key=_height)) for code, rows in grouped.items()}
+
+
+def _height(row: tuple[Sizes, str]) -> float:
+    return row[0][0]
+
+
+def plain_name(name: str) -> str:
+    """A section's name in one spelling: HE 200 B, HEB-200 and heb200 are HEB200."""
+    text = name.upper().replace(",", ".").replace("*", "X").replace("×", "X")
+    text = re.sub(r"[\s_-]", "", text)
+    swapped = re.fullmatch(r"HE(\d+)([ABM])", text)
+    return f"HE{swapped[2]}{swapped[1]}" if swapped else text
+
+
+def measures_of(name: str) -> tuple[ProfileCode, Sizes] | None:
+    """Code and measures of a section by its name; None if the catalogue has none of that name."""
+    return sections().get(plain_name(name))
+
+
+@cached("sections.name")
+def name_of(profile: Profile) -> str | None:
+    """The catalogue's name of a section with these measures, the nearest within the tolerance."""
+    rows = _by_code().get(profile.code, ())
+    # Twice as far up and down as a section may be, so that no rounding decides.
+    first = bisect_left(rows, profile.height - 2 * TOLERANCE, key=_height)
+    last = bisect_right(rows, profile.height + 2 * TOLERANCE, key=_height)
+    off = [(difference(profile, sizes), name) for sizes, name in rows[first:last]]
+    near = [row for row in off if row[0] <= TOLERANCE]
+    return min(near, key=lambda row: row[0])[1] if near else None
+
+
+def difference(profile: Profile, sizes: Sizes) -> float:
+    """The largest difference in mm of a profile from height, width and thicknesses of a section.
+
+    The radius does not count: exporters leave fillets out.
+    """
+    h, b, tf, tw, _ = sizes
+    return max(
+        abs(profile.height - h),
+        abs(profile.width - b),
+        abs(profile.flange_thickness - tf),
+        abs((profile.web_thickness or 0.0) - tw),
+    )

@@ -179,8 +179,8 @@ def _stroke(op: DrillOp, section: Section, drill: Drill, grade: str, station: in
     stroke = SpindleStroke(
         op.spindle,
         op.tool.diameter,
-        point.start,
-        point.near,
+        point.retract,
+        point.approach,
         point.bottom,
         feed_mm_min,
         speed_rpm,

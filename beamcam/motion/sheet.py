@@ -20,7 +20,7 @@ from itertools import accumulate, groupby, pairwise
 from math import acos, degrees, dist, hypot
 from typing import NamedTuple
 
-from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces
+from beamcam.geometry.curves import Arc, Curve, EllipseArc, Line, bezier_pieces, parameter_at
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.machine import Machine, PathLimits, path_limits
 from beamcam.machine.torch import TorchProcess, TorchRow
@@ -59,7 +59,6 @@ from beamcam.motion.spans import Numbers
 SHORT = 0.05  #: mm of a curve that is part of a corner
 #: mm: no move is made shorter than this by where it begins to be near a corner.
 SHORTEST = 0.02
-HALVINGS = 40  #: of a curve whose length is no multiple of its parameter
 
 
 def near_corners(curves: Sequence[Curve], row: TorchRow) -> tuple[list[Curve], list[bool]]:
@@ -112,22 +111,8 @@ def _turn_deg(one: Curve, other: Curve) -> float:
 def _part(curve: Curve, first: float, last: float) -> Curve:
     """The part of a curve between two lengths along it."""
     if last < curve.length:
-        curve = curve.split(_share(curve, last))[0]
-    return curve.split(_share(curve, first))[1] if first > 0.0 else curve
-
-
-def _share(curve: Curve, length: float) -> float:
-    """The parameter of a place so far along a curve."""
-    if isinstance(curve, Line | Arc):
-        return length / curve.length
-    low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        if curve.split(middle)[0].length < length:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2
+        curve = curve.split(parameter_at(curve, last))[0]
+    return curve.split(parameter_at(curve, first))[1] if first > 0.0 else curve
 
 
 class Path(NamedTuple):

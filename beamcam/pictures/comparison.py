@@ -7,14 +7,14 @@ from pathlib import PurePath
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import Bore, MachinedPath, StampedText
+from beamcam.checks.bars.stations import Bore, MachinedPath, StampedText
 from beamcam.comparison.bars import made_pairs
 from beamcam.comparison.parts import part_pairs
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.curves import join_boxes
+from beamcam.model.description import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import Face, Part
-from beamcam.model.section import FACE_NAMES, face_title, runs_down
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import end_lines, feature_shapes, lettering
 from beamcam.pictures.overlay import (
     Compared,

@@ -20,9 +20,9 @@ from beamcam.checks.head import head_of
 from beamcam.errors import Source, VerifyError, errors_in
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
+from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face, Part
-from beamcam.model.section import face_title, runs_down
-from beamcam.pictures import rules
+from beamcam.pictures import SECTION
 from beamcam.pictures.features import feature_shapes
 from beamcam.pictures.part import face_of
 from beamcam.pictures.scene import TOOL_COLOURS, Labels, Polyline, Scene, Shape, Text, Unit, shown
@@ -119,7 +119,7 @@ def part_of(program: CoperProgram) -> Part:
     if profile is None or profile.code == "M":  # whose corners no head has
         found = head.stock if head is not None and head.stock else "none"
         raise VerifyError(
-            rules.SECTION.at(Source(program.name), found=found, machine=program.machine.name)
+            SECTION.at(Source(program.name), found=found, machine=program.machine.name)
         )
     return head_part(head, profile, program.name)
 

@@ -1,15 +1,15 @@
 """The picture of the faces that the documentation has: how x and y run on each of them.
 
-Where a view stands and which way its y runs comes from `model.faces`; a test holds it against the
-solid of a part with the holes drawn here.
+Where a view stands and which way its y runs comes from `model.description`; a test holds it against
+the solid of a part with the holes drawn here.
 """
 
 from collections.abc import Iterator
 
+from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import FACES, Face, Profile
-from beamcam.model.section import face_title, runs_down
 from beamcam.pictures.features import section_outlines
-from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text
+from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, arrow
 
 #: A section with flanges wider than the web is thick, and one hole on each face, off every middle.
 EXAMPLE = Profile("U", "U 200 x 120", 200.0, 120.0, 14.0, 10.0)
@@ -47,8 +47,8 @@ def _view(face: Face, frame: Frame) -> Iterator[Shape]:
     yield Polyline(f"face face-{face}", frame.all(corners), True, f"face {face}")
     yield Polyline("cut datum", frame.all(corners[:2]), False, f"y = 0 of {face}")
     (x0, y0), along, up = frame.at(0.0, 0.0), frame.at(60.0, 0.0), frame.at(0.0, 60.0)
-    yield _arrow((x0, y0), along)
-    yield _arrow((x0, y0), up)
+    yield arrow((x0, y0), along, "off axis")
+    yield arrow((x0, y0), up, "off axis")
     yield Text("gone-text", (along[0], y0 + (15.0 if frame.down else -7.0)), "x", 12.0)
     yield Text("gone-text", (x0 - 12.0, up[1] + 4.0), "y", 12.0)
     x, y = HOLES[face]
@@ -67,15 +67,6 @@ def _view(face: Face, frame: Frame) -> Iterator[Shape]:
         yield Text("figure", (right, at + 4.0), said, 10.0)
 
 
-def _arrow(a: Point, b: Point, classes: str = "off axis") -> Polyline:
-    """An arrow along one of the paper's axes."""
-    (x0, y0), (x1, y1) = a, b
-    length = abs(x1 - x0) + abs(y1 - y0)
-    ux, uy = (x1 - x0) / length, (y1 - y0) / length
-    wings = tuple((x1 - 8 * ux + k * uy * 4, y1 - 8 * uy + k * ux * 4) for k in (1, -1))
-    return Polyline(classes, (a, b, wings[0], b, wings[1]))
-
-
 def _section() -> Iterator[Shape]:
     """The section with the direction in which each face is looked at, and where its y = 0 is."""
     frame, h, w = _SECTION, EXAMPLE.height, EXAMPLE.width
@@ -88,7 +79,7 @@ def _section() -> Iterator[Shape]:
     }  # fmt: skip
     for face in FACES:
         a, b = (frame.at(*p) for p in sides[face])
-        yield _arrow(a, b, "new look")
+        yield arrow(a, b, "new look")
         out = (a[0] + (a[0] - b[0]) * 0.2, a[1] + (a[1] - b[1]) * 0.2 + 6.0)
         yield Text("heading", out, face, 18.0, "middle")
     for height, said, off in ((h, "y = 0 of o", -8.0), (0.0, "y = 0 of u, v and h", 16.0)):

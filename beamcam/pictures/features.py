@@ -10,12 +10,13 @@ Depths of machined features in the steel: of the full diameter, not of the tool'
 from collections.abc import Iterable, Iterator, Sequence
 from math import atan2, degrees, hypot, radians, tan
 
-from beamcam.checks.bars.machined_features import Bore, MachinedPath, StampedText
+from beamcam.checks.bars.stations import Bore, MachinedPath, StampedText
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import FLAT_DEG
+from beamcam.model.description import FACE_NAMES
 from beamcam.model.part import (
     MIRRORED_FACES,
     Bend,
@@ -30,7 +31,6 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.model.section import FACE_NAMES
 from beamcam.pictures.callouts import Place, Size
 from beamcam.pictures.scene import CAPITAL, Circle, Frame, Point, Polyline, Shape, Text
 

@@ -7,10 +7,10 @@ is drawn at the X of what it does at the front: `saw.x` and `drill.x`.
 from collections.abc import Iterator
 
 from beamcam.machine.machine import Machine
+from beamcam.model.description import FACE_NAMES
 from beamcam.model.part import Profile
-from beamcam.model.section import FACE_NAMES
 from beamcam.pictures.features import section_outlines
-from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, shown
+from beamcam.pictures.scene import Circle, Frame, Point, Polyline, Scene, Shape, Text, arrow, shown
 from beamcam.planning.held_up import FROM_EDGE, HeldUp, held_up
 
 WIDTH, HEIGHT = 960.0, 790.0
@@ -61,7 +61,7 @@ def _plan(machine: Machine) -> Iterator[Shape]:
                "middle")  # fmt: skip
     yield Polyline("stop", ((b, top - 14.0), (b, _AXIS_Y)))
     yield Text("label", (b + 6.0, top - 4.0), f"front of the bar: here at X {shown(front)}", 10.0)
-    yield from _arrow((_LEFT, _AXIS_Y), (_RIGHT, _AXIS_Y))
+    yield arrow((_LEFT, _AXIS_Y), (_RIGHT, _AXIS_Y))
     yield Text("figure", (_RIGHT + 6.0, _AXIS_Y + 4.0), "X", 12.0)
     for x, classes, name in stations:
         at = frame.at(x, 0.0)[0]
@@ -80,7 +80,7 @@ def _said(machine: Machine) -> Iterator[str]:
         return
     yield (
         f"saw: kerf {saw.kerf:g}, X counted on the edge {saw.pivot} of the web, a square cut is "
-        f"called {saw.square:g}"
+        f"called {saw.zero_angle:g}"
     )
     sign = "grows with" if saw.angle_sign > 0 else "falls with"
     yield (
@@ -128,11 +128,11 @@ def _spindle(one: HeldUp, profile: Profile, frame: Frame) -> Iterator[Shape]:
     z, y = hole_at(one, profile)
     x0, y0 = frame.at(z, y)
     tail = x0 + oz * (_AWAY + profile.face_depth(spindle.face) * frame.scale), y0 - oy * _AWAY
-    yield from _arrow(tail, (x0, y0), f"tool-0 spindle-{spindle.face}")
+    yield arrow(tail, (x0, y0), f"tool-0 spindle-{spindle.face}")
     yield Circle(f"hole held-{spindle.face}", (x0, y0), 4.0, one.sentence)
     way = one.across_way
     ends = [(tail[0] + k * az * 34.0, tail[1] - k * ay * 34.0) for k in (-way, way)]
-    yield from _arrow(ends[0], ends[1])
+    yield arrow(ends[0], ends[1])
     grows = "into" if one.stroke_way > 0 else "out of"
     lines = (
         f"{spindle.name}, spindle {spindle.number}: {FACE_NAMES[spindle.face]} {spindle.face}",
@@ -147,12 +147,3 @@ def _spindle(one: HeldUp, profile: Profile, frame: Frame) -> Iterator[Shape]:
         yield Text("heading" if row == 0 else "figure", (left, top + 15.0 * row), said, 10.0,
                    "start" if oz >= 0 else "end")  # fmt: skip
     yield Text("figure", (ends[1][0] + 5.0, ends[1][1] - 5.0), f"{spindle.across.axis}+", 10.0)
-
-
-def _arrow(a: Point, b: Point, classes: str = "axis") -> Iterator[Polyline]:
-    """An arrow from a to b, along one of the paper's axes."""
-    (x0, y0), (x1, y1) = a, b
-    length = abs(x1 - x0) + abs(y1 - y0)
-    ux, uy = (x1 - x0) / length, (y1 - y0) / length
-    wings = tuple((x1 - 8 * ux + k * uy * 4, y1 - 8 * uy + k * ux * 4) for k in (1, -1))
-    yield Polyline(classes, (a, b, wings[0], b, wings[1]))

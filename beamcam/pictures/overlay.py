@@ -13,7 +13,7 @@ from typing import Any
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import Bore
+from beamcam.checks.bars.stations import Bore
 from beamcam.comparison.pairing import Pair
 from beamcam.model.part import Hole, Slot
 from beamcam.pictures.callouts import Callouts, Place, Size, callouts, hole_words, slot_words

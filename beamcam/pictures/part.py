@@ -14,6 +14,7 @@ from msgspec.structs import replace
 
 from beamcam.geometry.curves import circle_of, join_boxes
 from beamcam.model.colour import process_of
+from beamcam.model.description import FACE_NAMES, face_title, runs_down
 from beamcam.model.part import (
     Bend,
     Camber,
@@ -27,7 +28,6 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )  # fmt: skip
-from beamcam.model.section import FACE_NAMES, face_title, runs_down
 from beamcam.pictures import features as shapes
 from beamcam.pictures.callouts import (
     Callouts,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from beamcam.errors import PictureError, Source
-from beamcam.pictures import rules
+from beamcam.pictures import NEEDS
 from beamcam.pictures.scene import Circle, Polyline, Scene, Style, Text, style_of
 
 POINTS_PER_PIXEL = 0.75
@@ -50,7 +50,7 @@ def needed_canvas() -> Any:
     try:
         from reportlab.pdfgen.canvas import Canvas
     except ImportError as error:
-        said = rules.NEEDS.at(Source("picture"), found="no reportlab", what="PDF")
+        said = NEEDS.at(Source("picture"), found="no reportlab", what="PDF")
         raise PictureError(said) from error
     return lambda stream, size: Canvas(stream, size, invariant=1)
 

@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import Any
 
 from beamcam.errors import PictureError, Source
-from beamcam.pictures import rules
+from beamcam.pictures import NEEDS
 from beamcam.pictures.scene import Circle, Point, Polyline, Scene, Style, Text, style_of
 
 FINER = 3  #: pixels drawn for one of the picture, each way
@@ -22,7 +22,7 @@ def to_png(scene: Scene) -> bytes:
     try:
         from PIL import Image, ImageDraw
     except ImportError as error:
-        said = rules.NEEDS.at(Source("picture"), found="no Pillow", what="PNG")
+        said = NEEDS.at(Source("picture"), found="no Pillow", what="PNG")
         raise PictureError(said) from error
     width, height = (min(round(v), MAX_SIDE) for v in (scene.width, scene.height))
     fonts = _fonts()
@@ -42,7 +42,7 @@ def _fonts() -> tuple[str, str]:
     """
     found = find_spec("reportlab")
     if found is None or found.origin is None:
-        said = rules.NEEDS.at(Source("picture"), found="no reportlab", what="PNG")
+        said = NEEDS.at(Source("picture"), found="no reportlab", what="PNG")
         raise PictureError(said)
     folder = PurePath(found.origin).parent / "fonts"
     return str(folder / "Vera.ttf"), str(folder / "VeraBd.ttf")

@@ -11,7 +11,7 @@ from beamcam.model.part import Part
 from beamcam.pictures.scene import Scene, Unit
 
 if TYPE_CHECKING:
-    from beamcam.pictures.bar import BarMade
+    from beamcam.pictures.bar_made import BarMade
     from beamcam.pictures.coper import CoperProgram
     from beamcam.pictures.table import TableMade
     from beamcam.simulation.program import Simulated
@@ -88,13 +88,13 @@ def table_made(program: ReadProgram, done: "Simulated | None" = None) -> "TableM
 def bar_made(program: ReadProgram) -> "BarMade":
     """What a program for bars makes. Raises VerifyError for one that cannot be understood."""
     from beamcam.checks.bars import run, section_said
-    from beamcam.controllers import rules
-    from beamcam.pictures.bar import BarMade
+    from beamcam.controllers.dialect import ARC, SYNTAX, WORD
+    from beamcam.pictures.bar_made import BarMade
 
     machine = program.machine
     profile = program.parts[0].profile if program.parts else None
     done = run(program.text, machine, profile, program.name)
-    not_understood = {r.code for r in (rules.SYNTAX, rules.WORD, rules.ARC)}
+    not_understood = {r.code for r in (SYNTAX, WORD, ARC)}
     if any(d.code in not_understood for d in errors_in(done.diagnostics)):
         raise VerifyError(done.diagnostics)
     return BarMade(

@@ -301,3 +301,12 @@ def is_in(a: Box, b: Box) -> bool:
 
 def _overlap(a: Box, b: Box) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+
+
+def arrow(a: Point, b: Point, classes: str = "axis") -> Polyline:
+    """An arrow from a to b, along one of the paper's axes."""
+    (x0, y0), (x1, y1) = a, b
+    length = abs(x1 - x0) + abs(y1 - y0)
+    ux, uy = (x1 - x0) / length, (y1 - y0) / length
+    wings = tuple((x1 - 8 * ux + k * uy * 4, y1 - 8 * uy + k * ux * 4) for k in (1, -1))
+    return Polyline(classes, (a, b, wings[0], b, wings[1]))

@@ -25,8 +25,7 @@ from beamcam.model.cell_motion import Strokes
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Profile
 from beamcam.model.plan import DrillOp, Operation, PathOp, Piece, SawOp, TextOp
-from beamcam.planning.operations.tools import Tooling
-from beamcam.planning.operations.working_step import Said, WorkingStep
+from beamcam.planning.operations.tools import Said, Tooling, WorkingStep
 
 STROKE = error("plan-stroke",
     "found a stroke to {found} mm below face {face}, the same for every hole; expected {expected} "
@@ -41,7 +40,6 @@ STOP = error("plan-stop",
     "found {what} that takes the {axis} to {found}; expected {expected}",
     "The position of a part on the bar decides how far the bar has to move; with a longer front "
     "trim, another order or a shorter bar it may be within reach.")  # fmt: skip
-RULES = (STROKE, AXIS, STOP)
 
 
 class Beyond(Struct, frozen=True):
@@ -122,7 +120,7 @@ def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:
         op = DrillOp(0.0, how.spindle, tool, how.faces, y, how.depth, (), (), _TRIAL)
         stroke = strokes(op, y)
         across, along = strokes.axes(op)
-        places = {across: (stroke.across,), along: (stroke.start, stroke.near, stroke.bottom)}
+        places = {across: (stroke.across,), along: (stroke.retract, stroke.approach, stroke.bottom)}
         for axis in machine.axes:
             if axis.spindle not in faces or (axis.moves != across and axis.moves != along):
                 continue
@@ -149,17 +147,13 @@ def refuse_bar(
         for op in operations:
             if not _is_moved_by(axis, op, machine):
                 continue
-            for x in _xs(op):
+            xs = _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
+            for x in xs:
                 if not _comes_to(x, axis, machine):
                     yield STOP.at(
                         op.source, what=_work(op, pieces), axis=axis.name, found=f"{x:.3f}",
                         expected=_range(axis),
                     )  # fmt: skip
-
-
-def _xs(op: Operation) -> tuple[float, ...]:
-    """X of an operation; of a path its minimum and maximum."""
-    return _min_and_max([x for x, _ in op.path]) if type(op) is PathOp else (op.x,)
 
 
 def _is_moved_by(axis: ControlledAxis, op: Operation, machine: Machine) -> bool:
@@ -235,7 +229,7 @@ def _refuse_strokes(
 def _deepest(op: DrillOp, travel: SpindleTravel) -> float:
     """Depth of the tool's point behind the surface of its face."""
     stroke = travel.strokes(op, op.y)
-    way = 1.0 if stroke.bottom >= stroke.start else -1.0
+    way = 1.0 if stroke.bottom >= stroke.retract else -1.0
     return way * stroke.bottom - travel.profile.face_depth(op.faces[0])
 
 

@@ -17,7 +17,6 @@ BEGUN = error("plan-begun",
     "found a part that another machine has begun; expected a whole one, {machine} makes its ends",
     "What a machine leaves goes to one that takes pieces whose ends are there: a coper whose torch "
     "turns, or a line without a saw.")  # fmt: skip
-RULES = (BEGUN,)
 
 
 def refuse_begun(parts: Sequence[Part], machine: Machine) -> Iterator[Diagnostic]:

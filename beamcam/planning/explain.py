@@ -40,7 +40,7 @@ class Explanation(Struct, frozen=True):
     changes: int  #: of spindle and tool
     forward: float  #: travel of the bar, mm
     back: float
-    reloads_s: float
+    manual_changes_s: float
     total_s: float
 
 
@@ -67,7 +67,7 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
         changes(plan.operations),
         forward,
         back,
-        time.reloads_s,
+        time.manual_changes_s,
         time.total_s,
     )
 

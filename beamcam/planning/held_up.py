@@ -18,9 +18,9 @@ from beamcam.errors import Diagnostic, Source, error
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Axis, Spindle
 from beamcam.model.cell_motion import formula_values
+from beamcam.model.description import FACE_NAMES
 from beamcam.model.part import Profile
-from beamcam.model.section import FACE_NAMES
-from beamcam.model.weight import measures_of
+from beamcam.model.section import measures_of
 
 HAND = error("machine-hand",
     "found that {axis} grows {way} at the spindle {name} and {other_way} at {other}; expected one "
@@ -29,7 +29,6 @@ HAND = error("machine-hand",
     "that is taken for its mirror image drills every hole off its middle on the wrong side. If "
     "each of these spindles counts its axis by itself and the sentences are right, nothing is "
     "wrong.")  # fmt: skip
-RULES = (HAND,)
 
 FROM_EDGE, FROM_START = 30.0, 100.0  #: mm of the hole that is held up
 #: A section of each kind that lines take, by their DSTV codes.
@@ -106,7 +105,7 @@ def _at(spindle: Spindle, profile: Profile, machine: Machine) -> HeldUp:
     enters, leaves = bottom(values), bottom(values | {"depth": values["thickness"]})
     follows_depth = leaves != enters
     if not follows_depth:
-        enters = spindle.stroke.start(values)
+        enters = spindle.stroke.retract(values)
     return HeldUp(
         spindle, profile, y, drill.x + FROM_START, position(values), enters, leaves,
         follows_depth,

@@ -361,7 +361,7 @@ def _size_remarks(
             if not isinstance(hole, Hole) or hole.kind not in ("through", "blind"):
                 continue
             key, off = (hole.diameter, id(op.tool)), op.tool.diameter - hole.diameter
-            if key in seen or abs(off) <= drill.twin + 1e-9:
+            if key in seen or abs(off) <= drill.same_tool_tolerance + 1e-9:
                 continue
             seen.add(key)
             yield rules.DRILL_SIZE.at(

@@ -138,14 +138,6 @@ OTHER = error("plan-other",
     "found {found}; expected none, the machine does not bend, camber or cut in space",
     "`--allow-skips other` leaves it to another machine.")
 
-RULES = (
-    NO_PARTS, STOCK, MIXED_PROFILES, SECTION_SIZE, SECTION_SHAPE, CUT_DENIED,
-    BEVEL_NOISE, DRILL_SIZE, CUT_FROM_CONTOUR, CUT_NOISE,
-    BAR_SHORT, BAR_LONG, NO_SAW, NO_WORK, COMES_CUT, BAR_FULL, BAR_LEFT,
-    PART_SHORT, REMNANT_OF, REMNANT, QUANTITY,
-    TURNED, TURN_HELPS, ORDER, RELOAD, UNNAMED_GRADE, CUTTING_SPEED, NO_CHANGE_WORD, NO_TOOL,
-    NO_SPINDLE, SLOT, MARK, BEVEL, OTHER,
-)  # fmt: skip
 
 #: What may be left out of a program: codes of refusals by the kinds of work, without their "plan-".
 SKIP_NAMES = (

@@ -20,8 +20,18 @@ from msgspec.structs import replace
 
 from beamcam.machine.machine import ControlledAxis, Machine, drill_of, saw_of
 from beamcam.machine.stations import Drill, speed_and_feed
-from beamcam.model import drill_cycle
-from beamcam.model.cell_motion import SECONDS_PER_MINUTE, CellMotion, Strokes
+from beamcam.model.cell_motion import (
+    BREAK_CHIPS,
+    DRILL,
+    DRILL_AND_DWELL,
+    DRILLING,
+    PECK,
+    SECONDS_PER_MINUTE,
+    CellMotion,
+    Strokes,
+    clear_place,
+    cycle_moves,
+)
 from beamcam.model.plan import Operation, PathOp, Piece, Plan, SawOp, SpindleOp, TextOp, WorkTime
 from beamcam.planning.order import tool_loads
 
@@ -31,8 +41,8 @@ _COMMAND = re.compile(r"\s*([GM])0*(\d+)")
 _WORD = re.compile(r"\b([A-Z])(?:\{(\w+)\}|(-?\d+(?:\.\d*)?))")
 _NUMBERS = ("G", "M", "N")
 _CYCLES = {
-    "drill-cycle": drill_cycle.DRILL, "drill-cycle-dwell": drill_cycle.DRILL_AND_DWELL,
-    "drill-cycle-peck": drill_cycle.PECK, "drill-cycle-chips": drill_cycle.BREAK_CHIPS,
+    "drill-cycle": DRILL, "drill-cycle-dwell": DRILL_AND_DWELL,
+    "drill-cycle-peck": PECK, "drill-cycle-chips": BREAK_CHIPS,
 }  # fmt: skip
 _RUNS = {3: True, 4: True, 5: False}  #: M words of the controller that start and stop a spindle
 
@@ -73,7 +83,7 @@ def time_of(operations: Sequence[Operation], pieces: Sequence[Piece], machine: M
     clock = _Clock(pieces, machine)
     seconds = tuple(clock.seconds(op) for op in operations)
     reloads = sum(load.out is not None for load in tool_loads(operations, machine))
-    return WorkTime(seconds, reloads * machine.times.reload_s)
+    return WorkTime(seconds, reloads * machine.times.manual_change_s)
 
 
 def with_axes(machine: Machine, drill: Drill) -> Machine:
@@ -188,12 +198,10 @@ class _Clock:
         at = self._place["X"], self._place["Y"], self._place["Z"]
         place = words.get("X", at[0]), words.get("Y", at[1])
         near, bottom = words["R"], words["Z"]
-        clear = drill_cycle.clear_place(at[2], near, bottom, self._back_to_near)
-        seconds = words.get("P", 0.0) if cycle == drill_cycle.DRILL_AND_DWELL else 0.0
+        clear = clear_place(at[2], near, bottom, self._back_to_near)
+        seconds = words.get("P", 0.0) if cycle == DRILL_AND_DWELL else 0.0
         peck = words.get("Q", 0.0)
-        for rapid, end in drill_cycle.cycle_moves(
-            at, place, bottom, near, clear, at[2], cycle, peck
-        ):
+        for rapid, end in cycle_moves(at, place, bottom, near, clear, at[2], cycle, peck):
             self._rapid = rapid
             to = {letter: v for letter, v in zip("XYZ", end, strict=True) if not isnan(v)}
             seconds += self._go(to)
@@ -217,7 +225,7 @@ class _Clock:
 def _cycles_of(machine: Machine) -> dict[int, int]:
     """The canned cycle that each G word of the machine's controller stands for."""
     if machine.controller == "linuxcnc":
-        return {number: number for number in drill_cycle.DRILLING}
+        return {number: number for number in DRILLING}
     return {
         int(code[1:]): _CYCLES[meaning]
         for code, meaning in machine.codes.items()

@@ -26,9 +26,8 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.errors import Diagnostic, Source
-from beamcam.machine.names import is_of_programs
-from beamcam.readers import rules
-from beamcam.readers.content import Reading
+from beamcam.machine import is_of_programs
+from beamcam.readers.content import CORELDRAW, EMPTY, OTHER_FORMAT, PROGRAM, UNKNOWN_FORMAT, Reading
 
 _module = cached("readers.module")(import_module)
 
@@ -79,14 +78,14 @@ def read(data: bytes, name: str, **options: object) -> Reading:
     tube whose surface a drawing is.
     """
     if not data or data.isspace():
-        return Reading("unknown", (), (rules.EMPTY.at(Source(name)),))
+        return Reading("unknown", (), (EMPTY.at(Source(name)),))
     suffix = os.path.splitext(name)[1].lower()
     if corel := _coreldraw(data, suffix):
-        return Reading("unknown", (), (rules.CORELDRAW.at(Source(name), found=corel),))
+        return Reading("unknown", (), (CORELDRAW.at(Source(name), found=corel),))
     if (other := other_format(data, name)) is not None:
         return Reading("unknown", (), (other,))
     if _is_program(data, name):
-        return Reading("unknown", (), (rules.PROGRAM.at(Source(name)),))
+        return Reading("unknown", (), (PROGRAM.at(Source(name)),))
     for known in FORMATS:
         if suffix in known.suffixes:
             return _read_as(known, data, name, options)
@@ -94,7 +93,7 @@ def read(data: bytes, name: str, **options: object) -> Reading:
         if known.looks_like(data):
             return _read_as(known, data, name, options)
     known_suffixes = ", ".join(s for f in FORMATS for s in f.suffixes)
-    return Reading("unknown", (), (rules.UNKNOWN_FORMAT.at(Source(name), expected=known_suffixes),))
+    return Reading("unknown", (), (UNKNOWN_FORMAT.at(Source(name), expected=known_suffixes),))
 
 
 def _coreldraw(data: bytes, suffix: str) -> str:
@@ -132,7 +131,7 @@ def other_format(data: bytes, name: str) -> Diagnostic | None:
     other = _other_format(data, os.path.splitext(name)[1].lower())
     if other is None:
         return None
-    return rules.OTHER_FORMAT.at(Source(name), found=other[0], expected=other[1])
+    return OTHER_FORMAT.at(Source(name), found=other[0], expected=other[1])
 
 
 def _other_format(data: bytes, suffix: str) -> tuple[str, str] | None:

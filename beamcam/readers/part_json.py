@@ -14,9 +14,6 @@ from beamcam.errors import ReadError, Source, error
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
 from beamcam.model.curve_json import (
-    CURVE_RULES,
-    JSON_EXPRESSION,
-    JSON_OBJECT_RULES,
     Place,
     curves_of,
     record_of,
@@ -74,15 +71,6 @@ JSON_FACE = error("json-face",
 JSON_INDEX = error("json-index",
     "found {found}, expected the index of one of {count} curves",
     "A bevel or notch belongs to a curve of its contour.")  # fmt: skip
-
-JSON_PART_RULES = (
-    *JSON_OBJECT_RULES,
-    *CURVE_RULES,
-    JSON_EXPRESSION,
-    JSON_SCHEMA,
-    JSON_FACE,
-    JSON_INDEX,
-)
 
 
 def part_from_json(value: object, file: str) -> Part:
@@ -267,8 +255,6 @@ JSON_SYNTAX = error("json-syntax",
 JSON_KEY_TWICE = error("json-key-twice",
     "found key {key!r} twice in one object, expected it once",
     "One of the two values would be lost silently.")  # fmt: skip
-
-RULES = (JSON_SYNTAX, JSON_KEY_TWICE, *JSON_PART_RULES)
 
 
 class _KeyTwice(ValueError):

@@ -10,9 +10,8 @@ What comes back was proved: the program, read back against the parts, makes exac
 from beamcam.checks.head import head_of, head_remarks
 from beamcam.errors import Source, errors_in
 from beamcam.machine.machine import Machine
-from beamcam.recovery import rules
 from beamcam.recovery.bars import recover_bars
-from beamcam.recovery.found import Recovered, Stock, with_marks
+from beamcam.recovery.found import BY_HAND, LEFT_OUT, Recovered, Stock, with_marks
 
 __all__ = ["Recovered", "Stock", "recover", "with_marks"]
 
@@ -41,7 +40,7 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
     if errors_in(said):
         return Recovered((), said)
     if head is not None and head.by_hand:
-        said = (*said, rules.BY_HAND.at(Source(name), found=head.by_hand))
+        said = (*said, BY_HAND.at(Source(name), found=head.by_hand))
     if head is not None and head.left_out:
-        said = (*said, rules.LEFT_OUT.at(Source(name), found=head.left_out))
+        said = (*said, LEFT_OUT.at(Source(name), found=head.left_out))
     return Recovered(found.parts, said, found.marked)

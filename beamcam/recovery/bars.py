@@ -13,18 +13,25 @@ from msgspec.structs import replace
 
 from beamcam.checks.bars import run
 from beamcam.checks.bars.compare import Asked, Comparison
-from beamcam.checks.bars.machined_features import Bore, MachinedFeatures, MachinedPath
 from beamcam.checks.bars.pieces import CutPlane, Piece, pieces, planes
+from beamcam.checks.bars.stations import Bore, MachinedFeatures, MachinedPath
 from beamcam.checks.bars.targets import slot_corners
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source, errors_in
 from beamcam.machine.machine import Machine, drill_of, text_x
 from beamcam.machine.stations import FLAT_DEG, Saw
 from beamcam.model.part import EndCuts, Face, Feature, Hole, Part, Profile, Slot, TextMark
-from beamcam.model.section import corners
-from beamcam.model.weight import sections
-from beamcam.recovery import rules
-from beamcam.recovery.found import Recovered, Stock, plain
+from beamcam.model.section import corners, sections
+from beamcam.recovery.found import (
+    CATALOGUE,
+    FACES,
+    NO_PIECE,
+    PATH,
+    PROFILE,
+    Recovered,
+    Stock,
+    plain,
+)
 from beamcam.recovery.paths import NotAFeature, feature_of
 
 # --- holes ----------------------------------------------------------------------------------------
@@ -158,13 +165,13 @@ def section_of(
     size = " x ".join(f"{v:g}" for v in (height, width) if not isnan(v))
     figures = {"code": " or ".join(codes), "size": size or "unknown size"}
     if len(same) == 1:
-        return same[0], rules.CATALOGUE.at(Source(name), name=same[0].name, **figures)
+        return same[0], CATALOGUE.at(Source(name), name=same[0].name, **figures)
     known = ", ".join(p.name for p in same[:SHOWN]) or "none of that size in the catalogue"
     if len(same) > SHOWN:
         known += f" and {len(same) - SHOWN} more"
     height, width = (0.0 if isnan(v) else v for v in (height, width))
     profile = Profile(codes[0], "", height, width, 0.0, None)  # type: ignore[arg-type]
-    return profile, rules.PROFILE.at(Source(name), known=known, **figures)
+    return profile, PROFILE.at(Source(name), known=known, **figures)
 
 
 def _of_size(code: str, height: float, width: float) -> Iterator[Profile]:
@@ -181,7 +188,7 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
     """The parts of a bar, in their order along it."""
     saw, drill = machine.saw, drill_of(machine)
     if saw is None:  # the parts come in cut, so that no program says where they end
-        return Recovered((), (rules.NO_PIECE.at(Source(name), cuts=0),))
+        return Recovered((), (NO_PIECE.at(Source(name), cuts=0),))
     told: list[Diagnostic] = []
     profile = stock.profile
     if profile is None:
@@ -192,10 +199,10 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
         told.append(remark)
     done = run(text, machine, profile, name, (stock.grade,) if stock.grade else None)
     told += done.diagnostics
-    told += [rules.FACES.at(Source(name), found=face) for face in done.unseen]
+    told += [FACES.at(Source(name), found=face) for face in done.unseen]
     found = _bar_pieces(done.made, machine, saw, profile)
     if not found:
-        told.append(rules.NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
+        told.append(NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
     if errors_in(told):
         return Recovered((), tuple(told))
     bar = _Bar(machine, ToolCatalogue(machine, drill), saw, profile, name)
@@ -284,7 +291,7 @@ class _Bar:
         found = feature_of(moved, self.shop, self.profile, Source(self.name, trail.line))
         if isinstance(found, NotAFeature):
             self.said.append(
-                rules.PATH.at(
+                PATH.at(
                     Source(self.name, trail.line), kind=trail.kind, face=trail.face, x=found.x,
                     y=found.y,
                 )

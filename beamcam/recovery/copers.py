@@ -26,9 +26,19 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, EndCuts, Face, Feature, Hole, Part, Slot
-from beamcam.recovery import rules
 from beamcam.recovery.box_tube import Faces, corner_radius, faces_of
-from beamcam.recovery.found import Recovered, Stock, plain
+from beamcam.recovery.found import (
+    COMES_CUT,
+    CORNER,
+    NOT_PARTED,
+    REFITTED,
+    ROUNDED,
+    TILTED,
+    UNNAMED,
+    Recovered,
+    Stock,
+    plain,
+)
 from beamcam.recovery.rings import (
     DECIMALS,
     PLACE,
@@ -46,7 +56,7 @@ BEGINS = 0.02  #: mm beyond half a kerf from where a cut begins, within which al
 AS_SAID = 1.0  #: mm by which the outlines of a part may be shorter than the length in its head
 SPECK = 0.05  #: mm2 that is nothing
 AROUND = (-1, 0, 1)  #: turns of a tube that its surface is laid in, one above the other
-COMES_CUT = "COMES CUT: "  #: how a program begins whose piece is there
+MADE_OF_CUT = "COMES CUT: "  #: how a program begins whose piece is there
 
 
 class _Wall(Struct, frozen=True):
@@ -67,12 +77,12 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     coper = machine.needed(machine.coper, "coper")
     head = head_of(text)
     source = Source(name)
-    if COMES_CUT in text:
-        return Recovered((), (rules.COMES_CUT.at(source),))
+    if MADE_OF_CUT in text:
+        return Recovered((), (COMES_CUT.at(source),))
     profile = stock.profile or head_profile(head)
     if profile is None:
         found = head.stock if head is not None and head.stock else "none"
-        return Recovered((), (rules.UNNAMED.at(source, found=found),))
+        return Recovered((), (UNNAMED.at(source, found=found),))
     bare = head_part(head, profile, name)
     bare = replace(bare, grade=stock.grade or bare.grade)
     is_tube, within = coper.turns == "bar", coper.tolerance * REFIT_SHARE
@@ -91,11 +101,11 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     tilted = next((stroke for stroke in strokes if stroke.b_deg), None)
     if tilted is not None:
         found = f"{tilted.b_deg:g}"
-        return Recovered((), (rules.TILTED.at(Source(name, tilted.line), found=found),))
+        return Recovered((), (TILTED.at(Source(name, tilted.line), found=found),))
     walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
     missing = [wall.face for wall in walls if wall.shape.is_empty]
     if missing:
-        said += [rules.NOT_PARTED.at(source, face=face) for face in missing]
+        said += [NOT_PARTED.at(source, face=face) for face in missing]
         return Recovered((), tuple(said))
     end = max(wall.shape.bounds[2] for wall in walls)
     length = bare.length if abs(end - bare.length) <= AS_SAID else plain(end, PLACE, DECIMALS)
@@ -104,7 +114,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     if code == "M":
         faces = faces_of(walls[0].shape, bare.profile, within)
         if faces.lost:
-            return Recovered((), (*said, rules.CORNER.at(source, found=faces.lost)))
+            return Recovered((), (*said, CORNER.at(source, found=faces.lost)))
         part = replace(part, cuts=faces.cuts)
         find = _Features(part, None, coper.corner_radius, within)
         features = [*find.of_box(faces, walls[0].line)]
@@ -120,10 +130,10 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
 def _remarks(part: Part, coper: Coper, within: float) -> Iterator[Diagnostic]:
     """What of the part's contours is not known to be as it was drawn."""
     if contours := [*part.contours]:
-        yield rules.REFITTED.at(part.source, count=len(contours), within=f"{within:g}")
+        yield REFITTED.at(part.source, count=len(contours), within=f"{within:g}")
     corners = sum(rounded_corners(c.curves, coper.corner_radius, within) for c in contours)
     if corners:
-        yield rules.ROUNDED.at(part.source, count=corners, radius=f"{coper.corner_radius:g}")
+        yield ROUNDED.at(part.source, count=corners, radius=f"{coper.corner_radius:g}")
 
 
 # --- walls ----------------------------------------------------------------------------------------

@@ -8,8 +8,8 @@ from statistics import fmean
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import MachinedPath
 from beamcam.checks.bars.paths import pocket_error
+from beamcam.checks.bars.stations import MachinedPath
 from beamcam.checks.bars.targets import Pocket
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Source

@@ -23,8 +23,7 @@ from beamcam.geometry.curves import Line, join_boxes, signed_area
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.part import Contour, ContourKind, Hole, Measures, Part, Process, Profile
-from beamcam.recovery import rules
-from beamcam.recovery.found import Recovered
+from beamcam.recovery.found import CROWDED, FITTED, KERF, SHEET, Recovered
 from beamcam.recovery.paths import Curves, bridge, ring_of, whole
 
 MARK: Process = "punch"  #: of a marked contour, so that DSTV can hold it (KO)
@@ -59,7 +58,7 @@ def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Rec
         fitted = replace(torch, thickness=thickness)
         other = _recovered(text, replace(machine, torch=fitted), fitted, name)
         if not errors_in(other.said):
-            note = rules.FITTED.at(Source(name), found=f"{thickness:g}")
+            note = FITTED.at(Source(name), found=f"{thickness:g}")
             return Recovered(other.parts, (*other.said, note))
     return found
 
@@ -76,7 +75,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     if not rows:
         material = torch.material or "any material"
         shown = "unknown thickness:" if thickness is None else f"{thickness:g}"
-        told.append(rules.SHEET.at(Source(name), found=shown, material=material))
+        told.append(SHEET.at(Source(name), found=shown, material=material))
     if errors_in(told):
         return Recovered((), tuple(told))
     strokes, more = strokes_of(
@@ -94,7 +93,7 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     paths = [path for path in paths if path.process != "spot"]
     crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
     if crossings > MOST_CROSSINGS:
-        told.append(rules.CROWDED.at(Source(name), found=f"{crossings:.1g}"))
+        told.append(CROWDED.at(Source(name), found=f"{crossings:.1g}"))
         return Recovered((), tuple(told))
     part = _placed(sheet, _contours(paths, torch, told), spots, torch)
     if not errors_in(told):
@@ -159,7 +158,7 @@ def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> l
     for k, offset in zip(moved, offsets, strict=True):
         path = paths[k]
         if isinstance(offset, Vanished):
-            told.append(rules.KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))
+            told.append(KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))
         else:
             chains[k] = max(
                 zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0])

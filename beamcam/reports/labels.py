@@ -40,7 +40,6 @@ NO_LABELS = error("label-file",
     "found a file of labels that cannot be read ({found}); expected it as `batch` over stock or "
     "`labels --json` wrote it",
     "The file was cut off or edited. Run the batch again; it writes the labels anew.")  # fmt: skip
-RULES = (CODE, NO_LABELS)
 
 
 class Label(Struct, frozen=True):

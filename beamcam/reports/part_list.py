@@ -11,7 +11,7 @@ from msgspec.structs import astuple, replace
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.geometry.plane import Box
 from beamcam.model.part import PLATE_FACES, Contour, EndPlane, Hole, Part, Slot
-from beamcam.model.weight import (
+from beamcam.model.section import (
     STEEL_KG_MM3,
     measures_of,
     plate_area,

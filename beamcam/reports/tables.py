@@ -118,7 +118,7 @@ def _fill(sheet: "Worksheet", table: Table) -> None:
 
     sheet.append(table.head)
     for row in table.cells():
-        sheet.append([_of_excel(cell) for cell in row])
+        sheet.append([terminal_text(c)[:MAX_CELL] if isinstance(c, str) else c for c in row])
     # A text is a text, also one that begins with "=".
     for cells in sheet.iter_rows(min_row=2):
         for cell in cells:
@@ -133,10 +133,6 @@ def _fill(sheet: "Worksheet", table: Table) -> None:
     for number, column in enumerate(zip(table.head, *table.cells(), strict=True), 1):
         width = max(len(_shown(cell)) for cell in column)
         sheet.column_dimensions[get_column_letter(number)].width = min(width, 60) + 2
-
-
-def _of_excel(cell: Cell) -> Cell:
-    return terminal_text(cell)[:MAX_CELL] if isinstance(cell, str) else cell
 
 
 def _without_time(data: bytes) -> bytes:

@@ -22,7 +22,7 @@ from beamcam.geometry.array_types import Floats
 from beamcam.machine.coper import Coper
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Plan, clock
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import CoperProgram, part_of, strokes_of
 from beamcam.pictures.program import ReadProgram
 from beamcam.pictures.scene import Scene, Unit

@@ -1,14 +1,15 @@
 """The operations of a program with their figures and times, as they follow one another."""
 
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 from msgspec import Struct
 
-from beamcam.checks.bars.machined_features import Bore, Cut, StampedText, Thing
+from beamcam.checks.bars.stations import Bore, Cut, StampedText, Thing
 from beamcam.geometry.array_types import Counts, Flags
-from beamcam.pictures.bar import BarMade, order_numbers
+from beamcam.pictures.bar import order_numbers
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import SteelDepths
 from beamcam.pictures.table import SECONDS_PER_MINUTE, TableMade
 from beamcam.simulation.trace import Trace
@@ -100,7 +101,7 @@ def _ends(trace: Trace, lines: Sequence[int]) -> list[float]:
         while at < len(trace.line) and not _is_other(trace, moves, used, setups, setup, at):
             at += 1
         ends.append(float(trace.time_s[at]))
-    return _rising(ends)
+    return list(accumulate(ends, max))
 
 
 def _is_other(
@@ -112,12 +113,6 @@ def _is_other(
     starts_saw = state.sawing and not trace.states[int(trace.state[at - 1])].sawing
     other = setups[int(trace.state[at])] != setup
     return bool((moves[at] & ~used).any()) or other or starts_saw
-
-
-def _rising(ends: list[float]) -> list[float]:
-    for k in range(1, len(ends)):
-        ends[k] = max(ends[k], ends[k - 1])
-    return ends
 
 
 def table_operations(table: TableMade) -> tuple[Operation, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any
 
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.pdf import (
     MARGIN,
     SIZES,
@@ -82,7 +82,9 @@ def _story(content: Content, paper: Paper) -> Iterator[Any]:
     yield _title("What the program makes")
     for scene in content.pictures:
         yield _picture(scene, paper)
-    yield from _tables(content)
+    for table in tables_of(content):
+        yield _title(table.title)
+        yield from _printed(table, content.unit)
 
 
 def _space(content: Content, paper: Paper) -> Iterator[Any]:
@@ -134,12 +136,6 @@ def _still(still: Still, wide: float, mark: str) -> Any:
             self.canv.drawString(0, high - BODY, _letters(mark))
 
     return Picture()
-
-
-def _tables(content: Content) -> Iterator[Any]:
-    for table in tables_of(content):
-        yield _title(table.title)
-        yield from _printed(table, content.unit)
 
 
 def _printed(table: Table, unit: Unit) -> Iterator[Any]:

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import StampedText
+from beamcam.checks.bars.stations import StampedText
 from beamcam.geometry.array_types import Counts
 from beamcam.geometry.plane import unit_vector
 from beamcam.machine.machine import Machine, text_x
 from beamcam.machine.stations import Spindle
 from beamcam.machine.words import Formula
 from beamcam.model.part import Profile
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.features import section_outlines
 from beamcam.pictures.table import TableMade, speed_classes
 from beamcam.plain_text import json_text
@@ -95,7 +95,7 @@ def cell_data(machine: Machine, profile: Profile, end: float) -> dict[str, Any]:
         "drill": -drill_x,
         "saw": {
             "x": -(saw.x if saw else 0.0),
-            "square": saw.square if saw else 0.0, "sign": saw.angle_sign if saw else 1,
+            "square": saw.zero_angle if saw else 0.0, "sign": saw.angle_sign if saw else 1,
             "pivot": saw.pivot if saw else "o",
             "rotation": _axis(machine, "angle", None), "stroke": _axis(machine, "saw", None),
         },

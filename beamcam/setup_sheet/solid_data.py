@@ -26,7 +26,7 @@ from beamcam.geometry.array_types import Counts
 from beamcam.machine.faults import TABLE_CONTROLLERS
 from beamcam.machine.torch import material_said
 from beamcam.model.part import Part, Profile
-from beamcam.pictures.bar import BarMade
+from beamcam.pictures.bar_made import BarMade
 from beamcam.pictures.coper import part_of
 from beamcam.pictures.program import ReadProgram, coper_program
 from beamcam.pictures.table import TableMade

@@ -17,8 +17,7 @@ from beamcam.pictures.overlay import Compared
 from beamcam.pictures.program import ReadProgram, bar_made, table_made
 from beamcam.pictures.scene import Unit
 from beamcam.reports.velocity_profile import VelocityUnit
-from beamcam.setup_sheet.html import page
-from beamcam.setup_sheet.page import program_data
+from beamcam.setup_sheet.page import page, program_data
 from beamcam.setup_sheet.playback import NO_SECTION, bar_made_data, cell_data, path_data, trace_data
 from beamcam.simulation.course import cell_axes
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, head_axes

@@ -11,8 +11,8 @@ from math import dist, isfinite
 
 from beamcam.controllers.events import BarEvent, Move, Pause, Place, Switch
 from beamcam.errors import MachineError, Source
-from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import MISSING_KEY
 from beamcam.simulation.trace import UNIFORM, State, Trace, TraceAxis, TraceBuilder
 
 Positions = tuple[float, ...]  #: of X, Y, Z, A and, where the torch tilts, B
@@ -28,7 +28,7 @@ def coper_trace(events: Sequence[BarEvent], machine: Machine) -> Trace:
     axes = {axis.moves: axis for axis in machine.axes}
     letters = LETTERS + ("B" if machine.coper is not None and machine.coper.tilt else "")
     if not {*letters} <= axes.keys():
-        raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
+        raise MachineError(MISSING_KEY.at(Source(machine.name), expected="axes"))
     used = [axes[letter] for letter in letters]  # type: ignore[index]
     units = {"A": machine.needed(machine.coper, "coper").a_unit, "B": "deg"}
     rows = tuple(

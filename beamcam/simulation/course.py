@@ -14,8 +14,8 @@ from beamcam.controllers.events import BarEvent, Lettering, Move, Pause, Place, 
 from beamcam.errors import MachineError, Source
 from beamcam.geometry.curves import Arc, Bezier, EllipseArc
 from beamcam.geometry.ramps import Ramp
-from beamcam.machine import rules as machine_rules
 from beamcam.machine.machine import Machine
+from beamcam.machine.words import MISSING_KEY
 from beamcam.model.cell_motion import CellMotion, Leg, Positions
 from beamcam.simulation.trace import UNIFORM, State, Trace, TraceAxis, TraceBuilder
 
@@ -46,7 +46,7 @@ def stretches(
     `[[axes]]`.
     """
     if not machine.axes:
-        raise MachineError(machine_rules.MISSING_KEY.at(Source(machine.name), expected="axes"))
+        raise MachineError(MISSING_KEY.at(Source(machine.name), expected="axes"))
     return tuple(_Simulation(events, dialect, section, machine).run())
 
 
@@ -63,7 +63,7 @@ class _Simulation:
         self.events, self.dialect = events, dialect
         self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
         self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
-        self.reload_s, self.text_s = machine.times.reload_s, machine.times.text_s
+        self.manual_change_s, self.text_s = machine.times.manual_change_s, machine.times.text_s
         self.clock_s = 0.0
         self.state = State()
 
@@ -121,7 +121,7 @@ class _Simulation:
             takes_s = self.cell.switch(False)
             self.state = replace(self.state, turning=0)
         elif role == "change":
-            takes_s = self.reload_s
+            takes_s = self.manual_change_s
         elif role in ("coolant-on", "coolant-off"):
             self.state = replace(self.state, coolant=role == "coolant-on")
         elif role == "saw":

@@ -13,7 +13,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw
 from beamcam.machine.words import Body, section_values, signed
 from beamcam.model.part import Profile
-from beamcam.simulation import rules
+from beamcam.simulation import COLLISION, LIMIT, REACH, TIPS
 from beamcam.simulation.trace import Trace
 
 # --- collisions -----------------------------------------------------------------------------------
@@ -61,7 +61,11 @@ def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tup
     `section` says what is worked, by `SECTION_NAMES`. Raises MachineError for a body whose
     arithmetic has no value.
     """
-    pairs = [pair for pair in combinations(machine.bodies, 2) if _may_move(*pair)]
+    pairs = [
+        (one, other)
+        for one, other in combinations(machine.bodies, 2)
+        if one.carriers != other.carriers or one.turn
+    ]
     if not pairs:
         return ()
     values = section_values(section)
@@ -94,11 +98,6 @@ def looks(trace: Trace) -> Floats:
     lasts = np.diff(trace.time_s)
     found: Floats = trace.time_s[interval] + lasts[interval] * number / counts[interval]
     return np.append(found, trace.duration_s)
-
-
-def _may_move(one: Body, other: Body) -> bool:
-    """Whether two bodies move against each other at all."""
-    return one.carriers != other.carriers or bool(one.turn)
 
 
 def _placed(body: Body, trace: Trace, at: Floats, values: Mapping[str, float]) -> _Placed:
@@ -174,7 +173,7 @@ def run_warnings(
 
 def _beyond_limits(trace: Trace, machine: Machine, name: str) -> Iterator[Diagnostic]:
     """The first time that an axis leaves its limits in each excursion; knots are the extremes."""
-    rule = rules.LIMIT if machine.stock == "beam" or machine.axes else rules.REACH
+    rule = LIMIT if machine.stock == "beam" or machine.axes else REACH
     for k, axis in enumerate(trace.axes):
         low = -np.inf if axis.min is None else axis.min
         high = np.inf if axis.max is None else axis.max
@@ -203,10 +202,10 @@ def _beyond_reach(
         return
     sawing = np.array([state.sawing for state in trace.states])[trace.state]
     for k in np.flatnonzero(sawing & ~np.append(False, sawing[:-1])).tolist():
-        angle = abs(float(trace.positions[k, turns[0]]) - saw.square)
+        angle = abs(float(trace.positions[k, turns[0]]) - saw.zero_angle)
         most = _largest(saw, angle)
         if height > most[0] + SLACK or width > most[1] + SLACK:
-            yield rules.REACH.at(
+            yield REACH.at(
                 Source(name, int(trace.line[k])), axis="saw", time=f"{trace.time_s[k]:.2f}",
                 found=f"{height:g} x {width:g}", unit="mm",
                 expected=f"at most {most[0]:g} x {most[1]:g} at {angle:.2f} deg",
@@ -226,7 +225,7 @@ def _struck(
     trace: Trace, machine: Machine, section: Mapping[str, float], name: str
 ) -> Iterator[Diagnostic]:
     for strike in strikes(trace, machine, section):
-        yield rules.COLLISION.at(
+        yield COLLISION.at(
             Source(name, strike.line), one=strike.one, other=strike.other,
             time=f"{strike.time_s:.2f}", found=f"{strike.depth:.1f}",
             until=f"{strike.until_s:.2f}",
@@ -257,7 +256,7 @@ def _met(
         meet = np.append(False, on) & (depths[0] + depths[1] >= size - SLACK)
         one, other = (trace.axes[k].name for k in columns)
         for k in np.flatnonzero(meet & ~np.append(False, meet[:-1])).tolist():
-            yield rules.TIPS.at(
+            yield TIPS.at(
                 Source(name, int(trace.line[k - 1])), time=f"{trace.time_s[k]:.2f}", one=one,
                 other=other, first=f"{depths[0][k]:g}", second=f"{depths[1][k]:g}",
                 size=f"{size:g}",

@@ -15,10 +15,10 @@ from typing import Any, Self
 from msgspec import Struct
 
 from beamcam.errors import Rule, Source, VerifyError
-from beamcam.interrupts import LOOK_S, NEVER, Asked
 from beamcam.machine.tables import Modbus
-from beamcam.simulation import rules
+from beamcam.simulation import MODBUS, PORT, REGISTER
 from beamcam.simulation.trace import State, Trace, TraceRow
+from beamcam.system import LOOK_S, NEVER, Asked
 
 # --- registers ------------------------------------------------------------------------------------
 
@@ -89,7 +89,7 @@ def check_range(trace: Trace, modbus: Modbus, source: Source) -> None:
         furthest = float(max(trace.positions[:, k], key=abs))
         if abs(furthest) / scale > most:
             raise VerifyError(
-                rules.REGISTER.at(
+                REGISTER.at(
                     source, axis=axis.name, found=f"{furthest:g}",
                     expected=f"at most {most * scale:g}", scale=f"{scale:g}",
                 )
@@ -122,7 +122,7 @@ MAX_READ = 125  #: registers in one answer, by the standard
 class Client:
     """A connection to a Modbus TCP server. Raises VerifyError with its rule for whatever fails."""
 
-    def __init__(self, host: str, port: int, rule: Rule = rules.MODBUS) -> None:
+    def __init__(self, host: str, port: int, rule: Rule = MODBUS) -> None:
         self._place, self._rule = Source(f"{host}:{port}"), rule
         try:
             from pymodbus import ModbusException
@@ -247,9 +247,9 @@ async def _serve(
         try:
             await server.listen()
         except OSError as error:
-            raise VerifyError(rules.PORT.at(place, found=error.strerror or error)) from error
+            raise VerifyError(PORT.at(place, found=error.strerror or error)) from error
         if server.transport is None:
-            raise VerifyError(rules.PORT.at(place, found="a port that is taken"))
+            raise VerifyError(PORT.at(place, found="a port that is taken"))
         ready(host, server.transport.sockets[0].getsockname()[1])
         loop = asyncio.get_running_loop()
         begun = loop.time()
@@ -275,7 +275,7 @@ def _server(modbus: Modbus, words: list[int], host: str, port: int, place: Sourc
         from pymodbus.simulator import DataType, SimData, SimDevice
     except ImportError as error:
         found = "no pymodbus of 3.16 or later (pip install beamcam[modbus])"
-        raise VerifyError(rules.PORT.at(place, found=found)) from error
+        raise VerifyError(PORT.at(place, found=found)) from error
 
     # What the library would log stands in the message of the error.
     logging.getLogger("pymodbus").setLevel(logging.CRITICAL)

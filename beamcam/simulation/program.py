@@ -23,8 +23,8 @@ from beamcam.model.part import Part
 from beamcam.model.program import ArcTravel, Lift, Switch, Travel, TriggerOp
 from beamcam.motion.lookahead import SpeedSection
 from beamcam.motion.sheet_times import operation_seconds, place_behind
+from beamcam.simulation import ENDLESS
 from beamcam.simulation.course import ramp_intervals
-from beamcam.simulation.rules import ENDLESS
 from beamcam.simulation.trace import (
     UNIFORM,
     Chords,
@@ -283,15 +283,11 @@ def _strokes(
         here, words = places[-1], both[-1]
         times = rows.time_us / MICROSECONDS
         for part in np.split(np.arange(len(times)), np.flatnonzero(np.diff(rows.laser)) + 1):
-            kept = part[_sampled(times[part])]
+            # The last row of each slot of time, and the last one of all.
+            slot = np.floor(times[part] / SAMPLE_S)
+            kept = part[np.flatnonzero(np.append(np.diff(slot) > 0.0, True))]
             at = places[kept] * stepper.step
             yield times[kept], at, rows.first + kept, bool(rows.laser[part[0]])
-
-
-def _sampled(times: Floats) -> Counts:
-    """The last row of each slot of time, and the last one of all."""
-    slot = np.floor(times / SAMPLE_S)
-    return np.flatnonzero(np.append(np.diff(slot) > 0.0, True))
 
 
 def _thinned(times: Floats, places: Floats, slack: float) -> Counts:

@@ -20,6 +20,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.stations import Saw, Spindle
 from beamcam.machine.words import FORMULA_NAMES
 from beamcam.model.part import Part, Profile
+from beamcam.solid import NO_MACHINE
 from beamcam.solid.kernel import (
     CHORD,
     FREE,
@@ -33,7 +34,6 @@ from beamcam.solid.kernel import (
     turned,
     walls,
 )
-from beamcam.solid.rules import NO_MACHINE
 from beamcam.solid.stock_solid import ALONG
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def _reach(spindle: Spindle, machine: Machine, profile: Profile, wall: Wall) -> 
     slope = bottom(values | {"y": 1.0}) - surface
     way = 1.0 if deeper >= surface else -1.0
     if deeper == surface:  # it strokes a fixed way
-        way = 1.0 if surface >= spindle.stroke.start(values) else -1.0
+        way = 1.0 if surface >= spindle.stroke.retract(values) else -1.0
         surface, slope = way * front, 0.0
     return Reach(
         spindle.number, spindle.face, wall, front, AXES[spindle.across.axis],
@@ -264,7 +264,7 @@ def _slab(line: int, at: float, angle: float, tilt: float, saw: Saw, height: flo
     A blade turned by w and then tilted by t has the normal (cos t cos w, cos t sin w, sin t); with
     DSTV's signs a mitre runs as x = c - y tan w. X counts on the pivot edge of the web.
     """
-    w, t = radians(saw.angle_sign * (angle - saw.square)), radians(saw.tilt_sign * tilt)
+    w, t = radians(saw.angle_sign * (angle - saw.zero_angle)), radians(saw.tilt_sign * tilt)
     normal = cos(t) * cos(w), cos(t) * sin(w), sin(t)
     pivot = height if saw.pivot == "o" else 0.0
     thickness = saw.kerf * (1.0 if saw.kerf_along == "normal" else normal[0])

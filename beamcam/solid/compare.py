@@ -18,9 +18,9 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.model.part import Contour, EndPlane, Feature, Hole, Part, Slot
+from beamcam.solid import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
 from beamcam.solid.kernel import Frame, kernel, minus, outline, walls
 from beamcam.solid.part_solid import part_solid, voids
-from beamcam.solid.rules import EXTRA, HAND, LEFT_OUT, MISSING, SIZE
 from beamcam.solid.stock_solid import Margins, stock_solid
 
 if TYPE_CHECKING:
@@ -205,7 +205,8 @@ def without_left_out(
         others = [body for other, (_, body) in wide.items() if other != at]
         own = minus(narrow[at][1] ^ stock, others)
         partly = (own - fit.laid).volume() > UNTOUCHED * own.volume() + NOISE
-        if partly and not (_is_sink(feature) and "sink-depth" in skips):
+        is_sink = isinstance(feature, Hole) and feature.kind == "countersink"
+        if partly and not (is_sink and "sink-depth" in skips):
             continue
         before = sum(one.volume() for one in extra)
         extra = [lump for one in extra for lump in lumps(one - taken)]
@@ -222,10 +223,6 @@ def _by_feature(part: Part, margins: Margins) -> "dict[int, tuple[Feature, Manif
         at = numbers[id(feature)]
         found[at] = feature, (found[at][1] + body if at in found else body)
     return found
-
-
-def _is_sink(feature: Feature) -> bool:
-    return isinstance(feature, Hole) and feature.kind == "countersink"
 
 
 def left_out(feature: Feature, volume: float, name: str) -> Diagnostic:

@@ -21,9 +21,9 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import TorchRow, is_row_for, material_said
 from beamcam.model.part import Part
+from beamcam.solid import NO_SOLID
 from beamcam.solid.kernel import CHORD, Frame, facets, minus, outline, prism
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.rules import NO_SOLID
 from beamcam.solid.sheet_solid import starting_words
 from beamcam.solid.stock_solid import ALONG
 from beamcam.solid.wrapped import Skin, skin_of, wrapped

@@ -31,6 +31,7 @@ from beamcam.machine.coper import Coper
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Contour, Face, Feature, Hole, Part, Slot
 from beamcam.model.request import Request
+from beamcam.solid import PIECES, ROUNDED, SQUARE
 from beamcam.solid.compare import (
     ALIKE,
     Bodies,
@@ -58,7 +59,6 @@ from beamcam.solid.kernel import (
 )
 from beamcam.solid.kernel import outline as section_of
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.rules import PIECES, ROUNDED, SQUARE
 from beamcam.solid.stock_solid import (
     ALONG as ALONG_BAR,
 )

@@ -15,7 +15,7 @@ from msgspec import Struct
 from beamcam.errors import BeamcamError, Source
 from beamcam.model.part import Part, Profile, SectionPoint
 from beamcam.model.section import ring_of
-from beamcam.solid.rules import NO_KERNEL, NO_SOLID
+from beamcam.solid import NO_KERNEL, NO_SOLID
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

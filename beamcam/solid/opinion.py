@@ -14,6 +14,7 @@ from beamcam.machine.machine import Machine
 from beamcam.machine.stations import ToolKind
 from beamcam.model.part import Part
 from beamcam.model.request import Request
+from beamcam.solid import NO_MACHINE, PIECES
 from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
 from beamcam.solid.compare import (
     ALIKE,
@@ -29,7 +30,6 @@ from beamcam.solid.compare import (
 from beamcam.solid.copers import coper_faults
 from beamcam.solid.kernel import CHORD, kernel
 from beamcam.solid.plates import sheet_faults
-from beamcam.solid.rules import NO_MACHINE, PIECES
 from beamcam.solid.stock_solid import Margins
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def _fit_of_drills(diameter: float, machine: Machine) -> tuple[float, float]:
     if drill is None or not drill.fits:
         return 0.0, 0.0
     row = next((r for r in drill.fits if diameter <= r.up_to), drill.fits[-1])
-    return row.plus + drill.twin, row.minus + drill.twin
+    return row.plus + drill.same_tool_tolerance, row.minus + drill.same_tool_tolerance
 
 
 def _sharpest(kind: ToolKind, machine: Machine) -> float:

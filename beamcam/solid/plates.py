@@ -22,10 +22,10 @@ from beamcam.machine.torch import Torch, material_said
 from beamcam.model.colour import process_of
 from beamcam.model.part import Contour, Feature, Hole, Part, Process, Slot
 from beamcam.model.request import Request
+from beamcam.solid import NO_SOLID, PIECES
 from beamcam.solid.compare import ALIKE, NOISE, Bodies, best_fit, differences, left_out
 from beamcam.solid.cutters import slot_shape
 from beamcam.solid.kernel import CHORD, circle, no_solid, prism
-from beamcam.solid.rules import NO_SOLID, PIECES
 from beamcam.solid.sheet_solid import pieces_cut, rows_for, strokes_of
 from beamcam.solid.stock_solid import AS_DRAWN, end_planes, shape_of
 

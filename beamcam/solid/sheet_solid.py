@@ -20,8 +20,8 @@ from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.polylines import polylines
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchRow, is_row_for
+from beamcam.solid import NO_SOLID
 from beamcam.solid.kernel import CHORD, facets
-from beamcam.solid.rules import NO_SOLID
 
 Shape = Any  #: of shapely
 AROUND = 20.0  #: mm of sheet round all cuts

@@ -20,8 +20,12 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.writers import dstv_rules as rules
 from beamcam.writers.dstv_rows import (
+    WRITE_COMMENT,
+    WRITE_CONTOUR,
+    WRITE_FACE,
+    WRITE_PLANE,
+    WRITE_TEXT,
     bend_row,
     camber_row,
     contour_rows,
@@ -122,7 +126,7 @@ class _Sheet(Struct):
         """Raise BeamcamError if a comment has no place."""
         if self.comments:
             place = next(iter(self.comments))
-            raise BeamcamError(rules.WRITE_COMMENT.at(self.part.source, found=place))
+            raise BeamcamError(WRITE_COMMENT.at(self.part.source, found=place))
 
 
 def _header(part: Part) -> list[str]:
@@ -172,9 +176,7 @@ def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
             _, k, plane = pending.pop(0)
             number = plane.name.split("#")[0]
             if not re.fullmatch("E[0-9]", number):
-                raise BeamcamError(
-                    rules.WRITE_FACE.at(plane.source, found=plane.name, what="a plane")
-                )
+                raise BeamcamError(WRITE_FACE.at(plane.source, found=plane.name, what="a plane"))
             valid[number] = plane.name
             sheet.rows(number, f"plane:{k}", plane_rows(plane))
 
@@ -208,9 +210,7 @@ def _write_feature(
             code = _CONTOUR_CODES.get((feature.kind, feature.process), "")
             if not code:
                 raise BeamcamError(
-                    rules.WRITE_CONTOUR.at(
-                        feature.source, kind=feature.kind, process=feature.process
-                    )
+                    WRITE_CONTOUR.at(feature.source, kind=feature.kind, process=feature.process)
                 )
             code = _code(code, feature.face, "a contour", part.planes, valid, feature.source)
             sheet.rows(code, anchor, contour_rows(feature, tolerance))
@@ -236,9 +236,9 @@ def _code(
         return code
     number = face.split("#")[0]
     if face not in {plane.name for plane in planes}:
-        raise BeamcamError(rules.WRITE_FACE.at(source, found=face, what=what))
+        raise BeamcamError(WRITE_FACE.at(source, found=face, what=what))
     if valid.get(number) != face:
-        raise BeamcamError(rules.WRITE_PLANE.at(source, found=face))
+        raise BeamcamError(WRITE_PLANE.at(source, found=face))
     return code[0] + number[1]
 
 
@@ -248,7 +248,7 @@ def _info_row(word: str, text: str, source: Source) -> str:
     row = f"{word} : {text}" if word else text
     if (":" in word) or (not word and (":" in text or len(text) <= 2)):
         raise BeamcamError(
-            rules.WRITE_TEXT.at(
+            WRITE_TEXT.at(
                 source,
                 found=row,
                 place="a line of information",
@@ -270,4 +270,4 @@ def _check_text(
     elif not empty and not text.strip():
         expected = "a text that is not empty"
     if expected:
-        raise BeamcamError(rules.WRITE_TEXT.at(source, found=text, place=place, expected=expected))
+        raise BeamcamError(WRITE_TEXT.at(source, found=text, place=place, expected=expected))

@@ -5,7 +5,7 @@ from math import acos, ceil, hypot, pi, radians
 
 from msgspec.structs import replace
 
-from beamcam.errors import BeamcamError
+from beamcam.errors import BeamcamError, error
 from beamcam.geometry.curves import (
     Arc,
     Bezier,
@@ -30,7 +30,35 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.writers import dstv_rules as rules
+
+# fmt: off
+
+WRITE_TEXT = error("dstv-write-text",
+    "found text {found!r} for {place}, expected {expected}",
+    "DSTV is lines of text: such a text would be read back as something else.")
+WRITE_CURVE = error("dstv-write-curve",
+    "found a {kind}, expected lines and arcs; give a tolerance to flatten it",
+    "DSTV has no word for the curve.")
+WRITE_CONTOUR = error("dstv-write-contour",
+    "found a contour of kind {kind} to {process}, expected an outer or inner one to cut, or one to "
+    "punch or powder",
+    "DSTV has no block for it.")
+WRITE_BEVELS = error("dstv-write-bevels",
+    "found {count} bevels on one curve, expected at most 2",
+    "A row of a contour has place for two bevels.")
+WRITE_FACE = error("dstv-write-face",
+    "found face {found!r} of {what}, expected v, o, u, h or a plane E0 to E9 of the part",
+    "DSTV has no such face.")
+WRITE_PLANE = error("dstv-write-plane",
+    "found a feature on plane {found!r} behind another plane of that number, expected it before",
+    "A plane block with a number used before replaces the plane.")
+WRITE_COMMENT = error("dstv-write-comment",
+    "found a comment at {found!r}, expected a place that the part has",
+    "A comment whose place is not there would be lost.")
+
+
+# fmt: on
+
 
 DECIMALS = 6  #: as many as are needed and no more than these; at least 2
 _WIDTH = 11  #: of a number's column
@@ -137,7 +165,7 @@ def contour_rows(contour: Contour, tolerance: float | None) -> list[str]:
     for i, curve in enumerate(contour.curves):
         here = bevels.get(i, [])
         if len(here) > 2:
-            raise BeamcamError(rules.WRITE_BEVELS.at(contour.source, count=len(here)))
+            raise BeamcamError(WRITE_BEVELS.at(contour.source, count=len(here)))
         pairs = tuple(value for bevel in here for value in (bevel.angle, bevel.land))
         add(curve.start, sign * _radius(curve), pairs=pairs)
         for notch in contour.notches:
@@ -218,7 +246,7 @@ def _pieces(curve: Curve, contour: Contour, tolerance: float | None) -> list[Cur
                 for k in range(count)
             ]
     if tolerance is None or tolerance <= 0:
-        raise BeamcamError(rules.WRITE_CURVE.at(contour.source, kind=type(curve).__name__))
+        raise BeamcamError(WRITE_CURVE.at(contour.source, kind=type(curve).__name__))
     if isinstance(curve, EllipseArc):
         points = _ellipse_points(curve, tolerance)
     else:

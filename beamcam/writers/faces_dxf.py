@@ -32,8 +32,8 @@ from beamcam.geometry.curves import (
     join_boxes,
     unit_vector,
 )
+from beamcam.model.description import THROUGH, face_title, runs_down
 from beamcam.model.part import Bend, Camber, Contour, Face, Feature, Hole, Part, Slot, TextMark
-from beamcam.model.section import THROUGH, face_title, runs_down
 
 if TYPE_CHECKING:
     from ezdxf.layouts.layout import Modelspace

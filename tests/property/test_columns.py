@@ -5,8 +5,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from beamcam.emitters import number
 from beamcam.emitters.columns import lines
-from beamcam.emitters.head import number
 from beamcam.machine import load
 from beamcam.machine.machine import Machine
 from beamcam.model.program import ArcFeed, Feed, Program, ToolOn, Traverse

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.bspline import BSpline
-from beamcam.geometry.curves import Arc, Bezier, EllipseArc, NewtonCurve, signed_area
+from beamcam.geometry.curves import Arc, Bezier, BSpline, EllipseArc, NewtonCurve, signed_area
 from beamcam.geometry.plane import is_similarity, mapped
 from beamcam.geometry.polylines import points_at
 from tests.conftest import examples

@@ -49,7 +49,7 @@ def planned(name: str, parts: list[Part], length: float | None = None) -> tuple[
 def angles_of(cut: SawOp, machine: Machine) -> tuple[float, float]:
     """Slopes of a cut across y and across z, from what the machine is told."""
     assert machine.saw is not None
-    web = tan(radians((cut.angle - machine.saw.square) * machine.saw.angle_sign))
+    web = tan(radians((cut.angle - machine.saw.zero_angle) * machine.saw.angle_sign))
     # The blade leans by the tilt in its own plane, which the turned saw has turned too.
     flange = tan(radians(cut.tilt * machine.saw.tilt_sign)) * hypot(1.0, web)
     return web, flange

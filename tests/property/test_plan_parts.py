@@ -170,7 +170,7 @@ def check_cylinders(plan: Plan, machine: Machine) -> None:
             )
             off = abs(op.tool.diameter - feature.diameter)
             pair = 0.02 if len(op.features) == 2 else 0.0
-            assert off <= nearest + machine.drill.twin + pair + 1e-9
+            assert off <= nearest + machine.drill.same_tool_tolerance + pair + 1e-9
     for ref, outcome in how.items():
         if outcome in ("skipped", "duplicate"):
             assert made[ref] == 0

@@ -38,7 +38,7 @@ LINES: dict[str, tuple[object, object, object]] = {
     "saw.kerf": (4.04, 4.04, 1.6),
     "saw.kerf_along": ("normal", "x", "normal"),
     "saw.pivot": ("o", "o", "u"),
-    "saw.square": (0, 0, 90),
+    "saw.zero_angle": (0, 0, 90),
     "saw.angle_sign": (1, 1, 1),
     "saw.tilt_sign": (1, 1, 1),
     "saw.min_angle": (-45, -45, 25),
@@ -60,7 +60,7 @@ LINES: dict[str, tuple[object, object, object]] = {
     "drill.min_speed_rpm": (150,) * 3,
     "drill.max_speed_rpm": (2500,) * 3,
     "drill.max_feed_mm_min": (20000,) * 3,
-    "drill.twin": (0.02,) * 3,
+    "drill.same_tool_tolerance": (0.02,) * 3,
     "drill.duplicate_tolerance": (0.01,) * 3,
     "drill.runout_pitches": (3,) * 3,
     "drill.sink_tolerance": (0.2,) * 3,
@@ -73,7 +73,7 @@ LINES: dict[str, tuple[object, object, object]] = {
     "times.spindle_s": (1.5, 1.5, 1.2),
     "times.tool_change_s": (8, 8, 6),
     "times.spindle_change_s": (0.5, 0.5, 0.4),
-    "times.reload_s": (90, 90, 75),
+    "times.manual_change_s": (90, 90, 75),
     "sections": ({"I": 1, "U": 2, "L": 3}, {"I": 1, "U": 3, "L": 3},
                  {"I": 1, "U": 2, "L": 3, "M": 4, "C": 5, "T": 6, "RO": 7, "RU": 8, "B": 9}),
     "marks.text": ("list", "list", "make"),
@@ -447,9 +447,9 @@ def test_where_a_spindle_goes(
         "y": y, "depth": 9.1, "tip": 6.61, "clearance": 5.0,
     }  # fmt: skip
     assert spindle.across.position(figures) == pytest.approx(across)
-    assert spindle.stroke.start(figures) == pytest.approx(start)
+    assert spindle.stroke.retract(figures) == pytest.approx(start)
     assert spindle.stroke.bottom(figures) == pytest.approx(bottom)
-    near = nan if spindle.stroke.near is None else spindle.stroke.near(figures)
+    near = nan if spindle.stroke.approach is None else spindle.stroke.approach(figures)
     if face == "v" and name != "beamline-annex":
         assert near == pytest.approx(66.45)  # 5 before the web
 

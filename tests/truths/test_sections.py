@@ -20,10 +20,14 @@ from beamcam.model.section import (
     OTHER_SIDE,
     corners,
     free_edges,
+    lip_of,
+    measures_of,
+    name_of,
+    section_area,
     section_fault,
     walls_beside,
+    weight_of,
 )
-from beamcam.model.weight import lip_of, measures_of, name_of, section_area, weight_of
 
 SOURCE = Source("stranger.nc1", 1)
 #: One of each kind, its flanges and its web never equally thick.

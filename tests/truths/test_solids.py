@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from beamcam.model.part import Profile
-from beamcam.model.weight import section_area
+from beamcam.model.section import section_area
 
 LENGTH = 1000.0
 #: IFC's profile with its figures, and ours: height, width, flange, web, radius.

@@ -23,11 +23,18 @@ from beamcam.checks.bars.machine_limits import (
     reach_faults,
     size_faults,
 )
-from beamcam.checks.bars.machined_features import Bore, Cut, MachinedFeatures, MachinedPath
+from beamcam.checks.bars.pieces import standing
 from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
-from beamcam.checks.bars.stations import Choice, choices_of, lip_length
+from beamcam.checks.bars.stations import (
+    Bore,
+    Choice,
+    Cut,
+    MachinedFeatures,
+    MachinedPath,
+    choices_of,
+    lip_length,
+)
 from beamcam.checks.bars.tools import Changed, Chosen, CuttingData, ToolCatalogue
-from beamcam.checks.bars.turned import standing
 from beamcam.checks.head import Head, head_of, part_faults, section_told, stock_faults
 from beamcam.controllers import cell_events
 from beamcam.controllers.dialect import Dialect, dialect_of

@@ -245,7 +245,9 @@ def _places(target: Round | Pocket | MarkingPath, shop: ToolCatalogue) -> tuple[
         boxes = [curve.bbox for curve in target.curves]
         return min(box[1] for box in boxes), max(box[3] for box in boxes)
     is_round = isinstance(target.source, Hole)
-    widest = ROUND_SHARE * target.diameter if is_round else target.diameter + shop.drill.twin
+    widest = target.diameter + shop.drill.same_tool_tolerance
+    if is_round:
+        widest = ROUND_SHARE * target.diameter
     sizes = [d for d in shop.sizes("mill", target.face) if d <= widest]
     mill = max(sizes, default=target.diameter)
     angle = radians(target.angle)
@@ -259,9 +261,9 @@ def is_within(
 ) -> bool:
     """Whether the axes of a spindle come to all places of a stroke."""
     stroke = spindle.stroke
-    along = [stroke.start(values), stroke.bottom(values)]
-    if stroke.near is not None:
-        along.append(stroke.near(values))
+    along = [stroke.retract(values), stroke.bottom(values)]
+    if stroke.approach is not None:
+        along.append(stroke.approach(values))
     places = {station.across: [spindle.across.position(values)], station.stroke: along}
     return all(
         least <= round(place, machine.format.length_decimals) <= greatest

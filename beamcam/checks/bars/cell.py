@@ -15,13 +15,17 @@ from msgspec.structs import replace
 from beamcam.checks import rules
 from beamcam.checks.bars.cell_state import AXES, CellState
 from beamcam.checks.bars.machine_limits import EPSILON
-from beamcam.checks.bars.machined_features import (
+from beamcam.checks.bars.stations import (
+    NOWHERE,
     Bore,
+    Choice,
     MachinedFeatures,
     MachinedPath,
+    Station,
+    Tip,
     made_in_order,
 )
-from beamcam.checks.bars.stations import NOWHERE, Choice, Station, Tip
+from beamcam.controllers.dialect import WORD
 from beamcam.controllers.events import (
     Acceleration,
     BarEvent,
@@ -33,7 +37,6 @@ from beamcam.controllers.events import (
     Place,
     Switch,
 )
-from beamcam.controllers.rules import WORD
 
 _OTHER_WAY = {3: 4, 4: 3}
 LONGEST_PAUSE_S = 60.0  #: a longer one is a slip, of milliseconds for seconds

@@ -14,12 +14,20 @@ from math import isnan, nan
 
 from beamcam.checks import rules
 from beamcam.checks.bars.machine_limits import EPSILON, limits_of_cell
-from beamcam.checks.bars.machined_features import Cut, StampedText, Thing
-from beamcam.checks.bars.stations import NOWHERE, Choice, Station, Tip, limits_of, tilts_of
+from beamcam.checks.bars.stations import (
+    NOWHERE,
+    Choice,
+    Cut,
+    StampedText,
+    Station,
+    Thing,
+    Tip,
+    limits_of,
+    tilts_of,
+)
 from beamcam.checks.bars.tools import LEAST, Changed, Chosen, CuttingData, wrong_changes
-from beamcam.controllers.dialect import Cycle, Dialect, MWord, Role
+from beamcam.controllers.dialect import WORD, Cycle, Dialect, MWord, Role
 from beamcam.controllers.events import Lettering, Switch
-from beamcam.controllers.rules import WORD
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.machine.machine import Machine
 

@@ -20,7 +20,6 @@ from beamcam.checks.bars.machine_limits import (
     shape_of,
     steel_faults,
 )
-from beamcam.checks.bars.machined_features import MachinedFeatures
 from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
 from beamcam.checks.bars.pieces import (
     Candidate,
@@ -29,10 +28,11 @@ from beamcam.checks.bars.pieces import (
     overlapping,
     pieces,
     planes,
+    standing,
     wedge_cuts,
 )
 from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
-from beamcam.checks.bars.stations import Choice
+from beamcam.checks.bars.stations import Choice, MachinedFeatures
 from beamcam.checks.bars.targets import (
     Pocket,
     Round,
@@ -41,7 +41,6 @@ from beamcam.checks.bars.targets import (
     targets_of,
 )
 from beamcam.checks.bars.tools import ToolCatalogue
-from beamcam.checks.bars.turned import standing
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of
 from beamcam.model.part import Part, Profile, TextMark
@@ -223,7 +222,7 @@ class Comparison:
         faults.place(parts, ends)
         last = parts[-1]
         x = self.saw.x + faults.starts[-1] + last.length + ends[-1][1].kerf(self.saw) / 2
-        angle = f"{self.saw.square:g}"
+        angle = f"{self.saw.zero_angle:g}"
         # Behind a skew end at the end of the bar alone no cut is needed, and there it is not.
         self.said += faults.said or [
             rules.CUT_MISSING.at(last.source, angle=angle, x=f"{x:.6g}", end="end", mark=last.mark)

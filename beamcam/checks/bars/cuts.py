@@ -8,7 +8,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.machined_features import Cut
+from beamcam.checks.bars.stations import Cut
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.machine.machine import Machine
@@ -70,9 +70,9 @@ class End(Struct, frozen=True, gc=False):
         which has to be along (1, tan w, tan f), so tan t = tan f cos w.
         """
         if not self.flange:
-            return saw.square + saw.angle_sign * self.web, 0.0
+            return saw.zero_angle + saw.angle_sign * self.web, 0.0
         tilt = degrees(atan(self.tan_flange * cos(radians(self.web))))
-        return saw.square + saw.angle_sign * self.web, saw.tilt_sign * tilt + 0.0
+        return saw.zero_angle + saw.angle_sign * self.web, saw.tilt_sign * tilt + 0.0
 
 
 def ends_of(part: Part, saw: Saw) -> tuple[End, End]:

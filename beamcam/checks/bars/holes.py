@@ -20,8 +20,7 @@ from math import floor, inf, radians, tan
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.machined_features import Bore
-from beamcam.checks.bars.stations import Choice, stroke_values, wall_thickness
+from beamcam.checks.bars.stations import Bore, Choice, stroke_values, wall_thickness
 from beamcam.checks.bars.targets import THREADS, Round, RoundKind
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source

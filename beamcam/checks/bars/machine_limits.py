@@ -14,9 +14,8 @@ from msgspec import Struct
 from beamcam.caches import PerObject
 from beamcam.checks import rules as rules
 from beamcam.checks.bars.cuts import End
-from beamcam.checks.bars.machined_features import Cut, MachinedFeatures, MachinedPath
 from beamcam.checks.bars.pieces import LaidPart
-from beamcam.checks.bars.stations import limits_of, lip_length
+from beamcam.checks.bars.stations import Cut, MachinedFeatures, MachinedPath, limits_of, lip_length
 from beamcam.checks.bars.targets import PLAIN_KINDS, THREADS, Pocket, Round, Target, slot_corners
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Layout, Machine
@@ -91,7 +90,7 @@ def reach_faults(
     if saw is None or not saw.max_sections:
         return
     for cut in cuts:
-        off = abs(cut.angle - saw.square)
+        off = abs(cut.angle - saw.zero_angle)
         rows = [row for row in saw.max_sections if off <= row.max_angle + 1e-6]
         near = min(rows, key=lambda row: row.max_angle, default=None)
         widest = near or max(saw.max_sections, key=lambda row: row.max_angle)

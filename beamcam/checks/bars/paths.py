@@ -14,8 +14,7 @@ from msgspec import Struct
 
 from beamcam.checks import rules
 from beamcam.checks.bars.holes import NEAR, DepthRange, path_reach, wrong_depth
-from beamcam.checks.bars.machined_features import MachinedPath
-from beamcam.checks.bars.stations import in_stem, wall_thickness
+from beamcam.checks.bars.stations import MachinedPath, in_stem, wall_thickness
 from beamcam.checks.bars.targets import MarkingPath, Pocket
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source

@@ -16,7 +16,8 @@ from math import dist
 from msgspec import Struct
 
 from beamcam.checks import rules
-from beamcam.checks.bars.machined_features import (
+from beamcam.checks.bars.pieces import CutPlane, LaidPart
+from beamcam.checks.bars.stations import (
     Bore,
     Cut,
     MachinedFeatures,
@@ -24,7 +25,6 @@ from beamcam.checks.bars.machined_features import (
     StampedText,
     Thing,
 )
-from beamcam.checks.bars.pieces import CutPlane, LaidPart
 from beamcam.checks.bars.targets import Pocket
 from beamcam.checks.bars.tools import Changed, Chosen, Tool, ToolCatalogue
 from beamcam.errors import Diagnostic, Source

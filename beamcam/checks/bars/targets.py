@@ -346,7 +346,7 @@ def _slot(f: int, slot: Slot, part: Part, shop: ToolCatalogue) -> Iterator[Targe
     along, across = slot.length + slot.diameter, slot.height + slot.diameter
     what = f"slot {along:g} x {across:g}"
     mills = shop.sizes("mill", slot.face)
-    fits = bool(mills) and mills[0] <= slot.diameter + shop.drill.twin
+    fits = bool(mills) and mills[0] <= slot.diameter + shop.drill.same_tool_tolerance
     if slot.kind not in PLAIN_KINDS or not fits:
         yield Unmakeable(f, f"the {what}", "slot", slot)
         return

@@ -9,8 +9,13 @@ from msgspec.structs import replace
 from beamcam.checks.asked import by_hand, is_by_hand
 from beamcam.checks.bars.ability import is_within
 from beamcam.checks.bars.cuts import End
-from beamcam.checks.bars.machined_features import MachinedPath, StampedText
-from beamcam.checks.bars.stations import choices_of, lip_length, stroke_values
+from beamcam.checks.bars.stations import (
+    MachinedPath,
+    StampedText,
+    choices_of,
+    lip_length,
+    stroke_values,
+)
 from beamcam.checks.bars.targets import MarkingPath, slot_corners
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.checks.drawn_texts import DrawnPieces, DrawnText, Segment, Wanted, told, wanted

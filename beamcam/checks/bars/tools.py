@@ -46,7 +46,11 @@ class ToolCatalogue:
         """Minimum and maximum drill for a hole; None if the machine has no row for that size."""
         for row in self.drill.fits:
             if diameter <= row.up_to:
-                under = min(row.minus, self.drill.twin) if self.drill.never_under else row.minus
+                under = (
+                    min(row.minus, self.drill.same_tool_tolerance)
+                    if self.drill.never_under
+                    else row.minus
+                )
                 return diameter - under - 1e-6, diameter + row.plus + 1e-6
         return None
 
@@ -66,7 +70,7 @@ class ToolCatalogue:
                 for size, pitch, before in zip(
                     tools.sizes, tools.pitches, tools.pre_drills, strict=True
                 ):
-                    if abs(size - hole.diameter) <= self.drill.twin:
+                    if abs(size - hole.diameter) <= self.drill.same_tool_tolerance:
                         return size, pitch, before
         return None
 

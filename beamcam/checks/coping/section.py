@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from msgspec.structs import replace
 
-from beamcam.checks.bars.turned import Rotation, rotated
+from beamcam.checks.bars.pieces import Rotation, rotated
 from beamcam.model.part import Feature, Part, Profile
 
 FILLET_STEPS = 48  #: chords of a fillet, 0.004 mm off one of 30 mm

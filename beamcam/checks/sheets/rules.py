@@ -1,6 +1,6 @@
 """Rules for programs of a cutting table."""
 
-from beamcam.controllers.rules import SHEET_RULES
+from beamcam.controllers.dialect import SHEET_RULES
 from beamcam.errors import error
 
 # fmt: off

@@ -19,7 +19,7 @@ from beamcam.checks.sheets.controller_state import (
     expected_feeds,
     near_corners,
 )
-from beamcam.controllers.dialect import IDLE_SWITCHES, STOPS, tool_words
+from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS, tool_words
 from beamcam.controllers.events import (
     Other,
     Output,
@@ -31,7 +31,6 @@ from beamcam.controllers.events import (
     ToolOffset,
 )
 from beamcam.controllers.moves import Moves, TableRun
-from beamcam.controllers.rules import SHEET_END
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.curves import Arc

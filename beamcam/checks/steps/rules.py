@@ -32,7 +32,3 @@ VELOCITY = error("steps-velocity",
 COUNT = error("steps-count",
     "found {found} steps of {axis} up to {place}; expected {expected}",
     "Steps that are missing or too many stay for all that comes behind.")
-
-RULES = (
-    WORD, TIME, FREQUENCY, ACCELERATION, LASER, PLACE, SPEED, VELOCITY, COUNT,
-)  # fmt: skip

@@ -23,10 +23,8 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.controllers import rules
-from beamcam.controllers.codesys.blocks import BRAKING, Block, Fault, Lexer
-from beamcam.controllers.codesys.curves import arc_fault, curve_of
-from beamcam.controllers.dialect import DOCUMENTED, Dialect, event_of, with_number
+from beamcam.controllers.codesys import BRAKING, Block, Fault, Lexer
+from beamcam.controllers.dialect import DOCUMENTED, M_QUEUE, Dialect, event_of, with_number
 from beamcam.controllers.events import (
     Acceleration,
     Blending,
@@ -41,14 +39,14 @@ from beamcam.controllers.interpreter import Interpreter, Words
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import meaning_of, shown_code
 from beamcam.machine.machine import CodeMeaning
-from beamcam.model import drill_cycle
+from beamcam.model.cell_motion import BREAK_CHIPS, DRILL, DRILL_AND_DWELL, OWN_LETTERS, PECK
 
 M_WORDS_IN_A_ROW = 64  #: SMC_DEC_OUTQUEUE_RAN_EMPTY
 ENDS = (2, 30)
 #: The cycles that a machine's file may name, by what it calls them.
 _CYCLES: dict[CodeMeaning, int] = {
-    "drill-cycle": drill_cycle.DRILL, "drill-cycle-dwell": drill_cycle.DRILL_AND_DWELL,
-    "drill-cycle-peck": drill_cycle.PECK, "drill-cycle-chips": drill_cycle.BREAK_CHIPS,
+    "drill-cycle": DRILL, "drill-cycle-dwell": DRILL_AND_DWELL,
+    "drill-cycle-peck": PECK, "drill-cycle-chips": BREAK_CHIPS,
 }  # fmt: skip
 _KNOWN_G = frozenset(
     (0, 1, 2, 3, 4, 6, 8, 9, 40, 41, 42, 50, 51, 52, 53, 54, 55, 75, 90, 91, 98, 99)
@@ -218,7 +216,7 @@ class Codesys(Interpreter):
         """Counts an M word or a dwell, which wait in one queue until a move or G75."""
         self._row += 1
         if self._row == M_WORDS_IN_A_ROW + 1:
-            self._say(line, rules.M_QUEUE, found=self._row, expected=M_WORDS_IN_A_ROW)
+            self._say(line, M_QUEUE, found=self._row, expected=M_WORDS_IN_A_ROW)
 
     def _setting(self, line: int, number: int, words: Words) -> None:
         stray = set(words)
@@ -310,7 +308,7 @@ class Codesys(Interpreter):
             self._wrong(line, f"{min(words)} behind G{number:02}", "no word there")
 
     def _drilled(self, line: int, words: Words) -> None:
-        stray = words.keys() - set("XYZRF" + drill_cycle.OWN_LETTERS[self._drilling])
+        stray = words.keys() - set("XYZRF" + OWN_LETTERS[self._drilling])
         if stray:
             self._wrong(line, f"{min(stray)} behind a drilling cycle", "no such word there")
         fed = "F" in words
@@ -343,12 +341,16 @@ class Codesys(Interpreter):
 
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
         """The curve of a block, or what is wrong with it."""
+        from beamcam.controllers.codesys.curves import curve_of
+
         zero = self._shift.get("X", 0.0), self._shift.get("Y", 0.0)
         origin = zero if self._absolute_centre else start
         return curve_of(motion, start, end, words, origin, self._dialect.resolution)
 
     def arc_fault(self, start: Point, end: Point, centre: Point, clockwise: bool) -> str | None:
         """The controller's deviation from an arc; None if it makes that arc."""
+        from beamcam.controllers.codesys.curves import arc_fault
+
         return arc_fault(start, end, centre, self._dialect.resolution)
 
 

@@ -14,7 +14,7 @@ from beamcam.controllers.events import Blending, Compensation, Other, Pause, Sid
 from beamcam.geometry.plane import Point
 from beamcam.machine.codes import OTHER_LETTERS, key_for, meaning_of, shown_code
 from beamcam.machine.machine import CodeMeaning
-from beamcam.model import drill_cycle
+from beamcam.model.cell_motion import DRILLING, END
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
 _WORD = re.compile(rf"([A-Z$])({_NUMBER})")
@@ -22,7 +22,7 @@ _COMMENT = re.compile(r"\([^()]*\)|;.*")
 
 MOTIONS = {"G0": 0, "G1": 1, "G2": 2, "G3": 3}
 #: Canned cycles, and their end, of a controller that knows them.
-CYCLES = {f"G{number}": number for number in (drill_cycle.END, *drill_cycle.DRILLING)}
+CYCLES = {f"G{number}": number for number in (END, *DRILLING)}
 ENDS = (2, 30)
 #: G words that shift or leave the places that a program names.
 SHIFTS = ("G10", "G28", "G28.1", "G30", "G30.1", "G52", "G68", "G92", "G92.3", "G43", "G43.1")

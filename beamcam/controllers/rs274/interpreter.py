@@ -19,7 +19,7 @@ from beamcam.controllers.interpreter import Interpreter, Words, arc_of
 from beamcam.controllers.rs274.blocks import ENDS, Block, Variant, read_block
 from beamcam.controllers.rs274.head import HeadWords
 from beamcam.geometry.plane import Point
-from beamcam.model import drill_cycle
+from beamcam.model.cell_motion import END, OWN_LETTERS
 
 _NUMBERED = re.compile(r"\s*N[0-9]+\s*")
 _LAST_TRAVEL = 3  #: G3; beyond it are canned cycles
@@ -86,7 +86,7 @@ class Rs274(HeadWords, Interpreter):
         if variant.blends:
             found["G64"] = frozenset("PQ")
         if variant.cycles:
-            for number, letters in drill_cycle.OWN_LETTERS.items():
+            for number, letters in OWN_LETTERS.items():
                 found[f"G{number}"] = axes | set("R" + letters)
         found |= {f"M{number}": letters for number, letters in variant.switches.items()}
         found |= {f"M{number}": frozenset[str]() for number in ENDS}
@@ -243,8 +243,8 @@ class Rs274(HeadWords, Interpreter):
     def _cycle_block(self, line: int, motion: int, values: Words, own_feed: bool) -> None:
         """A block of a canned cycle, or its end."""
         self._motion = motion
-        stray = values.keys() - set("XYZR" + drill_cycle.OWN_LETTERS.get(motion, ""))
-        if motion == drill_cycle.END:
+        stray = values.keys() - set("XYZR" + OWN_LETTERS.get(motion, ""))
+        if motion == END:
             self._cycle = None
             self._motion, stray = -1, set(values)
         elif not stray:

@@ -51,8 +51,3 @@ SPEED = error("st-speed",
 HEIGHT = error("st-height",
     "found {found}; expected {expected}",
     "The torch pierces and cuts at the heights of its row; with it off X and Y move at clearance.")
-
-RULES = (
-    SYNTAX, NAME, DECLARED, PARAMETER, TYPE, BOUNDS, COUNT, RUN, RUNTIME, COMMAND, TRIGGER, TOOL,
-    STRAIGHT, SPEED, HEIGHT,
-)  # fmt: skip

@@ -11,5 +11,3 @@ ROW = error("steps-row",
 HEAD = error("steps-head",
     "found {found} in the head of the table; expected {expected}",
     "The table is for motors or lead screws that this machine does not have.")
-
-RULES = (ROW, HEAD)

@@ -9,7 +9,7 @@ from msgspec import Struct
 
 from beamcam.errors import Source
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import Arc, Curve, Line
+from beamcam.geometry.curves import Arc, Curve, Line, parameter_at
 from beamcam.geometry.plane import Point, dot
 from beamcam.machine.torch import CORNER_DEG, Torch, TorchProcess
 
@@ -85,9 +85,9 @@ def stretch(curves: Curves, lengths: Sequence[float], low: float, high: float) -
         if b - a > 1e-9:
             piece = curve
             if b < length:
-                piece = piece.split(_parameter(piece, b))[0]
+                piece = piece.split(parameter_at(piece, b))[0]
             if a > 0.0:
-                piece = piece.split(_parameter(piece, a))[1]
+                piece = piece.split(parameter_at(piece, a))[1]
             found.append(piece)
         done += length
     return tuple(found)
@@ -97,23 +97,9 @@ def place_at(curves: Curves, lengths: Sequence[float], length: float) -> Point:
     """The place so far along a chain, which is no longer than that and no shorter than 0."""
     for curve, own in zip(curves, lengths, strict=True):
         if length <= own:
-            return curve.point(_parameter(curve, length))
+            return curve.point(parameter_at(curve, length))
         length -= own
     return curves[-1].end
-
-
-def _parameter(curve: Curve, length: float) -> float:
-    """Parameter at arc length `length`, by bisection for curves of uneven speed."""
-    if isinstance(curve, Line | Arc):
-        return length / curve.length
-    low, high = 0.0, 1.0
-    for _ in range(40):
-        middle = (low + high) / 2
-        if curve.split(middle)[0].length < length:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2
 
 
 #: Points of chains, and the chain of each.

@@ -61,7 +61,6 @@ SHALLOW = error("plan-blind-shallow",
     "found {what} of depth {found} at x {x}, y {y} on face {face}; expected at least {expected} "
     "mm, which programs of the machine can say",
     "Nothing is left of such a depth in a program. A depth of 0 is through.")  # fmt: skip
-RULES = (OFF_PART, NEAR_EDGE, WALL, FILLET, NEAR_FILLET, BLIND_DEPTH, SHALLOW)
 
 TOLERANCE = 0.01  #: mm; files round to it, so a hole that is as near is tangent
 

@@ -31,13 +31,15 @@ from beamcam.planning.operations.hole_pairs import (
 from beamcam.planning.operations.part_planner import Kind, PartPlanner, refuse_face, refuse_place
 from beamcam.planning.operations.paths import pocket_path
 from beamcam.planning.operations.tools import (
+    Found,
     HoleWork,
+    Settled,
     Tooling,
     ToolLibrary,
+    WorkingStep,
     library_of,
     toolings_of,
 )
-from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
 
 DUPLICATE = warning("plan-duplicate",
     "found a hole of diameter {found} on face {face} at x {x}, y {y} a second time; it is drilled "
@@ -48,7 +50,6 @@ BLIND_POINT = warning("plan-blind-point",
     "found {what} of depth {found} at x {x}, y {y} on face {face}; its point comes {out} mm "
     "through the wall of {expected} mm",
     "The depth counts to the full diameter, and the drill's point goes beyond it.")  # fmt: skip
-RULES = (DUPLICATE, BLIND_POINT)
 REASONS = {
     "drill-exact": "a drill of exactly the diameter",
     "drill-nearest": "no drill of exactly the diameter; the nearest one within the tolerance",
@@ -267,7 +268,11 @@ def _other_drills(op: DrillOp, plan: Plan, library: ToolLibrary) -> Iterator[str
         if tool != op.tool:
             off = max(abs(tool.diameter - d) for d in diameters)
             used = max(abs(op.tool.diameter - d) for d in diameters)
-            because = "no nearer" if off - used <= library.drill.twin + 1e-9 else "further off"
+            because = (
+                "no nearer"
+                if off - used <= library.drill.same_tool_tolerance + 1e-9
+                else "further off"
+            )
             yield f"{tool.name}: {off:g} mm off, {because}"
 
 

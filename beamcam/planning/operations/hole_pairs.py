@@ -14,7 +14,7 @@ from beamcam.machine.stations import Drill
 from beamcam.model.description import named
 from beamcam.model.part import Face, Hole
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
-from beamcam.planning.operations.working_step import Said
+from beamcam.planning.operations.tools import Said
 
 # --- merging --------------------------------------------------------------------------------------
 
@@ -125,7 +125,7 @@ def _partner(
     holes: Group, i: int, face: Face, taken: Collection[int], drill: Drill
 ) -> Placed | None:
     """The nearest hole behind `holes[i]` that is the same on `face` and has no partner yet."""
-    reach, limit = drill.merge_tolerance + ROUNDING, drill.twin + ROUNDING
+    reach, limit = drill.merge_tolerance + ROUNDING, drill.same_tool_tolerance + ROUNDING
     x, _, hole = holes[i]
     best: tuple[float, int] | None = None
     found: Placed | None = None
@@ -157,9 +157,9 @@ def unmerged_because(hole: Hole, other: Hole, drill: Drill) -> str | None:
             return f"{name} {mine:g} and {theirs:g}"
     if hole.kind != other.kind:
         return f"kind {hole.kind} and {other.kind}"
-    if abs(hole.diameter - other.diameter) > drill.twin + ROUNDING:
+    if abs(hole.diameter - other.diameter) > drill.same_tool_tolerance + ROUNDING:
         return f"diameter {hole.diameter:g} and {other.diameter:g}"
-    if not alike(hole, other, drill.twin + ROUNDING):
+    if not alike(hole, other, drill.same_tool_tolerance + ROUNDING):
         return f"depth {_shown(hole.depth)} and {_shown(other.depth)}"
     return None
 
@@ -186,7 +186,6 @@ CROWD = error("plan-hole-crowd",
     "of them about this one; expected at most {expected}",
     "So many holes do not stand beside each other on a wall: they are a drawing that was written "
     "again and again. Nothing else is said of them.")  # fmt: skip
-RULES = (OVERLAP, TOO_NEAR, CROWD)
 MOST_PAIRS = (
     2_000_000  #: that are compared; 20,000 holes of 18 mm all over a bar of 12 m have 1 of 2
 )

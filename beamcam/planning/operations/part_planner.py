@@ -15,13 +15,18 @@ from beamcam.machine.stations import Drill, Saw
 from beamcam.model.description import named
 from beamcam.model.part import Face, Feature, Hole, Part, Profile, Slot
 from beamcam.model.plan import Plan, WorkOp
-from beamcam.model.section import NO_PLATE, OTHER_SIDE
-from beamcam.model.weight import lip_of
+from beamcam.model.section import NO_PLATE, OTHER_SIDE, lip_of
 from beamcam.planning.axis_limits import travel_on
 from beamcam.planning.operations.ends import Ends
 from beamcam.planning.operations.finished_part import FinishedPart
-from beamcam.planning.operations.tools import ToolLibrary, library_of
-from beamcam.planning.operations.working_step import Found, Said, Settled, WorkingStep
+from beamcam.planning.operations.tools import (
+    Found,
+    Said,
+    Settled,
+    ToolLibrary,
+    WorkingStep,
+    library_of,
+)
 from beamcam.planning.rules import NO_SPINDLE
 
 OFF_FACE = error("plan-off-face",
@@ -243,6 +248,3 @@ class Kind(Struct, frozen=True):
     reasons: Mapping[str, str] = {}  #: explanations of its steps: stable code and text
     #: What might have been done instead of an operation, and why it was not.
     rejected: Callable[[WorkOp, Plan, Machine], Iterator[str]] = nothing
-
-
-RULES = (FROM_BEHIND, ANGLE_FACE, OFF_FACE, IN_THE_WAY)

@@ -21,8 +21,7 @@ from beamcam.geometry.plane import unit_vector
 from beamcam.model.part import Contour, Face
 from beamcam.planning.operations.finished_part import TOLERANCE
 from beamcam.planning.operations.part_planner import IN_THE_WAY, Kind, PartPlanner
-from beamcam.planning.operations.tools import Tooling
-from beamcam.planning.operations.working_step import Found, WorkingStep
+from beamcam.planning.operations.tools import Found, Tooling, WorkingStep
 from beamcam.planning.rules import MARK, no_unit
 
 STEP = 0.6  #: of a mill's diameter between the paths that clear a blind pocket
@@ -138,7 +137,6 @@ LINE_BEYOND = warning("plan-line-beyond",
     "found a line to mark on face {face} that goes {out} mm beyond {where}; expected it on the "
     "finished part",
     "What is scribed beyond the part is scribed on waste, or in the air.")  # fmt: skip
-RULES = (LINE_BEYOND,)
 REASONS = {"scribe-line": "a line that is marked and not cut"}
 
 

@@ -23,7 +23,7 @@ from beamcam.model.section import corners
 from beamcam.planning import rules
 from beamcam.planning.operations.ends import End, Ends, leaves_stock
 from beamcam.planning.operations.part_planner import Kind, Numbered, PartPlanner, nothing
-from beamcam.planning.operations.working_step import Found, Settled
+from beamcam.planning.operations.tools import Found, Settled
 from beamcam.planning.rules import BEVEL, BEVEL_NOISE
 
 SAW_ANGLE = error("plan-saw-angle",
@@ -75,7 +75,7 @@ def _refuse_cut(end: End, saw: Saw, part: Part) -> Diagnostic | None:
     angle, tilt = saw_angles(end, saw)
     if end.web_deg and not saw.min_angle <= angle <= saw.max_angle:
         least, greatest = sorted(
-            (limit - saw.square) * saw.angle_sign for limit in (saw.min_angle, saw.max_angle)
+            (limit - saw.zero_angle) * saw.angle_sign for limit in (saw.min_angle, saw.max_angle)
         )
         return SAW_ANGLE.at(
             part.cut_source("web", end.at), found=f"{end.web_deg:g}", end=end.at,
@@ -123,7 +123,7 @@ def _refusals(ends: Ends, planner: PartPlanner) -> Iterator[Diagnostic]:
     height, width = part.profile.height, part.profile.width
     for each in ends:
         angle = saw_angles(each, saw)[0]
-        reach = _reach_at(abs(angle - saw.square), saw)
+        reach = _reach_at(abs(angle - saw.zero_angle), saw)
         if reach is None or (height <= reach.max_height and width <= reach.max_width):
             continue
         yield SAW_REACH.at(
@@ -153,7 +153,7 @@ def cuts_of(
         source, shares_start, shares_end = piece.part.source, common[index], common[index + 1]
         if index == 0 and start.is_square:
             x = saw.x + piece.start - saw.kerf / 2
-            yield SawOp(x, saw.square, "trim", (0,), source, 0.0, "start", ("cut-trim",))
+            yield SawOp(x, saw.zero_angle, "trim", (0,), source, 0.0, "start", ("cut-trim",))
         elif not start.is_square and not shares_start:
             yield _skew(piece, (index,), start, saw, "mitre")
         following = ends[index + 1][0] if index + 1 < len(pieces) else None
@@ -166,11 +166,13 @@ def cuts_of(
             # It makes the next part's square start too, which lies further on behind a mitre.
             x = saw.x + pieces[index + 1].start - saw.kerf / 2
             both = (index, index + 1)
-            yield SawOp(x, saw.square, "parting", both, source, 0.0, "end", ("cut-parting-both",))
+            yield SawOp(
+                x, saw.zero_angle, "parting", both, source, 0.0, "end", ("cut-parting-both",)
+            )
         elif end.is_square or following is not None or bar.left > NOTHING_LEFT:
             x = saw.x + piece.end + end.kerf / 2
             reason = "cut-parting" if end.is_square else "cut-wedge"
-            yield SawOp(x, saw.square, "parting", (index,), source, 0.0, "end", (reason,))
+            yield SawOp(x, saw.zero_angle, "parting", (index,), source, 0.0, "end", (reason,))
 
 
 def _skew(
@@ -197,7 +199,7 @@ def saw_angles(end: End, saw: Saw) -> tuple[float, float]:
     The blade turned by w and tilted by t has the normal (cos t cos w, cos t sin w, sin t), which
     is along (1, tan w, tan f) of the end if tan t = tan f cos w.
     """
-    angle = saw.square + saw.angle_sign * end.web_deg
+    angle = saw.zero_angle + saw.angle_sign * end.web_deg
     if not end.flange_deg:
         return angle, 0.0
     tilt = degrees(atan(tan(radians(end.flange_deg)) * cos(radians(end.web_deg))))
@@ -258,9 +260,9 @@ def _leaves_bevel(bevel_deg: float, face: Face, ends: Ends) -> bool:
     )
 
 
-def _sawn_contours(contours: Sequence[tuple[int, Contour]], _: PartPlanner) -> Iterator[Found]:
+def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
     """None: the cuts at the ends make them all."""
-    return (Settled(f, "made", "saw") for f, _ in contours)
+    return (Settled(f, "made", "saw") for f, _ in features)
 
 
 CONTOUR = Kind(
@@ -268,11 +270,8 @@ CONTOUR = Kind(
     lambda feature: isinstance(feature, Contour) and feature.process == "cut",
     _cut_out,
     _unsawn,
-    _sawn_contours,
+    _sawn,
 )
-
-
-RULES = (SAW_ANGLE, FLANGE_CUT, COMPOUND, CUTS_CROSS, CUTS_TOUCH, SAW_REACH, COPE, CUTOUT)
 
 
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}
@@ -280,22 +279,13 @@ SAME_PLANE = 0.1  #: mm between a plane and the end that it states once more, at
 
 
 def _beyond_saw(feature: Bend | EndPlane | Camber, planner: PartPlanner) -> Diagnostic | None:
-    if isinstance(feature, EndPlane) and _is_end_plane(feature, planner):
-        return None
+    """What no saw makes; a plane that is that of the part's start or end is made."""
+    if isinstance(feature, EndPlane):
+        end = planner.ends[feature.normal[0] > 0]
+        places = corners(planner.part.profile, planner.part.section)
+        if all(abs(feature.x(y, z) - end.x(y, z)) <= SAME_PLANE for y, z in places):
+            return None
     return rules.OTHER.at(feature.source, found=NAMES[type(feature)])
 
 
-def _is_end_plane(plane: EndPlane, planner: PartPlanner) -> bool:
-    """Whether a plane is that of the start or the end of the part."""
-    start, end = planner.ends
-    places = corners(planner.part.profile, planner.part.section)
-    one = end if plane.normal[0] > 0 else start
-    return all(abs(plane.x(y, z) - one.x(y, z)) <= SAME_PLANE for y, z in places)
-
-
-def _sawn_planes(planes: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
-    """None: the cuts at the ends make them."""
-    return (Settled(f, "made", "saw") for f, _ in planes)
-
-
-OTHER = Kind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn_planes)
+OTHER = Kind("other", lambda feature: type(feature) in NAMES, _beyond_saw, steps=_sawn)

@@ -16,8 +16,7 @@ from beamcam.planning import rules
 from beamcam.planning.operations.finished_part import NEAR_EDGE, TOLERANCE
 from beamcam.planning.operations.part_planner import Kind, PartPlanner, refuse_face, refuse_place
 from beamcam.planning.operations.paths import pocket_path
-from beamcam.planning.operations.tools import Tooling
-from beamcam.planning.operations.working_step import Found, Said, WorkingStep
+from beamcam.planning.operations.tools import Found, Said, Tooling, WorkingStep
 
 REASONS = {
     "slot-end": "the ends of a slot are drilled before it is milled",
@@ -29,7 +28,6 @@ CROWD = error("plan-slot-crowd",
     "{expected} on a part",
     "So many slots do not stand beside each other on a wall: they are a drawing that was written "
     "again and again. Nothing else is said of them.")  # fmt: skip
-RULES = (CROWD,)
 MOST_PAIRS = 100_000  #: that are compared, 3 s
 
 Shape = tuple[int, Hole | Slot]  #: index of the feature, on the face that it is made from

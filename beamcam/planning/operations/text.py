@@ -6,6 +6,7 @@ is left for manual work.
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from beamcam.errors import Diagnostic
 from beamcam.machine.stations import FLAT_DEG, Tool
@@ -14,14 +15,15 @@ from beamcam.model.plan import Typed
 from beamcam.model.section import NO_PLATE, OTHER_SIDE
 from beamcam.planning.axis_limits import within_axes
 from beamcam.planning.left_out import FACE
-from beamcam.planning.lettering import Lettered, place_text, remarks
-from beamcam.planning.lettering_room import Room
 from beamcam.planning.operations.ends import wall_end
 from beamcam.planning.operations.part_planner import Kind, PartPlanner
 from beamcam.planning.operations.paths import can_scribe
 from beamcam.planning.operations.slot import slot_ends
-from beamcam.planning.operations.tools import Tooling
-from beamcam.planning.operations.working_step import Found, Settled, WorkingStep
+from beamcam.planning.operations.tools import Found, Settled, Tooling, WorkingStep
+
+if TYPE_CHECKING:
+    from beamcam.planning.lettering import Lettered
+    from beamcam.planning.lettering_room import Room
 
 REASONS = {
     "letter": "a text lettered by strokes",
@@ -38,6 +40,10 @@ def _needs(text: TextMark, planner: PartPlanner) -> None:
 
 
 def _steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> Iterator[Found]:
+    if not texts:
+        return
+    from beamcam.planning.lettering import place_text, remarks
+
     by_face: dict[Face, list[tuple[int, TextMark]]] = defaultdict(list)
     for f, text in texts:
         by_face[text.face].append((f, text))
@@ -64,7 +70,7 @@ def _comes_to(face: Face, planner: PartPlanner) -> bool:
 
 
 def _steps_of(
-    f: int, text: TextMark, lettered: Lettered, planner: PartPlanner
+    f: int, text: TextMark, lettered: "Lettered", planner: PartPlanner
 ) -> Iterator[WorkingStep]:
     marks = planner.machine.marks
     if marks.unit == "stamp" or marks.unit == "printer":
@@ -86,8 +92,10 @@ def _tooling(face: Face, planner: PartPlanner) -> Tooling:
     )
 
 
-def _room(face: Face, planner: PartPlanner) -> Room | None:
+def _room(face: Face, planner: PartPlanner) -> "Room | None":
     """Room for a text on a face, within the axes' travel; None where there is none."""
+    from beamcam.planning.lettering_room import Room
+
     low, high = _between_walls(face, planner)
     if not planner.machine.marks.is_told:
         bounds = within_axes(_tooling(face, planner), (low, high), planner.travel)
@@ -126,7 +134,7 @@ def _between_walls(face: Face, planner: PartPlanner) -> tuple[float, float]:
     return low, high
 
 
-def _remove_obstacles(room: Room, face: Face, planner: PartPlanner) -> None:
+def _remove_obstacles(room: "Room", face: Face, planner: PartPlanner) -> None:
     """Take the stem of a T, and holes and slots, from the steel of a face."""
     code = planner.part.profile.code
     if code == "T" and face == "v":

@@ -1,9 +1,9 @@
 """Which tool of a machine makes a hole of a given diameter.
 
 A drill fits if it differs from the hole by no more than the machine's tolerance for that
-diameter; of those that fit the nearest is taken. Tools that differ by less than `drill.twin` are
-one tool to the shop (20.64 and 13/16 in), so several may be equally near; which of them is taken
-is settled over the whole bar (`planning.beam`):
+diameter; of those that fit the nearest is taken. Tools that differ by less than
+`drill.same_tool_tolerance` are one tool to the shop (20.64 and 13/16 in), so several may be equally
+near; which of them is taken is settled over the whole bar (`planning.beam`):
 
     hole 26.99    drills 26.9875 (1 1/16 in) and 27.00    both within 0.02 of the nearest
     hole 27.00    the same two                            one drill for both holes
@@ -11,16 +11,18 @@ is settled over the whole bar (`planning.beam`):
 
 from collections.abc import Iterable, Mapping
 from math import radians, tan
-from typing import cast
+from typing import Literal, cast
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.caches import BoundedCache, PerObject
-from beamcam.errors import Rule, error
+from beamcam.errors import Diagnostic, Rule, Source, error
+from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine, drill_of
 from beamcam.machine.stations import FLAT_DEG, Drill, Fit, Tool, ToolKind, ToolSet
 from beamcam.model.part import Face, HoleKind
+from beamcam.model.plan import Typed
 from beamcam.planning.rules import MARK, NO_TOOL, no_unit
 
 Tools = tuple[Tool, ...]  #: equally good ones, the nearest first
@@ -69,7 +71,9 @@ class ToolLibrary:
         known = self._drills.get(key)
         if known is None:
             fitting = self.fitting(diameters, faces)
-            known = self._drills.keep(key, nearest(fitting, diameters, self.drill.twin))
+            known = self._drills.keep(
+                key, nearest(fitting, diameters, self.drill.same_tool_tolerance)
+            )
         return known
 
     def fitting(self, diameters: tuple[float, ...], faces: tuple[Face, ...]) -> Tools:
@@ -102,7 +106,7 @@ class ToolLibrary:
         ]
         if whole:
             fitting = [t for t in cones if fit and is_within(t.diameter - diameter, fit)]
-            return nearest(tuple(fitting), (diameter,), self.drill.twin)
+            return nearest(tuple(fitting), (diameter,), self.drill.same_tool_tolerance)
         return tuple(t for t in cones if t.diameter >= diameter - ROUNDING)[:1]
 
     def taps(self, diameter: float, left: bool, faces: tuple[Face, ...]) -> Tools:
@@ -111,7 +115,7 @@ class ToolLibrary:
         return tuple(
             tap
             for tap in self.of_kind("tap", faces)
-            if tap.hand == hand and abs(tap.diameter - diameter) <= self.drill.twin
+            if tap.hand == hand and abs(tap.diameter - diameter) <= self.drill.same_tool_tolerance
         )[:1]
 
     def pre_drill(self, tap: Tool) -> float:
@@ -139,7 +143,7 @@ class ToolLibrary:
 
     def slot_mill(self, diameter: float, faces: tuple[Face, ...]) -> Tools:
         """The largest mill that is no wider than a slot."""
-        limit = diameter + self.drill.twin
+        limit = diameter + self.drill.same_tool_tolerance
         return tuple(t for t in self.of_kind("mill", faces) if t.diameter <= limit)[-1:]
 
     def largest_drill(self, faces: tuple[Face, ...]) -> float:
@@ -167,7 +171,7 @@ def fit_of(diameter: float, drill: Drill) -> Fit | None:
     fit = next((f for f in drill.fits if diameter <= f.up_to), None)
     if fit is None or not drill.never_under:
         return fit
-    return replace(fit, minus=min(fit.minus, drill.twin))
+    return replace(fit, minus=min(fit.minus, drill.same_tool_tolerance))
 
 
 def is_within(difference: float, fit: Fit) -> bool:
@@ -221,7 +225,6 @@ THREAD_DEPTH = error("plan-thread-depth",
     "found a thread of depth {found} on face {face}; expected at most {expected}, the tapping "
     "drill would come through",
     "The drill before a blind tap goes deeper than the thread by the tap's run-out.")  # fmt: skip
-RULES = (NO_PILOT, SINK_DEPTH, THREAD_DEPTH)
 
 
 class HoleWork(Struct, frozen=True):
@@ -361,3 +364,33 @@ def _nearest_tools(library: ToolLibrary, hole: HoleWork) -> str:
         return f"a hole near a drill of {shown}"
     limits = f"{diameter - fit.minus:g} to {diameter + fit.plus:g}"
     return f"a drill of {limits} (drill.fits); the nearest are {shown}"
+
+
+# --- working steps --------------------------------------------------------------------------------
+
+# Work at a place of a part, by a spindle or by what letters; other outcomes of a feature.
+
+
+class WorkingStep(Struct, frozen=True):
+    """One operation of a spindle, at its place on the part (the workingstep of ISO 14649)."""
+
+    x: float
+    y: float
+    tooling: Tooling
+    features: tuple[int, ...]  #: those of the part that it makes
+    source: Source
+    path: tuple[Point, ...] = ()  #: x on the part and y on the face; () for a stroke
+    text: Typed | None = None  #: that a stamp or printer is told
+
+
+class Settled(Struct, frozen=True):
+    """A feature that needs no working step of its own."""
+
+    feature: int
+    how: Literal["made", "duplicate", "listed"]
+    by: str  #: "saw", why it is left for manual work, or the code that says why
+    like: int | None = None  #: the feature that it repeats
+
+
+Said = tuple[int, Diagnostic]  #: a message about a feature, by its index
+Found = WorkingStep | Settled | Said

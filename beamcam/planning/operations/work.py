@@ -23,7 +23,7 @@ from beamcam.planning.operations.paths import LINE
 from beamcam.planning.operations.saw_cut import CONTOUR, OTHER, SAW_CUT
 from beamcam.planning.operations.slot import SLOT
 from beamcam.planning.operations.text import TEXT
-from beamcam.planning.operations.working_step import Settled, WorkingStep
+from beamcam.planning.operations.tools import Settled, WorkingStep
 
 # --- kinds ----------------------------------------------------------------------------------------
 

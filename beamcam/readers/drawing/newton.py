@@ -8,9 +8,8 @@ from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Line
 from beamcam.geometry.newton import NewtonCurve, find_oscillation, newton_through, node_error
 from beamcam.model.part import Contour, Part
-from beamcam.readers.drawing import drawing_part
-from beamcam.readers.drawing.rules import FIT_LAYER, FIT_NODES, FITTED
-from beamcam.readers.rules import NODES_LOST, OSCILLATION
+from beamcam.readers.content import NODES_LOST, OSCILLATION
+from beamcam.readers.drawing import FIT_LAYER, FIT_NODES, FITTED, drawing_part
 
 #: A polynomial that misses its nodes by more, in mm, is another curve than was asked for.
 MAX_NODE_ERROR = 1e-6

@@ -15,7 +15,7 @@ from beamcam.errors import Diagnostic
 from beamcam.geometry.plane import Matrix, join_boxes
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.readers.content import Reading
-from beamcam.readers.drawing import rules
+from beamcam.readers.drawing import WRAP_NAME, WRAP_WIDE, WRAPPED
 
 #: A diameter and a wall in mm, as RO168.3x8.
 _TUBE = re.compile(
@@ -43,7 +43,7 @@ def wrapped(reading: Reading, name: str) -> Reading:
     said: list[Diagnostic] = []
     for part in reading.parts:
         if tube is None:
-            said.append(rules.WRAP_NAME.at(part.source, found=name))
+            said.append(WRAP_NAME.at(part.source, found=name))
             break
         one, more = _round(part, tube)
         parts.append(one)
@@ -65,7 +65,7 @@ def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:
     outline = max(upright or lying, key=lambda k: found[k][0] * found[k][1], default=None)
     if outline is None:
         largest = max(found.values(), key=lambda size: size[0] * size[1], default=(0.0, 0.0))
-        return part, rules.WRAP_WIDE.at(
+        return part, WRAP_WIDE.at(
             part.source, found=" x ".join(f"{v:.2f}" for v in largest), tube=tube.name,
             expected=f"{turn:.2f}",
         )  # fmt: skip
@@ -84,4 +84,4 @@ def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:
     length = found[outline][0 if upright else 1]
     wrapped = replace(part, profile=tube, length=length, features=features)
     how = "" if upright else ", turned clockwise by 90 degrees"
-    return wrapped, rules.WRAPPED.at(part.source, tube=tube.name, how=how)
+    return wrapped, WRAPPED.at(part.source, tube=tube.name, how=how)

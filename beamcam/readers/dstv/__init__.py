@@ -6,7 +6,7 @@ from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Rule, Source
-from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Part, Profile
+from beamcam.model.part import MIRRORED_FACES, Contour, Feature, Hole, Profile
 from beamcam.readers.content import Reading
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.blocks import (
@@ -35,10 +35,9 @@ from beamcam.readers.dstv.rows import (
     read_text,
     read_tolerance,
 )
-from beamcam.readers.dstv.rules import RULES
 from beamcam.readers.dstv.tokens import CODES, Block, Log, split_lines
 
-__all__ = ["RULES", "Account", "looks_like", "read", "read_with_account"]
+__all__ = ["Account", "looks_like", "read", "read_with_account"]
 
 
 #: What stands before the rows of features that are there, and what says that the ends are.
@@ -135,7 +134,11 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
     data_lines = [*head.numbers]
     for block in blocks:
         data_lines += block.numbers
-    return _result(part, data_lines, log)
+    diagnostics = log.diagnostics
+    if len(diagnostics) > 1:
+        diagnostics.sort(key=lambda d: d.source.line or 0)
+    reported = [d.source.line or 0 for d in diagnostics] + log.left_out
+    return Reading("dstv", (part,), tuple(diagnostics)), Account(data_lines, log.taken, reported)
 
 
 def _made(texts: list[str], head: int, name: str) -> Reading:
@@ -151,14 +154,6 @@ def _made(texts: list[str], head: int, name: str) -> Reading:
     reading, _ = read_with_account(data, name, "utf-8")
     said = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
     return replace(reading, diagnostics=said)
-
-
-def _result(part: Part, data_lines: list[int], log: Log) -> tuple[Reading, Account]:
-    diagnostics = log.diagnostics
-    if len(diagnostics) > 1:
-        diagnostics.sort(key=lambda d: d.source.line or 0)
-    reported = [d.source.line or 0 for d in diagnostics] + log.left_out
-    return Reading("dstv", (part,), tuple(diagnostics)), Account(data_lines, log.taken, reported)
 
 
 def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
@@ -242,16 +237,13 @@ def _code_and_plane(block: Block, content: Content, log: Log) -> tuple[str, str]
     known = _ON_PLANES.get(letter, code)
     if letter == "E":
         return known, ""
-    if code == "B0" and "0" not in content.plane_names and _has_faces(block):
+    has_faces = bool(block.rows) and block.rows[0][0] in FACE_LETTERS
+    if code == "B0" and "0" not in content.plane_names and has_faces:
         log.add(rules.CODE_ZERO, block.line)
         return known, ""
     if digit not in content.plane_names:
         log.add(rules.PLANE, block.line, block=code, plane="E" + digit)
     return known, content.plane_names.get(digit, "E" + digit)
-
-
-def _has_faces(block: Block) -> bool:
-    return bool(block.rows) and block.rows[0][0] in FACE_LETTERS
 
 
 def _read_plane(block: Block, content: Content, log: Log) -> None:

@@ -8,12 +8,11 @@ from itertools import zip_longest
 from msgspec import Struct, field
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.model.anchors import anchor_key, plane_positions
 from beamcam.model.part import Comment, Contour, Feature, Plane, SectionPoint
+from beamcam.readers.content import ENCODING
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.contours import Rows
 from beamcam.readers.dstv.tokens import CODES, Block, Log
-from beamcam.readers.rules import ENCODING
 
 Loose = tuple[int, str]  #: line and text of a comment
 
@@ -112,6 +111,8 @@ def place_comments(
     """
     if not loose:
         return tuple(Comment(text, anchor) for _, anchor, text in placed)
+    from beamcam.model.anchors import anchor_key, plane_positions
+
     stops = _stops(blocks, features, content)
     lines = [line for line, _ in stops]
     found = list(placed)
@@ -224,16 +225,11 @@ def guessed(data: bytes) -> str:
     words = [word for word in _WORD.findall(data) if not word.isascii()]
     odd = sum(sum(sign >= 0x80 for sign in word) for word in words)
     cyrillic = sum(len(word) for word in words if _CYRILLIC.fullmatch(word))
-    dos = sum(
-        sum(sign in _DOS_LETTERS for sign in word) for word in words if _has_plain_letters(word)
-    )
+    mixed = (word for word in words if any(sign < 0x80 for sign in word))
+    dos = sum(sum(sign in _DOS_LETTERS for sign in word) for word in mixed)
     if 2 * cyrillic > odd:
         return "cp1251"
     return "cp850" if 2 * dos > odd else "latin-1"
-
-
-def _has_plain_letters(word: bytes) -> bool:
-    return any(sign < 0x80 for sign in word)
 
 
 def _first_odd(data: bytes, encoding: str) -> int:

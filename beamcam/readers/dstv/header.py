@@ -6,8 +6,7 @@ from msgspec import Struct
 
 from beamcam.caches import cached
 from beamcam.errors import Source
-from beamcam.model.part import PROFILE_CODES, EndCuts, Part, Profile, ProfileCode
-from beamcam.model.quantities import ALONG_DEG
+from beamcam.model.part import ALONG_DEG, PROFILE_CODES, EndCuts, Part, Profile, ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.tokens import CODES, PLAIN_CODES, Log, number

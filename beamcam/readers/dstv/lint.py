@@ -23,8 +23,7 @@ from beamcam.model.part import (
     Slot,
     TextMark,
 )
-from beamcam.model.section import WALLED, section_fault
-from beamcam.model.weight import STEEL_KG_MM3, section_area
+from beamcam.model.section import STEEL_KG_MM3, WALLED, section_area, section_fault
 from beamcam.readers.dstv import rules
 from beamcam.readers.dstv.contours import Rows
 from beamcam.readers.dstv.tokens import Log

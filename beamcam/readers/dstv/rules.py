@@ -1,6 +1,6 @@
 """Rules for DSTV files: every code that this reader gives, with its reason."""
 
-from beamcam.errors import Rule, error, note, warning
+from beamcam.errors import error, note, warning
 
 # fmt: off
 
@@ -253,7 +253,3 @@ UNROLLED = note("dstv-unrolled",
 ENDPLANE_OVERRULED = note("dstv-endplane-overruled",
     "found cutting planes (SC) beside an outer contour; the contour counts",
     "Where both are given the contour has priority.")
-
-RULES: tuple[Rule, ...] = tuple(
-    value for value in list(globals().values()) if isinstance(value, Rule)
-)

@@ -18,8 +18,7 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
-from beamcam.readers.drawing import MM_PER_UNIT
-from beamcam.readers.drawing.rules import UNITS_OPTION
+from beamcam.readers.drawing import MM_PER_UNIT, UNITS_OPTION
 from beamcam.readers.dxf import rules
 from beamcam.readers.dxf.bulk import Run, Taken, take_plain
 from beamcam.readers.dxf.layers import Document

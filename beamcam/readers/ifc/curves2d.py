@@ -5,9 +5,8 @@ from math import atan2, degrees, hypot, pi
 from typing import Any
 
 from beamcam.geometry.arc_fitting import fit_chains
-from beamcam.geometry.bspline import BSpline
 from beamcam.geometry.conics import arc_by_points
-from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.curves import Arc, BSpline, Curve, Line, Point
 from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
 from beamcam.readers.ifc.text import Typed

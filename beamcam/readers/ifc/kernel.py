@@ -9,12 +9,12 @@ from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.geometry.polylines import polylines
-from beamcam.interrupts import interrupts_waiting
 from beamcam.readers.ifc.brep import BrepError, Cylinder, surfaces_of
 from beamcam.readers.ifc.curves2d import spline_of
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.shell import Shell, shell
 from beamcam.readers.ifc.space import cross, size, sub
+from beamcam.system import interrupts_waiting
 
 # --- references -----------------------------------------------------------------------------------
 # References that the geometry kernel cannot follow: it ends the process over one that is missing.

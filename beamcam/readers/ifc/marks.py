@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from msgspec import Struct, field
 
 from beamcam.caches import cached
-from beamcam.model import weight
+from beamcam.model import section
 from beamcam.model.part import Profile
 from beamcam.readers.ifc.entities import Entity, Model, tied
 from beamcam.readers.ifc.text import Typed
@@ -256,10 +256,10 @@ def named(profile: Profile, labels: Iterable[str]) -> tuple[str, list[str]]:
 
 
 def _contradicts(label: str, profile: Profile) -> bool:
-    known = weight.measures_of(label)
+    known = section.measures_of(label)
     if known is not None:
         # Measures of angles and tubes do not say which side is up.
-        return known[0] != profile.code or weight.difference(profile, known[1]) > SIZE_OFF
+        return known[0] != profile.code or section.difference(profile, known[1]) > SIZE_OFF
     said = _said_measures(label)
     if profile.code not in ("B", "RO", "M", "L") or len(said) < 2 or max(said) < LARGEST_INCHES:
         return False
@@ -288,7 +288,7 @@ def _said_measures(label: str) -> tuple[float, ...]:
 
 def name_of(profile: Profile) -> str:
     """The catalogue's name of a section, or one made of its measures."""
-    return weight.name_of(profile) or measured_name(profile)
+    return section.name_of(profile) or measured_name(profile)
 
 
 def measured_name(profile: Profile) -> str:

@@ -14,7 +14,6 @@ from typing import Any
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.interrupts import interrupts_waiting
 from beamcam.readers.ifc.text import (
     Malformed,
     Record,
@@ -26,6 +25,7 @@ from beamcam.readers.ifc.text import (
     records,
     values_of,
 )
+from beamcam.system import interrupts_waiting
 
 _SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))

@@ -12,9 +12,7 @@ from beamcam.readers.svg.page import Page, find_page
 from beamcam.readers.svg.tree import INITIAL, StyleSheet, looks_like, parse, style_of
 from beamcam.readers.svg.walk import Collected, Context, Walk
 
-__all__ = ["RULES", "looks_like", "read"]
-
-RULES = rules.RULES
+__all__ = ["looks_like", "read"]
 
 
 def read(

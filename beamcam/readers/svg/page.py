@@ -9,8 +9,7 @@ from msgspec import Struct
 
 from beamcam.errors import Diagnostic, ReadError, Source
 from beamcam.geometry.plane import IDENTITY, MAX_COORDINATE, Matrix, unit_vector
-from beamcam.readers.drawing import MM_PER_UNIT, split_length
-from beamcam.readers.drawing.rules import UNITS_OPTION, WIDTH_OPTION
+from beamcam.readers.drawing import MM_PER_UNIT, UNITS_OPTION, WIDTH_OPTION, split_length
 from beamcam.readers.svg import rules
 from beamcam.readers.svg.tree import Document, declarations
 

@@ -1,6 +1,6 @@
 """Rules for SVG files: every code that this reader gives, with its reason."""
 
-from beamcam.errors import Rule, error, note, warning
+from beamcam.errors import error, note, warning
 
 # fmt: off
 
@@ -97,7 +97,3 @@ DEGENERATE = note("svg-empty-curves",
 FLATTENED = warning("svg-flattened",
     "found {count} shapes whose transform presses them to a line; they are left out",
     "A scale of 0 leaves nothing to cut.")
-
-RULES: tuple[Rule, ...] = tuple(
-    value for value in list(globals().values()) if isinstance(value, Rule)
-)

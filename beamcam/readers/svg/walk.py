@@ -264,7 +264,7 @@ class Walk(Struct):
             except ValueError:  # circles have no image if the map presses them to a line
                 self.found.counts["flattened"] += 1
                 continue
-            if any(map(_has_length, chain)):
+            if any(c.start != c.end or c.bbox[:2] != c.bbox[2:] for c in chain):
                 chains.append(chain)
             else:
                 self.found.counts["degenerate"] += 1
@@ -315,10 +315,6 @@ class Walk(Struct):
         except ValueError:
             self.found.said.append(rules.COLOUR.at(source, found=text))
             return None
-
-
-def _has_length(curve: Curve) -> bool:
-    return curve.start != curve.end or curve.bbox[:2] != curve.bbox[2:]
 
 
 _COORDINATES = frozenset(

@@ -18,8 +18,8 @@ class Cell {
   at(t) {
     const axes = this.trace.positions(t), state = this.trace.stateAt(t);
     const stop = this.stop === null ? 0 : axes[this.stop];
-    const rotation = this.saw.rotation === null ? this.saw.square : axes[this.saw.rotation];
-    const mitre = (this.saw.sign * (rotation - this.saw.square) * Math.PI) / 180;
+    const rotation = this.saw.rotation === null ? this.saw.zero_angle : axes[this.saw.rotation];
+    const mitre = (this.saw.sign * (rotation - this.saw.zero_angle) * Math.PI) / 180;
     const down = this.saw.stroke === null ? 0 : axes[this.saw.stroke];
     const spindles = this.spindles.map((s) => ({
       ...s,

@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from beamcam.checks.bars import interpret
-from beamcam.checks.bars.machined_features import Bore, Cut
+from beamcam.checks.bars.stations import Bore, Cut
 from beamcam.machine import load
 from tests.conftest import BEAM_CELL
 

@@ -11,6 +11,7 @@ from beamcam.checks.bars import verify
 from beamcam.geometry.curves import Line
 from beamcam.model.part import Contour, Slot, TextMark
 from beamcam.pipeline import post
+from tests.conftest import rules_of
 from tests.unit.checks.programs import (
     ANNEX,
     BEAM,
@@ -344,7 +345,7 @@ def test_every_rule_has_a_test_of_its_message() -> None:
     """Each code stands, as a whole message has it, in one of the tests."""
     folder = Path(__file__).parents[2]
     texts = "".join(path.read_text("utf-8") for path in sorted(folder.rglob("test_*.py")))
-    for rule in rules.RULES:
+    for rule in rules_of(rules):
         said = {
             "verify-unseen": "how far", "verify-unknown-steel": "the program",
             "verify-bar-needed": "the length",

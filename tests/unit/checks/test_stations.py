@@ -27,8 +27,8 @@ def askew(name: str, slope: float, *faces: str) -> Machine:
     spindles = tuple(
         replace(s, stroke=replace(
             s.stroke,
-            start=Formula(s.stroke.start + lower),
-            near=None if s.stroke.near is None else Formula(s.stroke.near + lower),
+            retract=Formula(s.stroke.retract + lower),
+            approach=None if s.stroke.approach is None else Formula(s.stroke.approach + lower),
             bottom=Formula(s.stroke.bottom + lower),
         )) if s.face in faces else s
         for s in machine.spindles
@@ -86,7 +86,7 @@ def test_depth_is_what_the_formulas_say_backwards(
     across = spindle.across.position(values)
     at_work = station.tip(across, bottom)
     assert (at_work.y, at_work.depth) == pytest.approx((y, depth + 3.0), abs=1e-9)
-    free = station.tip(across, spindle.stroke.start(values))
+    free = station.tip(across, spindle.stroke.retract(values))
     assert free.beside == pytest.approx(-5.0, abs=1e-9)
 
 

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.controllers import cell_events
-from beamcam.controllers.codesys.blocks import Block, Lexer
+from beamcam.controllers.codesys import Block, Lexer
 from beamcam.machine import load
 from tests.conftest import examples
 

@@ -35,7 +35,7 @@ name = "vertical"
 number = 1
 face = "v"
 across = { axis = "Y", position = "y" }
-stroke = { axis = "Z", start = "clearance", bottom = "-(face_depth + depth + tip)" }
+stroke = { axis = "Z", retract = "clearance", bottom = "-(face_depth + depth + tip)" }
 [words]
 header = ["%", "G17 G21 G40 G90 G91.1 G94 G98"]
 saw = ["G0 X{x}", "M101 P{angle} Q{feed}"]

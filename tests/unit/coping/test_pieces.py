@@ -12,9 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beamcam import api
+from beamcam import api, rest_part
 from beamcam.asked import AskError
-from beamcam.checks.asked import RULES as REST_RULES
 from beamcam.checks.asked import rest_faults
 from beamcam.checks.coping import verify_coping
 from beamcam.checks.coping.section import Section
@@ -28,16 +27,16 @@ from beamcam.machine_choice import InTurn, chain_of
 from beamcam.model.part import Contour, EndCuts, Hole, Part, Profile, Slot
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back, read_file
-from beamcam.planning.begun import RULES as BEGUN_RULES
+from beamcam.planning import begun as begun_rules
 from beamcam.planning.coping.ends import ends_on
 from beamcam.planning.coping.plan import plan_coping
 from beamcam.planning.coping.walls import EndLine
 from beamcam.readers import read
 from beamcam.readers.dstv import MADE
-from beamcam.rest_part import RULES, Stage, chain_for, rest_of_part, stages_of
+from beamcam.rest_part import Stage, chain_for, rest_of_part, stages_of
 from beamcam.solid.bar_solid import bar_pieces, work_of
 from beamcam.writers import TARGETS
-from tests.conftest import SAMPLES, examples, sampled
+from tests.conftest import SAMPLES, examples, rules_of, sampled
 from tests.random_copes import random_cope, random_tee
 from tests.rs274 import needs_rs274
 from tests.unit.coping.samples import (
@@ -153,7 +152,6 @@ def test_a_rest_that_is_not_what_is_left_is_refused() -> None:
     )  # fmt: skip
     for one in wrong:
         assert {said.code for said in rest_faults(HEADER, one, missing)} == {"verify-rest"}
-    assert "verify-rest" in {rule.code for rule in REST_RULES}
 
 
 # --- the machines ---------------------------------------------------------------------------------
@@ -165,7 +163,7 @@ def test_machines_that_make_the_ends_refuse_it() -> None:
         with pytest.raises(PlanError) as refused:
             post((rest,), load(name))
         assert [d.code for d in errors_in(refused.value.diagnostics)] == ["plan-begun"]
-    assert {rule.code for rule in BEGUN_RULES} == {"plan-begun"}
+    assert {rule.code for rule in rules_of(begun_rules)} == {"plan-begun"}
 
 
 def test_only_what_is_left_is_cut_and_nothing_is_parted() -> None:
@@ -472,7 +470,11 @@ def test_post_writes_the_rest(tmp_path: Path) -> None:
                 "--rest", none)  # fmt: skip
     assert "plan-no-rest" in done.stderr
     assert not none.exists()
-    assert {rule.code for rule in RULES} == {"plan-rest", "plan-no-rest", "plan-split"}
+    assert {rule.code for rule in rules_of(rest_part)} == {
+        "plan-rest",
+        "plan-no-rest",
+        "plan-split",
+    }
 
 
 def test_a_rest_is_shown_as_one() -> None:

@@ -4,13 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.machine import load, shipped
-from beamcam.machine.names import (
+from beamcam.machine import (
     DEFAULT_MACHINE,
     DEFAULTS,
     default_machines,
     is_of_programs,
     is_of_sheets,
+    load,
+    shipped,
 )
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+import beamcam
 from beamcam.cli import main
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
@@ -37,11 +38,19 @@ def test_every_key_that_has_a_former_name_is_read_by_it() -> None:
     """Renaming there and back ends at the key; no two keys of one table share a former name."""
     seen: set[str] = set()
     for key in machine_keys():
-        table, _, name = key.name.rpartition(".")
-        was = former_name(name)
-        assert with_present_keys({was: 1})[0] == {name: 1}
-        assert f"{table}.{was}" not in seen
-        seen.add(f"{table}.{was}")
+        was = former_name(key.name)
+        assert with_present_keys(_nested(was))[0] == _nested(key.name)
+        assert was not in seen
+        seen.add(was)
+
+
+def _nested(dotted: str) -> dict[str, object]:
+    """The tables of a dotted key, with the value 1."""
+    value: object = 1
+    for word in reversed(dotted.split(".")):
+        value = {word: value}
+    assert isinstance(value, dict)
+    return value
 
 
 @pytest.mark.parametrize("name", shipped())
@@ -64,6 +73,29 @@ def test_former_keys_make_the_same_machine_and_are_told(tmp_path: Path) -> None:
     assert "found the key 'layout.least_bar' of an older version; expected 'min_bar'" in str(
         machine.remarks[0]
     )
+
+
+def test_keys_that_changed_their_name_are_told_with_their_place(tmp_path: Path) -> None:
+    former = {
+        "zero_angle = ": "square = ", "same_tool_tolerance = ": "twin = ",
+        "manual_change_s = ": "reload_s = ", "retract = ": "start = ", "approach = ": "near = ",
+    }  # fmt: skip
+    text = (Path(beamcam.__file__).parent / "machines" / "beamline.toml").read_text()
+    for present, was in former.items():
+        assert present in text
+        text = text.replace(present, was)
+    machine, same = load(_machine(tmp_path, text)), load("beamline")
+    assert (machine.saw, machine.drill, machine.times) == (same.saw, same.drill, same.times)
+    assert (machine.spindles, machine.checksum) == (same.spindles, same.checksum)
+    assert len(machine.remarks) == sum(text.count(was) for was in former.values())
+    lines = text.splitlines()
+    for remark in machine.remarks:
+        assert remark.code == "machine-former-key"
+        assert remark.source.line is not None
+        values = dict(remark.values)
+        found = str(values["found"]).rpartition(".")[2]
+        assert f"{found} = " in lines[remark.source.line - 1]
+        assert former[f"{values['expected']} = "] == f"{found} = "
 
 
 def test_a_wrong_value_of_a_former_key_is_told_with_its_line(tmp_path: Path) -> None:

@@ -8,15 +8,15 @@ import pytest
 
 from beamcam.conversion import Fault, converted
 from beamcam.errors import MachineError
-from beamcam.machine import load, settings, shipped
+from beamcam.machine import load, settings, shipped, words
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.machine import MachineFile
-from beamcam.machine.rules import RULES
 from beamcam.machine.toml import line_of
 from beamcam.machine.words import Formula, as_formula
 from beamcam.machine_proof import load_proved
 from beamcam.model.plan import DrillOp
 from beamcam.planning.beam import plan_bar
+from tests.conftest import rules_of
 from tests.unit.planning.shop import hole, part
 
 
@@ -25,7 +25,7 @@ def spindle(position: str, stroke_axis: str) -> str:
     return (
         'pairs = []\n[[spindles]]\nname = "s"\nnumber = 1\nface = "v"\n'
         f'across = {{ axis = "Y", position = "{position}" }}\n'
-        f'stroke = {{ axis = "{stroke_axis}", start = 0, bottom = 1 }}'
+        f'stroke = {{ axis = "{stroke_axis}", retract = 0, bottom = 1 }}'
     )
 
 
@@ -41,13 +41,13 @@ name = "left flange"
 number = 1
 face = "o"
 across = {{ axis = "Z", position = "188.6 - y" }}
-stroke = {{ axis = "Y", start = "{start}", bottom = "{bottom}" }}
+stroke = {{ axis = "Y", retract = "{start}", bottom = "{bottom}" }}
 [[spindles]]
 name = "right flange"
 number = 3
 face = "u"
 across = {{ axis = "Z", position = "188.6 - y" }}
-stroke = {{ axis = "Y", start = "-clearance", bottom = "depth + tip" }}
+stroke = {{ axis = "Y", retract = "-clearance", bottom = "depth + tip" }}
 """
 
 #: The saw's axis alone.
@@ -65,7 +65,7 @@ BAD = [
     (
         LEFT_OF_A_PAIR.format(start="-9", bottom="depth + tip"),
         "machine-value",
-        "found '-clearance' for 'spindles.1.stroke.start'; expected '-9' as",
+        "found '-clearance' for 'spindles.1.stroke.retract'; expected '-9' as",
     ),
     ("[saw]\nkerff = 3", "machine-key", "found unknown key 'saw.kerff'; expected 'kerf'"),
     ("[saw]\nkerf = '3'", "machine-value", "found '3' for 'saw.kerf'; expected a number"),
@@ -97,16 +97,16 @@ BAD = [
         "found 1e-06 for 'torch.tolerance'; expected at least 0.0001, the step of its numbers",
     ),
     (
-        spindle("y", "Z").replace("start = 0", "start = 0.5"),
+        spindle("y", "Z").replace("retract = 0", "retract = 0.5"),
         "machine-value",
-        "found '0.5' for 'spindles.0.stroke.start'; expected a place outside of the bar",
+        "found '0.5' for 'spindles.0.stroke.retract'; expected a place outside of the bar",
     ),
     (
         spindle("y", "Z")
         .replace("bottom = 1", "bottom = 'depth'")
-        .replace("start = 0", "start = 9"),
+        .replace("retract = 0", "retract = 9"),
         "machine-value",
-        "found '9' for 'spindles.0.stroke.start'; expected a place outside",
+        "found '9' for 'spindles.0.stroke.retract'; expected a place outside",
     ),
     ("[saw]\nkerf = nan", "machine-value", "found nan for 'saw.kerf'; expected a finite number"),
     ("[layout]\nfront_trim = inf", "machine-value", "expected a finite number"),
@@ -246,7 +246,7 @@ BAD = [
 def test_a_table_in_a_list_of_tables_has_its_own_line() -> None:
     text = "[[spindles]]\nname = 'a'\n[[spindles]]\nname = 'b'\n\n[spindles.stroke]\naxis = 'Q'\n"
     assert line_of(text, "spindles.1.stroke.axis") == 7
-    assert line_of(text, "spindles.1.stroke.start") == 6
+    assert line_of(text, "spindles.1.stroke.retract") == 6
     assert line_of(text, "spindles.1.number") == 3
     assert line_of(text, "spindles.0.stroke.axis") == 1
     assert line_of("a = 1\n[b.c.d]\ne = 1\n", "b") == 2
@@ -272,7 +272,7 @@ def test_every_rule_is_shown_above() -> None:
         "machine-former-key", "machine-key-twice", "machine-name-twice", "machine-word",
         "machine-chart",
     }  # fmt: skip
-    assert {code for _, code, _ in BAD} | others == {rule.code for rule in RULES}
+    assert {code for _, code, _ in BAD} | others == {rule.code for rule in rules_of(words)}
 
 
 def test_message_names_the_line(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ WRONG = [
 ]  # fmt: skip
 HALL = 'base = "beamline"\npairs = []\n[[spindles]]\nname = "s"\nnumber = 1\nface = "v"\n' + (
     'across = { axis = "Y", position = "y" }\n'
-    'stroke = { axis = "Z", start = "-clearance", bottom = "face_depth + depth + tip" }\n'
+    'stroke = { axis = "Z", retract = "-clearance", bottom = "face_depth + depth + tip" }\n'
 )
 
 

@@ -22,7 +22,7 @@ name = "a"
 number = 1
 face = "v"
 across = {{ axis = "{axis}", position = "{position}" }}
-stroke = {{ axis = "Z", start = "-clearance", bottom = "face_depth + depth + tip" }}
+stroke = {{ axis = "Z", retract = "-clearance", bottom = "face_depth + depth + tip" }}
 """
 AXIS = '[[axes]]\nname = "x"\nmoves = "{}"\nspeed = {}\nacceleration = 1\n'
 #: What is laid over the machine, and what is said of it.

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from beamcam.errors import Source
 from beamcam.model.part import Part, Profile, SectionPoint
-from beamcam.model.weight import measures_of, section_area, weight_of
+from beamcam.model.section import measures_of, section_area, weight_of
 from beamcam.pipeline import read_file
 from tests.conftest import CORPUS
 

@@ -24,15 +24,15 @@ def test_a_web_hole_goes_through_web_breakthrough_and_tip() -> None:
     web = (150 - 7.1) / 2
     assert (cycle.stroke.spindle, cycle.stroke.diameter, cycle.stroke.kind) == (2, 18.0, "drill")
     assert cycle.x == pytest.approx(778.56 + 20 + 500)
-    assert cycle.stroke.start == (50.0, -5.0)
-    assert cycle.stroke.near == (50.0, pytest.approx(web - 5))
+    assert cycle.stroke.retract == (50.0, -5.0)
+    assert cycle.stroke.approach == (50.0, pytest.approx(web - 5))
     assert cycle.stroke.bottom == (50.0, pytest.approx(web + 7.1 + 2 + 9 / 1.664279))
     assert cycle.stroke.speed_rpm == pytest.approx(25000 / (pi * 18))
 
 
 def test_a_flange_hole_strokes_along_y() -> None:
     (cycle,) = cycles(hole(500, 40, 18, "u"), machine="beamline")
-    assert cycle.stroke.start == (-5.0, pytest.approx(148.6))
+    assert cycle.stroke.retract == (-5.0, pytest.approx(148.6))
     assert cycle.stroke.bottom[0] == pytest.approx(10.7 + 2 + 9 / 1.664279)
 
 

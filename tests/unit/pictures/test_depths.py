@@ -5,7 +5,7 @@ from math import radians, tan
 import pytest
 from msgspec.structs import replace
 
-from beamcam.checks.bars.machined_features import Bore, MachinedPath
+from beamcam.checks.bars.stations import Bore, MachinedPath
 from beamcam.machine import load
 from beamcam.model.part import Profile
 from beamcam.pictures.features import SteelDepths

@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from beamcam.checks.bars.cuts import ends_of
-from beamcam.checks.bars.turned import standing
+from beamcam.checks.bars.pieces import standing
 from beamcam.errors import PlanError
 from beamcam.machine import load
 from beamcam.machine.machine import saw_of

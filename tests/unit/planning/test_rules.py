@@ -17,16 +17,17 @@ from beamcam.planning import lettering, lettering_room
 from beamcam.planning.beam import plan_bar, plan_oriented
 from beamcam.planning.operations import hole_pairs, slot
 from beamcam.planning.rules import SKIP_NAMES
-from tests.conftest import SAMPLES
+from tests.conftest import SAMPLES, rules_of
 from tests.unit.planning.shop import ANGLE, BEAM, CHANNEL, SOURCE, TUBE, hole, part
 
 #: Of bars; sheets and copers have rules and cases of their own, and so have maps and what is left
 #: out.
+OTHERS = ("contours", "coping", "map_keys")
 RULES = [
     rule
     for module in pkgutil.walk_packages(planning.__path__, "beamcam.planning.")
-    if not module.name.startswith(("beamcam.planning.contours", "beamcam.planning.coping"))
-    for rule in getattr(importlib.import_module(module.name), "RULES", ())
+    if not module.name.startswith(tuple(f"beamcam.planning.{own}" for own in OTHERS))
+    for rule in rules_of(importlib.import_module(module.name))
     if not (module.name == "beamcam.planning.left_out" and not rule.code.startswith("plan-text"))
 ]
 

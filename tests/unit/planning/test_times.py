@@ -71,7 +71,7 @@ def test_tools_changed_by_hand_take_their_time() -> None:
     features = [hole(400 + 100 * i, diameter=12 + i) for i in range(7)]
     found = plan_bar([part(*features)], machine)
     time = work_time(found, machine)
-    assert time.reloads_s == 2 * 90
+    assert time.manual_changes_s == 2 * 90
     assert time.total_s == pytest.approx(sum(time.operations) + 180)
 
 

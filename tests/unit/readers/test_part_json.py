@@ -15,10 +15,13 @@ from beamcam.geometry.curves import (
     NewtonCurve,
     signed_area,
 )
+from beamcam.model import curve_json
 from beamcam.model.part import Contour, Part, Profile
 from beamcam.model.part_json import part_to_json
-from beamcam.readers.part_json import RULES, looks_like, read
+from beamcam.readers import part_json
+from beamcam.readers.part_json import looks_like, read
 from beamcam.writers.part_json import write
+from tests.conftest import rules_of
 
 PROFILE = {"code": "B", "name": "PL10", "height": 200, "web_thickness": 10}
 
@@ -322,7 +325,7 @@ def test_unknown_key_names_the_nearest():
 
 def test_every_code_is_met():
     met = {code for _, code, *_ in FLAWED} | {code for _, code, _ in FLAWED_CURVES}
-    assert {rule.code for rule in RULES} == met | {"json-index"}
+    assert {rule.code for rule in rules_of(part_json, curve_json)} == met | {"json-index"}
 
 
 LINE_X = {"line": [[0, 0], [10, 0]]}

@@ -16,7 +16,7 @@ from beamcam.model.request import Request
 from beamcam.pipeline import post
 from beamcam.readers import read
 from beamcam.readers.content import Reading
-from beamcam.readers.drawing import rules
+from beamcam.readers.drawing import WRAP_NAME, WRAP_WIDE
 from beamcam.readers.drawing.wrap import tube_of
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import SAMPLES
@@ -98,13 +98,13 @@ def test_the_sample_is_posted_read_back_and_is_its_solid() -> None:
 @pytest.mark.parametrize("tube", ["RO101x4", "CHS90x4"])
 def test_another_circumference_is_refused(tube: str) -> None:
     (said,) = wrapped(svg(*UPRIGHT), tube).diagnostics
-    assert (said.code, said["found"]) == (rules.WRAP_WIDE.code, "400.00 x 314.16")
+    assert (said.code, said["found"]) == (WRAP_WIDE.code, "400.00 x 314.16")
     assert "expected one" in said.message
 
 
 def test_no_closed_line_is_refused() -> None:
     (said,) = wrapped(svg("M0 0 h400")).diagnostics
-    assert (said.code, said["found"]) == (rules.WRAP_WIDE.code, "0.00 x 0.00")
+    assert (said.code, said["found"]) == (WRAP_WIDE.code, "0.00 x 0.00")
 
 
 def test_what_is_no_tube_is_refused(tmp_path: Path) -> None:
@@ -115,7 +115,7 @@ def test_what_is_no_tube_is_refused(tmp_path: Path) -> None:
         assert found is not None
         assert (found.height, found.flange_thickness) == (168.3, 8.0)
     (said,) = wrapped(svg(*UPRIGHT), "RO100").diagnostics
-    assert said.code == rules.WRAP_NAME.code
+    assert said.code == WRAP_NAME.code
     done = CliRunner().invoke(main, ["inspect", str(SADDLE), "--wrap", "RO88.9"])
     assert (done.exit_code, "expected diameter x wall" in done.stderr) == (2, True)
 

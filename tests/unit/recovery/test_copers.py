@@ -21,8 +21,18 @@ from beamcam.geometry.curves import Arc
 from beamcam.machine import Machine, load
 from beamcam.model.part import EndCuts, Feature, Hole, Part, Profile, Slot, TextMark
 from beamcam.pipeline import post
-from beamcam.recovery import Recovered, Stock, recover, rules
+from beamcam.recovery import Recovered, Stock, recover
 from beamcam.recovery.box_tube import faces_of
+from beamcam.recovery.found import (
+    BY_HAND,
+    COMES_CUT,
+    CORNER,
+    LEFT_OUT,
+    NOT_PARTED,
+    REFITTED,
+    ROUNDED,
+    UNNAMED,
+)
 from tests.conftest import SAMPLES, sampled
 from tests.random_boxes import over_corner, random_box
 from tests.random_copes import random_tee
@@ -45,7 +55,7 @@ MACHINES = {
     "leg": TUBE,
 }  # fmt: skip
 CHS = Profile("RO", "CHS168.3*8", 168.3, 168.3, 8.0, 8.0)
-TOLD = [rules.REFITTED.code, rules.ROUNDED.code]
+TOLD = [REFITTED.code, ROUNDED.code]
 
 
 def made(part: Part, machine: Machine = COPER, skips: tuple[str, ...] = ()) -> str:
@@ -181,7 +191,7 @@ def test_what_is_drawn_and_what_is_the_machines_is_told() -> None:
     assert codes(sharp) == TOLD
     assert "found 3 re-entrant corner(s) with the machine's own radius of 10 mm" in str(sharp.said)
     drawn = recover(made(sample("trimmer")), COPER, "p")  # its radii are 12 mm
-    assert codes(drawn) == [rules.REFITTED.code]
+    assert codes(drawn) == [REFITTED.code]
     assert "found 3 contour(s) of chords, taken as lines and arcs within 0.025 mm" in str(
         drawn.said
     )
@@ -191,10 +201,10 @@ def test_what_is_drawn_and_what_is_the_machines_is_told() -> None:
 def test_marks_and_small_holes_are_told_as_missing() -> None:
     text = TextMark("v", 200.0, 100.0, 0.0, 20.0, "C6", AT)
     found = recover(made(part_of(text)), COPER, "p")
-    assert codes(found) == [rules.BY_HAND.code]
+    assert codes(found) == [BY_HAND.code]
     small = part_of(Hole("v", 200.0, 100.0, 6.0, AT), Hole("v", 300.0, 100.0, 22.0, AT))
     found = recover(made(small, skips=("tool",)), COPER, "p")
-    assert codes(found) == [rules.LEFT_OUT.code]
+    assert codes(found) == [LEFT_OUT.code]
     assert len(found.parts[0].features) == 1
 
 
@@ -203,11 +213,11 @@ def test_a_section_is_named_or_asked_for() -> None:
     part = part_of(Hole("v", 300.0, 150.0, 22.0, AT), profile=odd)
     text = made(part)
     found = recover(text, COPER, "p")
-    assert (codes(found), found.parts) == ([rules.UNNAMED.code], ())
+    assert (codes(found), found.parts) == ([UNNAMED.code], ())
     assert "found the section BUILT 300 in the program's head" in str(found.said[0])
     assert recovered(text, stock=Stock(odd)).profile == odd
     bare = re.sub(r"^\((BEAMCAM|SECTION IPE|PART).*\n", "", made(part_of()), flags=re.M)
-    assert codes(recover(bare, COPER, "p")) == [rules.UNNAMED.code]
+    assert codes(recover(bare, COPER, "p")) == [UNNAMED.code]
     found = recover(bare, COPER, "jobs/x.ngc", Stock(IPE300, "S235JR"))
     (back,) = found.parts
     assert (back.mark, back.length, back.grade, found.marked) == ("x", 600.0, "S235JR", False)
@@ -224,7 +234,7 @@ def test_the_wrong_section_is_refused() -> None:
 def test_a_piece_that_comes_cut_is_refused() -> None:
     (rest,) = beamcam.read(SAMPLES / "coping" / "header-rest.nc1").parts
     found = recover(made(rest), COPER, "p")
-    assert (codes(found), found.parts) == ([rules.COMES_CUT.code], ())
+    assert (codes(found), found.parts) == ([COMES_CUT.code], ())
 
 
 LAW = [(make, seed) for seed in range(5) for make in (random_box, random_tee)]
@@ -283,7 +293,7 @@ def test_lines_that_run_together_in_a_corner_are_refused() -> None:
             (140.0, high + 10.0), (100.0, high + 10.0)]  # fmt: skip
     assert faces_of(surface_of(Polygon(legs)), RHS, 0.025).lost == "u and v"
     assert faces_of(surface_of(), RHS, 0.025).lost == ""
-    assert "between faces u and v; expected lines" in str(rules.CORNER.at(AT, found="u and v"))
+    assert "between faces u and v; expected lines" in str(CORNER.at(AT, found="u and v"))
 
 
 def test_what_ends_in_a_corner_is_seen_from_its_face() -> None:
@@ -304,7 +314,7 @@ def test_a_wall_that_is_not_parted_is_refused(profile: Profile, face: str) -> No
     behind = text.find("(far end", at + 5)
     behind = behind if behind > 0 else text.index("M30")
     found = recover(text[:at] + text[behind:], COPER, "p")
-    assert codes(found) == [rules.NOT_PARTED.code] * 2
+    assert codes(found) == [NOT_PARTED.code] * 2
     assert [d.message.split(" that ")[0] for d in found.said] == [
         f"found no piece of face {one}" for one in ("v", face)
     ]

@@ -15,7 +15,18 @@ from beamcam.geometry.curves import Line
 from beamcam.machine import Machine, load
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Slot
 from beamcam.pipeline import post
-from beamcam.recovery import Stock, recover, rules, with_marks
+from beamcam.recovery import Stock, recover, with_marks
+from beamcam.recovery.found import (
+    CATALOGUE,
+    CROWDED,
+    FACES,
+    FITTED,
+    KERF,
+    NO_PIECE,
+    PATH,
+    PROFILE,
+    SHEET,
+)
 from tests.conftest import ROOT
 from tests.strategies import BEAM
 from tests.unit.sheets.parts import box, circle, contour, drawing, table
@@ -94,11 +105,11 @@ def codes(text: str, machine: Machine, stock: Stock = Stock()) -> list[str]:  # 
 def test_a_section_is_found_in_the_catalogue_or_asked_for() -> None:
     pusher, annex = load("beamline-pusher"), load("beamline-annex")
     part = bar(Hole("v", 300, 150, 18, S))
-    assert codes(post((part,), pusher).text, pusher) == [rules.CATALOGUE.code]
+    assert codes(post((part,), pusher).text, pusher) == [CATALOGUE.code]
     odd = replace(part, profile=replace(BEAM, height=297.0))
     flanged = replace(odd, features=())
-    assert codes(post((flanged,), pusher).text, pusher) == [rules.PROFILE.code]
-    assert codes(post((part,), annex).text, annex) == [rules.PROFILE.code, rules.FACES.code]
+    assert codes(post((flanged,), pusher).text, pusher) == [PROFILE.code]
+    assert codes(post((part,), annex).text, annex) == [PROFILE.code, FACES.code]
 
 
 def test_a_bar_without_two_cuts_makes_no_part() -> None:
@@ -107,7 +118,7 @@ def test_a_bar_without_two_cuts_makes_no_part() -> None:
     lines = text.splitlines()
     last = max(k for k, line in enumerate(lines) if "M42" in line)
     short = "\n".join([*lines[: last - 1], *lines[last + 1 :]]) + "\n"
-    assert rules.NO_PIECE.code in codes(short, machine, Stock(BEAM))
+    assert NO_PIECE.code in codes(short, machine, Stock(BEAM))
 
 
 def test_a_path_that_is_no_feature_is_refused() -> None:
@@ -121,7 +132,7 @@ def test_a_path_that_is_no_feature_is_refused() -> None:
     lines[k] = " ".join(words)
     found = recover("\n".join(lines) + "\n", machine, "p", Stock(BEAM))
     assert found.parts == ()
-    assert rules.PATH.code in [d.code for d in found.said]
+    assert PATH.code in [d.code for d in found.said]
 
 
 def _xs(lines: list[str], rows: list[int]) -> list[str]:
@@ -149,7 +160,7 @@ def test_a_sheet_needs_its_thickness() -> None:
     machine = table("plate-linuxcnc", thickness=6.0)
     text = post((drawing(contour(box(0, 0, 60, 40))),), machine).text
     other = table("plate-linuxcnc", thickness=300.0)
-    assert codes(text, other, Stock(has_thickness=True)) == [rules.SHEET.code]
+    assert codes(text, other, Stock(has_thickness=True)) == [SHEET.code]
     assert codes(text, machine) == []
 
 
@@ -160,7 +171,7 @@ def test_a_thickness_that_nobody_says_is_the_programs(thickness: float) -> None:
     text = post((drawing(outline, hole, thickness=thickness),), machine).text
     shipped = table("plate-linuxcnc")
     found = recover(text, shipped, "p")
-    assert [d.code for d in found.said] == [rules.FITTED.code]
+    assert [d.code for d in found.said] == [FITTED.code]
     (part,) = found.parts
     assert part.profile.web_thickness is not None
     assert part.profile.web_thickness >= thickness
@@ -174,7 +185,7 @@ def test_a_path_without_room_for_the_kerf_is_refused() -> None:
     plain = table("plate-linuxcnc", thickness=6.0, kerf_by="none", lead="none", min_hole=0.1)
     text = post((drawing(contour(circle(5, 5, 0.6))),), plain).text
     machine = table("plate-linuxcnc", thickness=6.0)
-    assert rules.KERF.code in codes(text, machine)
+    assert KERF.code in codes(text, machine)
 
 
 @pytest.mark.parametrize("turns_in_one", [True, False])
@@ -188,7 +199,7 @@ def test_a_circle_cut_200_times_is_refused(turns_in_one: bool) -> None:
         ring = "".join(re.findall("^G[23].*\\n", stroke, re.M))
         assert stroke.count(ring) == 1
         many = stroke.replace(ring, ring * 200)
-    assert codes(text[:begin] + many + text[end:], machine) == [rules.CROWDED.code]
+    assert codes(text[:begin] + many + text[end:], machine) == [CROWDED.code]
 
 
 @pytest.mark.parametrize("kerf_by", ["none", "offset", "machine"])

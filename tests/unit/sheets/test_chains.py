@@ -12,7 +12,7 @@ from beamcam.machine.overlay import with_torch
 from beamcam.model.plan import SheetPlan
 from beamcam.model.request import Request
 from beamcam.pipeline import Posted, post, read_back
-from beamcam.sheet_remainder import rest_of_sheet
+from beamcam.remainder import rest_of_sheet
 from beamcam.solid.opinion import solid_faults
 from tests.conftest import sampled
 from tests.unit.sheets.parts import box, circle, contour, drawing, lines

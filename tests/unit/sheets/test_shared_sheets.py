@@ -16,7 +16,7 @@ from beamcam.geometry.curves import Arc
 from beamcam.model.part import Hole, Part, Profile, TextMark
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
-from beamcam.planning.jobs import shares_of
+from beamcam.planning import shares_of
 from beamcam.planning.sheet_rows import places_of
 from tests.conftest import SAMPLES, examples
 from tests.unit.sheets.parts import NESTED, S, contour, drawing, table

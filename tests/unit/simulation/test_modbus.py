@@ -16,11 +16,11 @@ from msgspec.structs import replace
 
 from beamcam.cli import main
 from beamcam.errors import Source, VerifyError
-from beamcam.interrupts import Asked
 from beamcam.machine.tables import Modbus
 from beamcam.simulation.course import bar_trace
 from beamcam.simulation.modbus import check_range, register_count, registers, shown
 from beamcam.simulation.trace import State, Trace, TraceAxis, TraceBuilder, TraceRow, trace_rows
+from beamcam.system import Asked
 from tests.conftest import ROOT
 from tests.runs import HANG_S, interrupted, wait_until
 from tests.unit.checks.programs import BEAM, PART, PROGRAM

@@ -51,7 +51,7 @@ def test_the_blade_stands_where_the_cut_goes_through(name: str, share: float, y:
     assert axis.max is not None
     angle = axis.min + share * (axis.max - axis.min)
     rise = y - SECTION["height"] if saw.pivot == "o" else y
-    x = saw.x + rise * tan(radians(saw.angle_sign * (angle - saw.square)))
+    x = saw.x + rise * tan(radians(saw.angle_sign * (angle - saw.zero_angle)))
     across = SECTION["height"] / 2 - y
     at = [axis.park for axis in machine.axes]
     at[turn], at[down] = angle, 50.0

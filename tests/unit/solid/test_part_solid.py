@@ -22,8 +22,7 @@ from beamcam.model.part import (
     SectionPoint,
     Slot,
 )
-from beamcam.model.section import corners
-from beamcam.model.weight import section_area
+from beamcam.model.section import corners, section_area
 from beamcam.solid.kernel import corners as corners_of_steel
 from beamcam.solid.part_solid import part_solid
 from beamcam.solid.stock_solid import Margins, stock_solid

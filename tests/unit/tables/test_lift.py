@@ -5,7 +5,7 @@ from math import dist
 
 import pytest
 
-from beamcam.controllers.simotion.trial import BEGIN
+from beamcam.controllers.simotion.cutting_table import BEGIN
 from beamcam.emitters import simotion
 from tests.conftest import sampled
 

@@ -10,9 +10,10 @@ from beamcam.checks.steps import rules as steps_rules
 from beamcam.checks.steps import verify_table
 from beamcam.controllers.simotion import rules as st_rules
 from beamcam.controllers.simotion.checker import check
+from beamcam.controllers.simotion.cutting_table import CuttingTable
 from beamcam.controllers.simotion.interpreter import Fault
 from beamcam.controllers.simotion.parser import parse
-from beamcam.controllers.simotion.trial import CuttingTable, project_objects
+from beamcam.controllers.simotion.trial import project_objects
 from beamcam.controllers.step_table import rules as row_rules
 from beamcam.emitters import step_table as forms
 from beamcam.errors import Diagnostic
@@ -20,6 +21,7 @@ from beamcam.machine import load
 from beamcam.machine.faults import table_faults
 from beamcam.machine.machine import Machine
 from beamcam.motion.steps import step_table
+from tests.conftest import rules_of
 
 from . import test_lift_programs as lifts
 from .shop import part, plan, program, steel_part, table_machine
@@ -163,7 +165,7 @@ def test_every_rule_of_programs_is_said() -> None:
     cases = (*SAID_OF_PROGRAMS, *SAID_OF_RUNTIMES, *lifts.SAID)
     met = {word.rstrip(":") for *_, says in cases
            for word in says.split() if word.startswith("st-")}  # fmt: skip
-    assert met == {rule.code for rule in st_rules.RULES}
+    assert met == {rule.code for rule in rules_of(st_rules)}
 
 
 # -- tables ---------------------------------------------------------------------------------
@@ -243,9 +245,7 @@ def test_an_acceleration_is_told_with_its_limit() -> None:
 def test_every_rule_of_tables_is_said() -> None:
     met = {word.rstrip(":") for *_, says in SAID_OF_TABLES for word in says.split()
            if word.startswith("steps-")}  # fmt: skip
-    assert met | {"steps-acceleration"} == {
-        rule.code for rule in (*row_rules.RULES, *steps_rules.RULES)
-    }
+    assert met | {"steps-acceleration"} == {rule.code for rule in rules_of(row_rules, steps_rules)}
 
 
 @pytest.mark.parametrize("form", [".st", ".txt", ""])

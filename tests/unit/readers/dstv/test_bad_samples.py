@@ -5,7 +5,10 @@ from pathlib import Path
 import pytest
 
 from beamcam.errors import Severity
-from beamcam.readers.dstv import RULES, read
+from beamcam.readers.dstv import read, rules
+from tests.conftest import rules_of
+
+RULES = rules_of(rules)
 
 FOLDER = Path(__file__).parents[4] / "samples" / "bad" / "dstv"
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beamcam.errors import Severity
-from beamcam.model import weight
 from beamcam.model.part import Profile
+from beamcam.model.section import name_of, plain_name, sections
 from beamcam.readers.ifc import Options, read
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain, points_chain
@@ -107,10 +107,10 @@ def test_slots_are_told_as_drawn_and_as_polygons(x: float, d: float, angle: floa
 
 
 def test_every_section_has_its_own_name_back() -> None:
-    for name, (code, (h, b, tf, tw, r)) in weight.sections().items():
-        again = weight.name_of(Profile(code, "", h, b, tf, tw, r))
+    for name, (code, (h, b, tf, tw, r)) in sections().items():
+        again = name_of(Profile(code, "", h, b, tf, tw, r))
         assert again is not None
-        assert weight.sections()[again][1][:4] == (h, b, tf, tw), name
+        assert sections()[again][1][:4] == (h, b, tf, tw), name
 
 
 def test_measures_keep_their_order() -> None:
@@ -118,7 +118,7 @@ def test_measures_keep_their_order() -> None:
     for series in ("IPE", "HEA", "HEB", "UPE"):
         rows = [
             sizes
-            for name, (_, sizes) in weight.sections().items()
+            for name, (_, sizes) in sections().items()
             if name.startswith(series) and name[len(series) :].isdigit()
         ]
         assert len(rows) >= 14
@@ -131,7 +131,7 @@ def test_measures_keep_their_order() -> None:
     [("HE 200 B", "HEB200"), ("heb-200", "HEB200"), ("L 100*100*10", "L100X100X10")],
 )
 def test_spellings_of_a_name(spelled: str, plain: str) -> None:
-    assert weight.plain_name(spelled) == plain
+    assert plain_name(spelled) == plain
 
 
 def test_a_name_stands_unless_the_measures_deny_it() -> None:
@@ -143,7 +143,7 @@ def test_a_name_stands_unless_the_measures_deny_it() -> None:
     assert named(heb280, ["HE280B", "HEB220"]) == ("HE280B", ["HEB220"])
     odd = Profile("I", "", 281.0, 280.0, 18.0, 10.5, 24.0)
     assert named(odd, [""]) == ("I281x280x10.5x18", [])
-    assert weight.name_of(Profile("I", "", 280.25, 280.0, 18.0, 10.5)) == "HEB280"
+    assert name_of(Profile("I", "", 280.25, 280.0, 18.0, 10.5)) == "HEB280"
 
 
 @settings(max_examples=examples(40), deadline=None)

@@ -7,8 +7,10 @@ import pytest
 from beamcam import readers
 from beamcam.errors import Severity
 from beamcam.readers import svg
+from beamcam.readers.svg import rules
 from beamcam.readers.svg.tree import looks_like
 from beamcam.readers.svg.walk import unescape
+from tests.conftest import rules_of
 from tests.svg_text import PAGE, codes, drawing, length_of, read
 
 SAMPLES = Path(__file__).parents[4] / "samples"
@@ -36,7 +38,7 @@ def test_each_bad_sample_is_refused_with_its_code(path: Path) -> None:
 
 
 def test_there_is_a_bad_sample_for_each_error() -> None:
-    errors = {rule.code for rule in svg.RULES if rule.severity is Severity.ERROR}
+    errors = {rule.code for rule in rules_of(rules) if rule.severity is Severity.ERROR}
     assert errors - {path.stem for path in BAD} == set()
 
 
