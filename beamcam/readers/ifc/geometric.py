@@ -252,17 +252,16 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
     low, high, near = min(crossed), max(crossed), EDGE + STEEPEST * stock.rise
     found: list[Any] = []
     for piece in pieces_of(shape):
-        points = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1]
-        x, q = points.T
+        x, q = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1].T
         to = np.select([abs(q - low) < near, abs(q - high) < near], [0.0, wall.width], q)
-        moved = np.column_stack((x, to))
-        for i in np.flatnonzero(to != q).tolist():
+        moved, done = x.copy(), to == q
+        for way in (-1, 1):
             # It moves along the end or the cut that comes to the long edge there.
-            for j in (i - 1, (i + 1) % len(q)):
-                if to[j] != to[i] and abs(q[j] - q[i]) > EDGE:
-                    moved[i, 0] += (x[i] - x[j]) / (q[i] - q[j]) * (to[i] - q[i])
-                    break
-        made = Polygon(moved, piece.interiors)
+            run, rise = x - np.roll(x, way), q - np.roll(q, way)
+            leads = ~done & (to != np.roll(to, way)) & (abs(rise) > EDGE)
+            moved[leads] += (run / np.where(leads, rise, 1.0) * (to - q))[leads]
+            done |= leads
+        made = Polygon(np.column_stack((moved, to)), piece.interiors)
         found += pieces_of(made if made.is_valid else made.buffer(0))
     return MultiPolygon(found)
 
