@@ -133,7 +133,7 @@ def _drawn(section: Section, lip: float) -> Chain:
         section, FORMS[section.code], section.origin, section.y, section.z,
     )  # fmt: skip
     points = form.drawn(s.height, s.width, s.flange_thickness, s.web_thickness, lip)
-    outside = s.radius + s.web_thickness if s.code == "C" and s.radius else 0.0
+    outside = s.radius + s.web_thickness if s.code == "C" else 0.0
     radii = [
         s.radius if inner else outside * (set(at) <= set("0bh"))
         for at, inner in zip(form.corners, form.reflex, strict=True)
