@@ -1,7 +1,7 @@
 """Section of an outline, by its geometry alone: the form of FORMS whose corners it has."""
 
 from collections.abc import Sequence
-from statistics import mean
+from statistics import fmean
 
 from msgspec.structs import replace
 
@@ -103,8 +103,8 @@ def _sized(code: ProfileCode, corners: Sequence[Corner], area: float) -> Section
             for (at, p), c in zip(pairs, corners, strict=True)
             if at[axis] == name
         ]
-        root, tips = mean(p for p, inner in there if inner), [p for p, inner in there if not inner]
-        return root + share * (mean(tips) - root) if tips else root
+        root, tips = fmean(p for p, inner in there if inner), [p for p, inner in there if not inner]
+        return root + share * (fmean(tips) - root) if tips else root
 
     def thickness(axis: int, walls: Names, share: float) -> float:
         """That of the walls across an axis; 0 where they differ or lie off the middle."""
@@ -112,7 +112,7 @@ def _sized(code: ProfileCode, corners: Sequence[Corner], area: float) -> Section
         sizes = [high - low for low, high in pairs]
         off = sum(pairs[0]) - sum(edges[axis].values()) if walls[0] in MIDDLE else 0.0
         same = max(sizes) - min(sizes) <= ALIKE and abs(off) <= 2 * ALIKE
-        return mean(sizes) if same else 0.0
+        return fmean(sizes) if same else 0.0
 
     height, width = y1 - y0, x1 - x0
     u, v = (x0 + x1) / 2, (y0 + y1) / 2
