@@ -11,12 +11,12 @@ from collections.abc import Iterator
 
 from beamcam.caches import PerObject
 from beamcam.checks.head import head_of
-from beamcam.controllers.machine_words import WordFault, fault_in, load_machine
+from beamcam.controllers.machine_words import WordFault, fault_in, known_faults
 from beamcam.emitters import head_lines
 from beamcam.errors import Diagnostic, MachineError, PlanError, Source, errors_in
 from beamcam.geometry.curves import Arc, Bezier, Curve, Line
 from beamcam.machine.coper import Coper
-from beamcam.machine.load import shipped, source_in
+from beamcam.machine.load import load, shipped, source_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.words import WORD
 from beamcam.model.part import Contour, EndCuts, Feature, Hole, Part, Process, Profile
@@ -181,3 +181,18 @@ def _sheets(machine: Machine) -> Iterator[Part]:
 
 def _contour(curves: tuple[Curve, ...], kind: str, process: Process = "cut") -> Contour:
     return Contour("v", kind, curves, _AT, process, kind != "open")  # type: ignore[arg-type]
+
+
+def load_machine(name: str) -> Machine:
+    """The machine called `name`, or the one in the file at that path, whose words can be read.
+
+    Raises MachineError.
+    """
+    machine = load(name)
+    said = tuple(
+        WORD.at(source_in(name, key, text), key=key, said=said)
+        for key, text, said in known_faults(machine)
+    )
+    if said:
+        raise MachineError(said)
+    return machine

@@ -20,29 +20,15 @@ from beamcam.checks.asked import job_faults, pieces_asked
 from beamcam.checks.head import head_of, other_bar
 from beamcam.checks.rules import BAR_NEEDED
 from beamcam.emitters import head_lines
-from beamcam.errors import (
-    Diagnostic,
-    PlanError,
-    ReadError,
-    Severity,
-    VerifyError,
-    errors_in,
-)
+from beamcam.errors import Diagnostic, PlanError, ReadError, Severity, VerifyError, errors_in
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
 from beamcam.model.plan import AnyPlan, Order, WorkTime
 from beamcam.model.program import Program
 from beamcam.model.request import Job, Request
-from beamcam.planning import Share, shares_of
-from beamcam.planning.left_out import (
-    BY_HAND,
-    LEFT_OUT,
-    by_hand_sources,
-    left_out_kinds,
-    told,
-)
+from beamcam.planning import Share, from_store, shares_of
+from beamcam.planning.left_out import BY_HAND, LEFT_OUT, by_hand_sources, left_out_kinds, told
 from beamcam.planning.rules import named_skips
-from beamcam.planning.stock import from_store
 from beamcam.posts import Written, beginning, post_of
 from beamcam.readers.content import Reading, content, shown_name
 from beamcam.reconcile import head_differences, other_than_planned
@@ -223,18 +209,10 @@ def whole_job(request: Request, bar: float | None = None) -> Job:
 
 
 def post(
-    parts: Sequence[Part],
-    machine: Machine,
-    job: str = "JOB",
-    bar: float | None = None,
-    skips: Collection[str] = (),
-    verified: bool = True,
-    order: Order = "given",
-    turn: bool = False,
-    strict: bool = False,
-    style: str | None = None,
-    date: str = "",
-) -> Posted:
+    parts: Sequence[Part], machine: Machine, job: str = "JOB", bar: float | None = None,
+    skips: Collection[str] = (), verified: bool = True, order: Order = "given", turn: bool = False,
+    strict: bool = False, style: str | None = None, date: str = "",
+) -> Posted:  # fmt: skip
     """The program that makes `parts` from one bar or sheet, read back and compared with them.
 
     `style` is the form of program for a controller that knows several: "chain" or "table" of

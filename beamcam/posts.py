@@ -194,17 +194,12 @@ def coping_post() -> Post:
 
 #: By the kind of stock and the family of the controller.
 POSTS = {
-    ("beam", "codesys"): bar_post,
-    ("beam", "linuxcnc"): bar_post,
-    ("sheet", "codesys"): sheet_post,
-    ("sheet", "linuxcnc"): sheet_post,
-    ("sheet", "grbl"): sheet_post,
-    ("sheet", "mach3"): sheet_post,
-    ("sheet", "simotion"): trigger_post,
-    ("sheet", "plcopen"): trigger_post,
-    ("sheet", "stepper"): step_post,
-    ("profile", "linuxcnc"): coping_post,
-}
+    ("beam", "codesys"): bar_post, ("beam", "linuxcnc"): bar_post,
+    ("sheet", "codesys"): sheet_post, ("sheet", "linuxcnc"): sheet_post,
+    ("sheet", "grbl"): sheet_post, ("sheet", "mach3"): sheet_post,
+    ("sheet", "simotion"): trigger_post, ("sheet", "plcopen"): trigger_post,
+    ("sheet", "stepper"): step_post, ("profile", "linuxcnc"): coping_post,
+}  # fmt: skip
 
 
 def _refuse_begun(job: Job) -> None:

@@ -38,12 +38,9 @@ class Pool(Generic[Given, Made]):
     PER_WORKER = 2  #: tasks that each worker has at most, so that it finds the next one at once
 
     def __init__(
-        self,
-        work: Callable[[Given], Made],
-        workers: int,
-        begin: Callable[[], object] | None = None,
-        most_s: float = 0.0,
-    ) -> None:
+        self, work: Callable[[Given], Made], workers: int,
+        begin: Callable[[], object] | None = None, most_s: float = 0.0,
+    ) -> None:  # fmt: skip
         """Each worker calls `begin` once, and `work` for each task.
 
         One that takes more than `most_s` of the processor for a task, where that is above 0, dies:

@@ -148,18 +148,15 @@ def _options(
         if isinstance(why, BeamcamError) and any(d.code in _SKIPPED for d in why.diagnostics)
     ]  # fmt: skip
     found = [*_first(map(search.by_thickness, on))] or [
-        *_first(map(search.by_placing, on)),
-        *elsewhere,
+        *_first(map(search.by_placing, on)), *elsewhere,
         *_first(search.by_map(one) for one, codes in refused if UNMAPPED.code in codes),
-        *_first(map(search.by_gap, open_ones)),
-        *search.by_switch(touching, "common_cuts"),
+        *_first(map(search.by_gap, open_ones)), *search.by_switch(touching, "common_cuts"),
         *_first(map(search.by_rotating, too_large)),
         *search.by_switch((one for one, _ in refused), "unrolled"),
         *(() if elsewhere else search.by_leave(may_leave, may_leave_too)),
-        *_first(map(search.by_bar, on)),
-        *_first(map(search.by_turning, on)),
+        *_first(map(search.by_bar, on)), *_first(map(search.by_turning, on)),
         *search.one_by_one(on),
-    ]
+    ]  # fmt: skip
     if not found:
         found = [*search.by_switch(open_ones, "allow_open")]
     if not found and read is not None:

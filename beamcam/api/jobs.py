@@ -156,15 +156,10 @@ def convert(part: Part, to: str = "dstv", *, thickness: float | None = None) -> 
 
 
 def plan(
-    parts: Part | Iterable[Part],
-    machine: AnyMachine = DEFAULT_MACHINE,
-    *,
-    bar: float | None = None,
-    skips: Collection[str] = (),
-    order: Order = "given",
-    turn: bool = False,
-    strict: bool = False,
-) -> AnyPlan:
+    parts: Part | Iterable[Part], machine: AnyMachine = DEFAULT_MACHINE, *,
+    bar: float | None = None, skips: Collection[str] = (), order: Order = "given",
+    turn: bool = False, strict: bool = False,
+) -> AnyPlan:  # fmt: skip
     """The work that makes `parts` from one bar, in the order given, or from one sheet.
 
     `bar` is its length in mm; without it the bar is as long as the parts need. `skips` names what
@@ -184,21 +179,11 @@ def plan(
 
 
 def post(
-    parts: Part | Iterable[Part],
-    machine: AnyMachine = DEFAULT_MACHINE,
-    *,
-    job: str = "JOB",
-    bar: float | None = None,
-    skips: Collection[str] = (),
-    order: Order = "given",
-    turn: bool = False,
-    style: str | None = None,
-    strict: bool = False,
-    read_back: bool = True,
-    from_operation: int | None = None,
-    from_contour: int | None = None,
-    date: str = "",
-) -> Posted:
+    parts: Part | Iterable[Part], machine: AnyMachine = DEFAULT_MACHINE, *, job: str = "JOB",
+    bar: float | None = None, skips: Collection[str] = (), order: Order = "given",
+    turn: bool = False, style: str | None = None, strict: bool = False, read_back: bool = True,
+    from_operation: int | None = None, from_contour: int | None = None, date: str = "",
+) -> Posted:  # fmt: skip
     """The program that makes `parts` from one bar: its `text`, the `plan`, and `remarks`.
 
     `order`, `turn` and `strict` as of `plan`; `style` is "chain" or "table" of triggers, of step
@@ -252,21 +237,11 @@ def rest(posted: Posted, to: str = "dstv") -> str | None:
 
 
 def verify(
-    program: FileInput,
-    parts: Part | Iterable[Part],
-    machine: AnyMachine = DEFAULT_MACHINE,
-    *,
-    skips: Collection[str] = (),
-    name: str = "program",
-    order: Order = "given",
-    turn: bool = False,
-    bar: float | None = None,
-    style: str | None = None,
-    from_operation: int | None = None,
-    from_contour: int | None = None,
-    after: FileInput | None = None,
-    solid: bool = False,
-) -> tuple[Diagnostic, ...]:
+    program: FileInput, parts: Part | Iterable[Part], machine: AnyMachine = DEFAULT_MACHINE, *,
+    skips: Collection[str] = (), name: str = "program", order: Order = "given", turn: bool = False,
+    bar: float | None = None, style: str | None = None, from_operation: int | None = None,
+    from_contour: int | None = None, after: FileInput | None = None, solid: bool = False,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """Everything that is wrong with a program, by itself and against `parts`.
 
     It is its text, its bytes, or its file as a `Path` or open. Nothing comes back for a program

@@ -104,12 +104,9 @@ Paper = Literal["a4", "a3"]
 
 
 def simulate(
-    program: FileInput,
-    machine: AnyMachine = DEFAULT_MACHINE,
-    *,
-    parts: Part | Iterable[Part] = (),
-    name: str = "program",
-) -> "Simulated":
+    program: FileInput, machine: AnyMachine = DEFAULT_MACHINE, *,
+    parts: Part | Iterable[Part] = (), name: str = "program",
+) -> "Simulated":  # fmt: skip
     """The axes of the machine over time while it runs a program: `trace`, and `diagnostics`.
 
     `parts` say which section or sheet it is, where the program does not; `name` is the program's,
@@ -149,12 +146,9 @@ def diff(
 
 
 def recover(
-    program: FileInput,
-    machine: AnyMachine = DEFAULT_MACHINE,
-    *,
-    profile: str | Part | None = None,
-    name: str = "program",
-) -> "Recovered":
+    program: FileInput, machine: AnyMachine = DEFAULT_MACHINE, *,
+    profile: str | Part | None = None, name: str = "program",
+) -> "Recovered":  # fmt: skip
     """The parts that a program makes, and remarks; none where an error is said.
 
     `profile` is the section of the bar: a name such as "IPE200", or a part that has it. The program
@@ -183,16 +177,10 @@ def recover(
 
 
 def plot(
-    shown: FileInput | Part,
-    machine: AnyMachine | None = None,
-    *,
-    to: Picture = "svg",
-    unit: Unit = "mm",
-    paper: Paper = "a4",
-    name: str = "program",
-    bar: float | None = None,
+    shown: FileInput | Part, machine: AnyMachine | None = None, *, to: Picture = "svg",
+    unit: Unit = "mm", paper: Paper = "a4", name: str = "program", bar: float | None = None,
     parts: Part | Iterable[Part] = (),
-) -> str | bytes:
+) -> str | bytes:  # fmt: skip
     """A picture of a part with its faces unfolded, or of what a program makes on its machine.
 
     It is the text of an SVG, or the bytes of a PNG, or of a PDF on a paper. Raises PictureError
@@ -214,17 +202,11 @@ def plot(
 
 
 def report(
-    parts: Part | Iterable[Part] = (),
-    machine: AnyMachine = DEFAULT_MACHINE,
-    *,
-    program: FileInput | Posted | None = None,
-    to: Literal["html", "pdf"] = "html",
-    unit: Unit = "mm",
-    paper: Paper = "a4",
-    name: str = "program",
-    bar: float | None = None,
+    parts: Part | Iterable[Part] = (), machine: AnyMachine = DEFAULT_MACHINE, *,
+    program: FileInput | Posted | None = None, to: Literal["html", "pdf"] = "html",
+    unit: Unit = "mm", paper: Paper = "a4", name: str = "program", bar: float | None = None,
     skips: Iterable[str] = (),
-) -> str | bytes:
+) -> str | bytes:  # fmt: skip
     """The setup sheet of the program that makes `parts`: posted for it, or the one that is given.
 
     It is an HTML page, or the bytes of a PDF on a paper. Raises what `post` raises, and

@@ -53,15 +53,10 @@ class Lists(Struct, frozen=True):
 
 
 def lists(
-    parts: Part | Iterable[Part],
-    machine: AnyMachine | None = None,
-    *,
-    lengths: Collection[float] = (),
-    remnants: Collection[str | float] = (),
-    quantity: Quantity = "file",
-    skips: Collection[str] = (),
-    by: ChosenBy = "order",
-) -> Lists:
+    parts: Part | Iterable[Part], machine: AnyMachine | None = None, *,
+    lengths: Collection[float] = (), remnants: Collection[str | float] = (),
+    quantity: Quantity = "file", skips: Collection[str] = (), by: ChosenBy = "order",
+) -> Lists:  # fmt: skip
     """The part list of parts, and the bars of stock that they are cut from, first fit.
 
     They are those of the plans by which `post` makes the parts: on `machine`, or on the first that
@@ -99,14 +94,10 @@ def lists(
 
 
 def labels(
-    parts: Part | Iterable[Part],
-    *,
-    to: Literal["pdf", "zpl"] = "pdf",
-    size: tuple[float, float] = (100.0, 60.0),
-    code: Literal["qr", "datamatrix"] = "qr",
-    quantity: Quantity = "file",
-    programs: Sequence[str] = (),
-) -> str | bytes:
+    parts: Part | Iterable[Part], *, to: Literal["pdf", "zpl"] = "pdf",
+    size: tuple[float, float] = (100.0, 60.0), code: Literal["qr", "datamatrix"] = "qr",
+    quantity: Quantity = "file", programs: Sequence[str] = (),
+) -> str | bytes:  # fmt: skip
     """A label for each piece: the bytes of a PDF, or the text of a ZPL file.
 
     `size` is width and height in mm; `programs` are the names that stand in the codes, one for
@@ -208,12 +199,9 @@ def bars_of(
     for key, places in lots.items():
         parts = tuple(replace(known[k].part, quantity=known[k].quantity) for k in places)
         request = replace(
-            asked,
-            parts=parts,
-            machine=machine_of_lot[key],
-            quantity="file",
+            asked, parts=parts, machine=machine_of_lot[key], quantity="file",
             remnants=there.get(key, ()),
-        )
+        )  # fmt: skip
         planned: dict[Share, CutBar] = {}  # of bars with the same pieces, which are many
         for share in shares_of(request):
             try:

@@ -32,12 +32,9 @@ class Cluster:
     most_files = CHUNK_FILES
 
     def __init__(
-        self,
-        shop: BatchSettings,
-        address: str,
-        answer_s: float | None = None,
+        self, shop: BatchSettings, address: str, answer_s: float | None = None,
         chunks: int | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Raises SchedulerError if there is none at `address`, or it has no worker."""
         self._address = address
         self._answer_s = ANSWER_S if answer_s is None else answer_s

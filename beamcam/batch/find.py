@@ -107,13 +107,10 @@ def _identity(path: str) -> tuple[int, int] | None:
 
 
 def _walk(
-    folder: str,
-    without: Collection[tuple[int, int]],
-    said: list[Diagnostic],
-    configurations: list[str],
-    above: tuple[tuple[tuple[int, int], str], ...] = (),
+    folder: str, without: Collection[tuple[int, int]], said: list[Diagnostic],
+    configurations: list[str], above: tuple[tuple[tuple[int, int], str], ...] = (),
     parents: tuple[tuple[tuple[int, int], str], ...] = (),
-) -> Iterator[str]:
+) -> Iterator[str]:  # fmt: skip
     """The files below a folder, in order of their names; links are followed, but never back.
 
     `above` are the folders come through, `parents` those above the first of them.

@@ -91,18 +91,12 @@ def output_name(
     if template is None:
         return free_of_devices((f"{stem}_{mark}" if several else stem) + machine.suffix)
     values: dict[str, str | int] = {
-        "stem": stem,
-        "mark": mark,
-        "quantity": part.quantity,
-        "number": number,
+        "stem": stem, "mark": mark, "quantity": part.quantity, "number": number,
         "profile": cleaned(part.profile.name) or part.profile.code,
-        "grade": cleaned(part.grade) or "_",
-        "order": cleaned(part.order) or "_",
-        "drawing": cleaned(part.drawing) or "_",
-        "phase": cleaned(part.phase) or "_",
-        "machine": cleaned(machine.name),
-        "suffix": machine.suffix,
-    }
+        "grade": cleaned(part.grade) or "_", "order": cleaned(part.order) or "_",
+        "drawing": cleaned(part.drawing) or "_", "phase": cleaned(part.phase) or "_",
+        "machine": cleaned(machine.name), "suffix": machine.suffix,
+    }  # fmt: skip
     return "/".join(map(free_of_devices, template.format_map(values).split("/")))
 
 

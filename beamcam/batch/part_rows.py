@@ -29,27 +29,16 @@ def part_row(
         Counter(o.by for o in plan.outcomes if o.how == "skipped") if "skipped" in how else {}
     )
     return {
-        "mark": part.mark,
-        "quantity": max(part.quantity, pieces),
-        "pieces": pieces,
-        "profile": part.profile.name,
-        "order": part.order,
-        "phase": part.phase,
-        "length": part.length,
-        "machine": machine.name,
-        "output": name,
-        "sha256": sha256(content).hexdigest(),
-        "rest": rest,
-        "bar": _bar(posted),
-        "ledger": cast(Ledger, ledger),
-        "by_hand": hand_rows(plan),
-        "skipped_by": dict(sorted(skipped_by.items())),
-        "mapped": _mapped(part, machine),
+        "mark": part.mark, "quantity": max(part.quantity, pieces), "pieces": pieces,
+        "profile": part.profile.name, "order": part.order, "phase": part.phase,
+        "length": part.length, "machine": machine.name, "output": name,
+        "sha256": sha256(content).hexdigest(), "rest": rest, "bar": _bar(posted),
+        "ledger": cast(Ledger, ledger), "by_hand": hand_rows(plan),
+        "skipped_by": dict(sorted(skipped_by.items())), "mapped": _mapped(part, machine),
         "tools": sorted({_tool_name(op) for op in plan.operations}),
-        "operations": len(plan.operations),
-        "stock": None,
+        "operations": len(plan.operations), "stock": None,
         "machine_time_s": round(posted.time(machine).total_s, 3) if timed else None,
-    }
+    }  # fmt: skip
 
 
 def _bar(posted: Posted) -> float:

@@ -168,13 +168,9 @@ class Record:
             self._recipes.add(self._recipe_line)
             lines = self._recipe_line
         noted = {
-            "key": key.hex(),
-            "outputs": [part["output"] for part in row["parts"]],
-            "row": row,
-            "recipe": self._recipe_name,
-            "input": self.input_of(found),
-            "tree": found.tree,
-        }
+            "key": key.hex(), "outputs": [part["output"] for part in row["parts"]], "row": row,
+            "recipe": self._recipe_name, "input": self.input_of(found), "tree": found.tree,
+        }  # fmt: skip
         lines += dumped(noted) + b"\n"
         if self._file is None:
             self._file = os.open(self._path, _TO_ADD, 0o666)

@@ -57,19 +57,11 @@ class Slot(Struct):
 
 
 def run(
-    inputs: Sequence[Input],
-    folder: str,
-    shop: BatchSettings,
-    workers: Workers,
-    flat: bool = False,
-    force: bool = False,
-    claims: dict[str, str] | None = None,
-    read: FilesRead | None = None,
-    recipe: Recipe | None = None,
-    dry: bool = False,
-    asked: Asked = NEVER,
-    marks: dict[MarkKey, str] | None = None,
-) -> Generator[Row, None, None]:
+    inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
+    flat: bool = False, force: bool = False, claims: dict[str, str] | None = None,
+    read: FilesRead | None = None, recipe: Recipe | None = None, dry: bool = False,
+    asked: Asked = NEVER, marks: dict[MarkKey, str] | None = None,
+) -> Generator[Row, None, None]:  # fmt: skip
     """Post every input into `folder` and give its row, in the order of the inputs.
 
     `flat` puts all outputs into one folder, else they lie as their inputs do. `force` does again
@@ -113,20 +105,10 @@ def recorded(
 
 class Run:
     def __init__(
-        self,
-        inputs: Sequence[Input],
-        folder: str,
-        shop: BatchSettings,
-        workers: Workers,
-        record: Record,
-        flat: bool,
-        force: bool,
-        claims: dict[str, str] | None,
-        read: FilesRead | None,
-        dry: bool,
-        asked: Asked,
-        marks: dict[MarkKey, str] | None = None,
-    ) -> None:
+        self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
+        record: Record, flat: bool, force: bool, claims: dict[str, str] | None,
+        read: FilesRead | None, dry: bool, asked: Asked, marks: dict[MarkKey, str] | None = None,
+    ) -> None:  # fmt: skip
         self._asked = asked
         self._inputs, self._folder, self._shop = inputs, folder, shop
         self._workers, self._record, self._flat, self._force = workers, record, flat, force
@@ -229,7 +211,9 @@ class Run:
         """The task of an input; None where it was done by an earlier run, as its key says."""
         slot.key = sha256(self._settings + key).digest()
         done = None if self._force else self._record.find(slot.key, slot.input)
-        if done is not None and not (self._shop.timed and _lacks_time(done)):
+        # A run that did not ask for times has not noted any.
+        lacks_time = done is not None and any(p["machine_time_s"] is None for p in done["parts"])
+        if done is not None and not (self._shop.timed and lacks_time):
             slot.row = {**done, "status": "unchanged", "seconds": 0.0}
             return None
         slot.size = len(task.data)
@@ -375,8 +359,3 @@ class Run:
             if stands and folded(output) not in self._claims:
                 said = STALE.at(Source(slot.input.path), found=output)
                 row["messages"].append(as_message(said))
-
-
-def _lacks_time(row: Row) -> bool:
-    """Whether a row was noted by a run that did not ask for times."""
-    return any(part["machine_time_s"] is None for part in row["parts"])

@@ -73,12 +73,9 @@ def picture_style() -> str:
 
 
 def sheets_beside(
-    report: str,
-    rows: Iterable[Row],
-    shop: BatchSettings,
-    jobs: int,
+    report: str, rows: Iterable[Row], shop: BatchSettings, jobs: int,
     shares: Sequence[ShareTask] = (),
-) -> dict[str, Extra]:
+) -> dict[str, Extra]:  # fmt: skip
     """Write the sheet of each program of a run into a folder beside its report.
 
     `shares` are the programs of a run over stock.
@@ -172,13 +169,8 @@ def _sheet(posted: Posted, output: str, shop: BatchSettings) -> SetupSheet:
     parts, machine = posted.job.parts, posted.job.machine
     bar = getattr(getattr(posted.plan, "bar", None), "length", None)
     program = ReadProgram(
-        b"".join(posted.pieces()),
-        machine,
-        PurePosixPath(output).name,
-        machine.suffix,
-        parts,
-        bar,
-    )
+        b"".join(posted.pieces()), machine, PurePosixPath(output).name, machine.suffix, parts, bar,
+    )  # fmt: skip
     source = SheetSources(program, posted.plan, posted.remarks, compared=shop.read_back)
     page = setup_page(content_of(source)).encode("utf-8", "backslashreplace")
     return SetupSheet(output, page, inline_svg(small_scene(parts[0])))

@@ -15,13 +15,7 @@ from msgspec.structs import replace
 
 from beamcam import budget
 from beamcam.batch import DIED, INTERNAL, NO_PART, SAME_NAME
-from beamcam.batch.names import (
-    FileNames,
-    mark_key,
-    other_content,
-    output_name,
-    stage_names,
-)
+from beamcam.batch.names import FileNames, mark_key, other_content, output_name, stage_names
 from beamcam.batch.part_rows import part_row
 from beamcam.budget import Limits
 from beamcam.caches import cached
@@ -301,12 +295,7 @@ def _mixed(parts: Sequence[Part], row: Row) -> Set[Source]:
 
 
 def _post_job(
-    planned: Begun,
-    name: str,
-    shop: BatchSettings,
-    row: Row,
-    names: FileNames,
-    found: Found,
+    planned: Begun, name: str, shop: BatchSettings, row: Row, names: FileNames, found: Found
 ) -> Generator[str, None, None]:
     """Add the program of a part, or of the pieces of it that lie on one bar."""
     part = planned.job.parts[0]
@@ -327,13 +316,9 @@ def _post_job(
 
 
 def _post_chain(
-    part: Part,
-    called: Callable[[Machine, int, str], tuple[str, str]],
-    shop: BatchSettings,
-    row: Row,
-    names: FileNames,
-    found: Found,
-) -> Generator[str, None, None]:
+    part: Part, called: Callable[[Machine, int, str], tuple[str, str]], shop: BatchSettings,
+    row: Row, names: FileNames, found: Found,
+) -> Generator[str, None, None]:  # fmt: skip
     """Add the programs of a part on several machines, all of them or none, and what is between.
 
     One that a machine makes by itself is called as that of any part.

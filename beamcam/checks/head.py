@@ -49,7 +49,6 @@ _STOCK = re.compile(r"(SECTION|SHEET) (.*?)(?: GRADE (.*))?")
 _BAR = re.compile(rf"BAR {_MM}( AS NEEDED)?")
 _PART = re.compile(r"PART ([0-9]{1,6}) ((?:AT|SIZE|MARK|DRAWING|ORDER) .*)")
 _FIGURES = re.compile(rf"AT {_MM}(?: LENGTH {_MM}| {_MM} SIZE {_MM} {_MM})(?: (.*))?")
-_UNREAD = "NOT VERIFIED: THIS PROGRAM WAS NOT READ BACK"
 
 HEAD = error("verify-head",
     "found {found} in the head of the program; expected {expected}",

@@ -31,14 +31,9 @@ class DrawnPath(Struct, frozen=True):
 
 
 def compare_polylines(
-    drawn: Sequence[DrawnPath],
-    part: Part,
-    machine: Machine,
-    skips: Collection[str],
-    slack: float,
-    name: str,
-    is_simplified: bool = False,
-) -> list[Diagnostic]:
+    drawn: Sequence[DrawnPath], part: Part, machine: Machine, skips: Collection[str], slack: float,
+    name: str, is_simplified: bool = False,
+) -> list[Diagnostic]:  # fmt: skip
     """All differences of paths from the part.
 
     `slack` is what the controller may miss each point by, beside the machine's tolerance. Points

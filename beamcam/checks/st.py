@@ -45,12 +45,9 @@ def unread(text: str, said: Sequence[Diagnostic]) -> list[Operation]:
 
 
 def with_contours(
-    said: Sequence[Diagnostic],
-    operations: Sequence[Operation],
-    part: Part,
-    machine: Machine,
+    said: Sequence[Diagnostic], operations: Sequence[Operation], part: Part, machine: Machine,
     skips: Collection[str],
-) -> list[Diagnostic]:
+) -> list[Diagnostic]:  # fmt: skip
     """The messages; to those about an operation the contour nearest to its end is added."""
     from beamcam.checks.sheets.need import need_of, shift_of
     from beamcam.checks.sheets.toolpaths import Toolpaths
@@ -329,13 +326,9 @@ def _is_of(speed: float, asked: float, by_cycles: float) -> bool:
 
 
 def verify_triggers(
-    text: str,
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-    head: str = "",
-) -> tuple[Diagnostic, ...]:
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
+    name: str = "program", head: str = "",
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a trigger program, by itself and against its part.
 
     `head` is the text whose head has to say where sound parts lie, if one has to. Nothing comes

@@ -70,16 +70,9 @@ FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not
     "--report", callback=checked_report, metavar="FILE", help="Write .json, .csv or .html; -."
 )
 def command(
-    inputs: tuple[str, ...],
-    output: str,
-    redo: bool,
-    dry: bool,
-    nest: bool | None,
-    report: str | None,
-    exit_left_out: int | None,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], output: str, redo: bool, dry: bool, nest: bool | None,
+    report: str | None, exit_left_out: int | None, console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Turn folders, patterns and files of parts into a folder of programs.
 
     IN is a folder (with all folders in it), a file, a pattern in quotes, or - for names from

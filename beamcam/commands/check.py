@@ -64,14 +64,9 @@ _NO_PROGRAMS = (".toml", ".json", ".html", ".md", ".txt", REFUSED_SUFFIX)
 @options.as_json
 @options.voiced
 def command(
-    folder: Path,
-    samples: Path | None,
-    update: bool,
-    strays: tuple[str, ...],
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    folder: Path, samples: Path | None, update: bool, strays: tuple[str, ...], as_json: bool,
+    console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Post every golden program in FOLDER again and say what differs, by meaning and by bytes.
 
     What `batch` wrote is posted again as its record says: the same inputs, machine, options, names

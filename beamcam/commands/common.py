@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from beamcam.commands import ACCOUNT, CANNOT_WRITE, OVER_INPUT
-from beamcam.errors import Diagnostic, Severity, Source, first_of_each_kind
+from beamcam.errors import Diagnostic, Severity, Source, errors_in, first_of_each_kind
 from beamcam.files import REFUSED_SUFFIX, FilesRead, write_whole
 from beamcam.plain_text import json_text, terminal_text
 from beamcam.system import is_reader_gone, is_unicode, taken_back
@@ -104,6 +104,12 @@ class Console:
         """Say messages and end with the status of a refused input."""
         self.say(diagnostics)
         raise SystemExit(REFUSED)
+
+    def finish(self, diagnostics: Sequence[Diagnostic]) -> None:
+        """Say messages; where an error is among them, end with the status of a refused input."""
+        self.say(diagnostics)
+        if errors_in(diagnostics):
+            raise SystemExit(REFUSED)
 
 
 def remark(diagnostics: Iterable[Diagnostic]) -> None:

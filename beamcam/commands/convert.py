@@ -10,7 +10,6 @@ import click
 from beamcam.batch.names import FileNames, cleaned
 from beamcam.commands import NO_PART, ONE_PART, OUTPUT_FORMAT, RENAMED, WRITTEN, options
 from beamcam.commands.common import (
-    REFUSED,
     Console,
     Grouped,
     cannot_write,
@@ -27,7 +26,7 @@ from beamcam.commands.parts import (
     thickness,
 )
 from beamcam.commands.settings import files_read, settled, with_thickness
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.files import FilesRead, write_whole
 from beamcam.model.part import Part
 from beamcam.pipeline import counted, sound
@@ -128,9 +127,7 @@ def command(
             write(output, only_text(source, parts, target, output), console, read)
     except BeamcamError as error:
         console.stop((*said, *error.diagnostics))
-    console.say(said)
-    if errors_in(said):
-        raise SystemExit(REFUSED)
+    console.finish(said)
 
 
 def only_text(source: str, parts: Sequence[Part], target: Target, output: str) -> str:

@@ -11,13 +11,13 @@ import click
 from beamcam.api.shop_lists import label_lines, programs_of
 from beamcam.batch.names import FileNames, output_name
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, write
+from beamcam.commands.common import STANDARD, Console, Grouped, write
 from beamcam.commands.list_ import counted_parts, machines_in_shop, refuse_missing
 from beamcam.commands.options import quantity
-from beamcam.commands.parts import drawing_options, member_options, torch_options
+from beamcam.commands.parts import list_options
 from beamcam.commands.settings import files_read, settled
 from beamcam.config.values import Config
-from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, PlanError, Source
 from beamcam.model.plan import Order
 from beamcam.model.request import Request
 from beamcam.planning import numbered
@@ -70,16 +70,7 @@ def _size(ctx: click.Context, param: click.Parameter, value: str) -> Size:
 )
 @click.option("--name", metavar="TEMPLATE", help="Names of the programs, as of `batch`.")
 @options.bar
-@options.skips
-@options.order
-@options.turn
-@options.mark_from
-@member_options
-@drawing_options
-@torch_options
-@options.strict
-@options.as_json
-@options.voiced
+@list_options
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, size: Size, code: Code, order: Order,
     turn: bool, as_json: bool, console: Console, **asked: Any,
@@ -116,9 +107,7 @@ def command(
     except BeamcamError as error:
         console.stop(error.diagnostics)
     write(output, data, console, files_read(config, inputs))
-    console.say(said)
-    if errors_in(said):
-        raise SystemExit(REFUSED)
+    console.finish(said)
 
 
 def _of_batch(inputs: tuple[str, ...]) -> tuple[Label, ...] | None:

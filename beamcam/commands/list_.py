@@ -14,7 +14,6 @@ from beamcam.batch.names import other_content
 from beamcam.budget import refused_pieces
 from beamcam.commands import MISSING_EXTRA, options
 from beamcam.commands.common import (
-    REFUSED,
     STANDARD,
     Console,
     Grouped,
@@ -25,10 +24,8 @@ from beamcam.commands.common import (
 from beamcam.commands.options import quantity
 from beamcam.commands.parts import (
     drawing_choice,
-    drawing_options,
+    list_options,
     member_choice,
-    member_options,
-    torch_options,
 )
 from beamcam.commands.settings import (
     files_read,
@@ -38,7 +35,7 @@ from beamcam.commands.settings import (
     with_thickness,
 )
 from beamcam.config.values import Config, Stock
-from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source, errors_in
+from beamcam.errors import BeamcamError, Diagnostic, ReadError, Source
 from beamcam.machine.machine import Machine
 from beamcam.model.description import marked
 from beamcam.model.part import Part
@@ -80,16 +77,7 @@ FORMATS = ("txt", "csv", "xlsx", "json")
     "--table", type=click.Choice(["parts", "bars", "cuts"]), default="parts", show_default=True,
     help="Which table a .csv holds.",
 )  # fmt: skip
-@options.skips
-@options.order
-@options.turn
-@options.mark_from
-@member_options
-@drawing_options
-@torch_options
-@options.strict
-@options.as_json
-@options.voiced
+@list_options
 def command(
     inputs: tuple[str, ...], output: str, to: str | None, bars: tuple[float, ...],
     remnants: tuple[str, ...], table: str, order: Order, turn: bool, as_json: bool,
@@ -125,9 +113,7 @@ def command(
         console.stop(error.diagnostics)
     write(output, data, console, files_read(config, inputs))
     said = (*said, *not_made(counts))
-    console.say(said)
-    if errors_in(said):
-        raise SystemExit(REFUSED)
+    console.finish(said)
 
 
 def _asked(config: Config, lengths: Sequence[float], order: Order, turn: bool) -> Request:

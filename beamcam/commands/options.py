@@ -226,12 +226,9 @@ job_date = click.option(
     help="For {date} in the machine's words: today, or as 2024-02-29; else empty.",
 )
 order = click.option(
-    "--order",
-    type=click.Choice(["given", "best"]),
-    default="given",
-    show_default=True,
+    "--order", type=click.Choice(["given", "best"]), default="given", show_default=True,
     help="Lay parts in the order given, or so that mitres nest.",
-)
+)  # fmt: skip
 style = click.option(
     "--style",
     type=click.Choice(["chain", "table"]),
@@ -243,13 +240,10 @@ mark_from = click.option(
     help="Where a part's mark stands: position is the third line of a DSTV header.",
 )  # fmt: skip
 skips = click.option(
-    "--allow-skips",
-    "skips",
-    multiple=True,
-    callback=_skips,
+    "--allow-skips", "skips", multiple=True, callback=_skips,
     type=SkipNames([*SKIP_NAMES, ALL_SKIPS, NO_SKIPS]),
     help="Leave out features of these kinds that the machine cannot make; several with commas.",
-)
+)  # fmt: skip
 exit_left_out = click.option(
     "--exit-left-out",
     type=click.IntRange(1, 125),

@@ -216,27 +216,24 @@ def member_choice(
     return {
         "selection": Selection(*(frozenset(values[name]) for name in names)),
         "options": Options(
-            values.get("force", False),
-            kernel,
-            letter=values.get("letter") == "mark",
-            workers=workers or max(cores(), 2),
-            apart=True,
+            values.get("force", False), kernel, letter=values.get("letter") == "mark",
+            workers=workers or max(cores(), 2), apart=True,
         ),
-    }
+    }  # fmt: skip
 
 
 #: Which parts are meant, and how drawings and sheets are taken.
 part_options = options.group(member_options, options.mark_from, drawing_options, torch_options)
+#: The parts of a shop's lists and labels, and how they are laid.
+list_options = options.group(
+    options.skips, options.order, options.turn, options.mark_from, member_options, drawing_options,
+    torch_options, options.strict, options.as_json, options.voiced,
+)  # fmt: skip
 #: What a job is posted by, for commands that show what comes of it.
 job_options = options.group(
-    options.by,
-    options.skips,
-    options.order,
-    options.turn,
-    part_options,
-    options.strict,
+    options.by, options.skips, options.order, options.turn, part_options, options.strict,
     options.json_messages,
-)
+)  # fmt: skip
 #: Of a command that only looks at the work which parts are: `plan` and `verify`.
 looking_options = options.group(
     quantity, options.skips, part_options, options.strict, options.as_json, options.voiced

@@ -35,17 +35,9 @@ from beamcam.model.plan import Order
 @job_options
 @options.voiced
 def command(
-    inputs: tuple[str, ...],
-    output: str,
-    show: str | None,
-    unit: Any,
-    paper: Any,
-    order: Order,
-    turn: bool,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], output: str, show: str | None, unit: Any, paper: Any, order: Order,
+    turn: bool, as_json: bool, console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Draw a part with its faces unfolded, or what a program makes.
 
     A program is drawn as its machine reads it: tools or speeds by colour, rapid moves dashed, the

@@ -23,13 +23,7 @@ from beamcam.commands.remainders import (
     rest_file,
     rest_option,
 )
-from beamcam.commands.settings import (
-    files_read,
-    machine_asked,
-    machines_for,
-    map_remarks,
-    settled,
-)
+from beamcam.commands.settings import files_read, machine_asked, machines_for, map_remarks, settled
 from beamcam.config.values import Config
 from beamcam.errors import BeamcamError, Diagnostic, PlanError
 from beamcam.files import FilesRead
@@ -82,21 +76,10 @@ FLAT = 150.0  #: mm that flats are wide at most, which a saw may cut to length (
 @options.json_messages
 @options.voiced
 def command(
-    inputs: tuple[str, ...],
-    output: str,
-    order: Order,
-    style: str | None,
-    turn: bool,
-    first: int | None,
-    contour: int | None,
-    frame: str | None,
-    rest_name: str | None,
-    no_verify: bool,
-    exit_left_out: int | None,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], output: str, order: Order, style: str | None, turn: bool,
+    first: int | None, contour: int | None, frame: str | None, rest_name: str | None,
+    no_verify: bool, exit_left_out: int | None, as_json: bool, console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Turn parts into a machine program.
 
     Several INPUTs are laid on one bar in the order given; an input named twice is made twice. With

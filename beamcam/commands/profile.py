@@ -78,15 +78,9 @@ def unit_of(name: str | None, pulses: int | None, travel: float | None) -> "Velo
 
 
 def wanted_profile(
-    velocity: float | None,
-    acceleration: float | None,
-    distance: float | None,
-    time: float | None,
-    jerk: float,
-    cruise: float,
-    points: tuple[tuple[float, float], ...],
-    max_jerk: float | None,
-) -> "VelocityProfile":
+    velocity: float | None, acceleration: float | None, distance: float | None, time: float | None,
+    jerk: float, cruise: float, points: tuple[tuple[float, float], ...], max_jerk: float | None,
+) -> "VelocityProfile":  # fmt: skip
     """The profile that the options ask for. Raises ValueError where they do not fit together."""
     from beamcam.motion import profile as profiles
 
@@ -136,21 +130,11 @@ def wanted_profile(
 @click.option("--travel", type=NUMBER, help="Travel per revolution in mm, with --pulses.")
 @options.voiced
 def command(
-    output: str,
-    velocity: float | None,
-    acceleration: float | None,
-    distance: float | None,
-    time: float | None,
-    jerk: float,
-    cruise: float,
-    points: tuple[tuple[float, float], ...],
-    max_jerk: float | None,
-    step: float | None,
-    unit: str | None,
-    pulses: int | None,
-    travel: float | None,
-    console: Console,
-) -> None:
+    output: str, velocity: float | None, acceleration: float | None, distance: float | None,
+    time: float | None, jerk: float, cruise: float, points: tuple[tuple[float, float], ...],
+    max_jerk: float | None, step: float | None, unit: str | None, pulses: int | None,
+    travel: float | None, console: Console,
+) -> None:  # fmt: skip
     """Write the velocity profile of an axis, as a table or a picture.
 
     A ramp is an S-curve of which --jerk percent are rounded: 0 is a trapezoid, 100 has no

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from beamcam.commands import SECTION, options
-from beamcam.commands.common import REFUSED, STANDARD, Console, Grouped, read_all, write
+from beamcam.commands.common import STANDARD, Console, Grouped, read_all, write
 from beamcam.commands.convert import is_folder, only_text, target_of, write_folder
 from beamcam.commands.diff import refuse_part
 from beamcam.commands.parts import input_bytes, torch_options
@@ -41,14 +41,9 @@ READ_BY = ("codesys", "linuxcnc", "grbl", "mach3")
 @options.json_messages
 @options.voiced
 def command(
-    program: str,
-    output: str,
-    to: str | None,
-    profile: str | None,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    program: str, output: str, to: str | None, profile: str | None, as_json: bool,
+    console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Write the part that PROGRAM makes as DSTV, JSON or a drawing of its faces.
 
     Of a bar each piece between two cuts is a part, with its end cuts, holes, slots and marks;
@@ -92,9 +87,7 @@ def command(
             write(output, only_text(name, parts, target, output), console, read)
     except BeamcamError as error:
         console.stop((*said, *error.diagnostics))
-    console.say(said)
-    if errors_in(said):
-        raise SystemExit(REFUSED)
+    console.finish(said)
 
 
 def _stock(

@@ -32,17 +32,9 @@ from beamcam.model.plan import Order
 @job_options
 @options.voiced
 def command(
-    inputs: tuple[str, ...],
-    output: str,
-    against: bool,
-    unit: Any,
-    paper: Any,
-    order: Order,
-    turn: bool,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], output: str, against: bool, unit: Any, paper: Any, order: Order,
+    turn: bool, as_json: bool, console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Write the setup sheet of a program: one file for the operator.
 
     INPUTs are parts, which are posted as `post` would, or a program, and behind it (and --against)

@@ -8,7 +8,6 @@ from contextlib import suppress
 from functools import partial
 from pathlib import PurePath
 from time import monotonic, perf_counter
-from types import TracebackType
 from typing import IO, Any, Self
 
 import click
@@ -95,13 +94,10 @@ run_options = options.group(
     click.option("--jobs", type=click.IntRange(min=1), help="Worker processes; default all cores."),
     click.option("--scheduler", metavar="ADDRESS", help="Work on this Dask cluster."),
     click.option(
-        "--json",
-        "as_json",
-        is_flag=True,
-        help="Print only the outcome of each file, as JSON.",
+        "--json", "as_json", is_flag=True, help="Print only the outcome of each file, as JSON.",
     ),
     options.voiced,
-)
+)  # fmt: skip
 
 
 def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> BatchSettings:
@@ -127,28 +123,15 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Ba
     if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
         raise click.UsageError(f"--style is not for {sheets.name}.")
     return BatchSettings(
-        bars,
-        config.job,
-        config.stock_lengths,
-        config.quantity,
-        config.allow_skips,
-        config.strict,
-        not asked["no_verify"],
-        config.name,
-        None if sheets == bars else sheets,
+        bars, config.job, config.stock_lengths, config.quantity, config.allow_skips, config.strict,
+        not asked["no_verify"], config.name, None if sheets == bars else sheets,
         drawing_choice(asked, config.map) | member_choice(asked, kernel=True, workers=1),
-        timed=timed,
-        clock=perf_counter,
-        more=(*more_bars, *more_sheets),
-        date=asked.get("date") or "",
-        order=asked.get("order", "given"),
-        turn=asked.get("turn", False),
-        mark_from=asked.get("mark_from", "mark"),
-        style=style,
-        by=config.by,
-        rest_suffix=f".{asked.get('rest_as', 'nc1')}" if config.split else "",
+        timed=timed, clock=perf_counter, more=(*more_bars, *more_sheets),
+        date=asked.get("date") or "", order=asked.get("order", "given"),
+        turn=asked.get("turn", False), mark_from=asked.get("mark_from", "mark"), style=style,
+        by=config.by, rest_suffix=f".{asked.get('rest_as', 'nc1')}" if config.split else "",
         remnants=tuple(map(remnant_of, asked.get("remnants", ()))),
-    )
+    )  # fmt: skip
 
 
 def told_of(config: Config, shop: BatchSettings) -> tuple[Diagnostic, ...]:
@@ -253,12 +236,7 @@ class Progress:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._clear()
 
     def show(self, row: Row) -> None:

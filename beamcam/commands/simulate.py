@@ -99,20 +99,11 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 @job_options
 @options.voiced
 def command(
-    inputs: tuple[str, ...],
-    against: bool,
-    output: str | None,
-    every: float | None,
-    encoder: "Encoder | Literal['machine'] | None",
-    modbus: tuple[str, int] | None,
-    serve: tuple[str, int] | None,
-    pace: float | None,
-    order: Order,
-    turn: bool,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    inputs: tuple[str, ...], against: bool, output: str | None, every: float | None,
+    encoder: "Encoder | Literal['machine'] | None", modbus: tuple[str, int] | None,
+    serve: tuple[str, int] | None, pace: float | None, order: Order, turn: bool, as_json: bool,
+    console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Run a program on a model of its machine and write its axes over time.
 
     INPUTs are a program, and behind it (and --against) the parts that it has to make; or parts,
@@ -192,13 +183,9 @@ def command(
             rows = trace_rows(trace, every)
             with asked_to_end() as asked_so:
                 serve_rows(
-                    rows,
-                    machine.modbus,
-                    *serve,
-                    1.0 if pace is None else pace,
-                    tell,
+                    rows, machine.modbus, *serve, 1.0 if pace is None else pace, tell,
                     asked=asked_so,
-                )
+                )  # fmt: skip
             if asked_so:
                 raise SystemExit(INTERRUPTED)
     except BeamcamError as error:

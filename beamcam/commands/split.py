@@ -36,13 +36,9 @@ if TYPE_CHECKING:
 @options.json_messages
 @options.voiced
 def command(
-    inputs: tuple[str, ...],
-    folder: str,
-    rest_as: str,
-    as_json: bool,
-    console: Console,
+    inputs: tuple[str, ...], folder: str, rest_as: str, as_json: bool, console: Console,
     **asked: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Make parts on several machines, each making what the others cannot.
 
     For each part the shortest chain of the machines is taken, in it first the one that leaves

@@ -51,20 +51,10 @@ NOT_MADE = (LEFT_OUT.code, BY_HAND.code)
 @looking_options
 @options.exit_left_out
 def command(
-    program: str,
-    against: bool,
-    parts: tuple[str, ...],
-    order: Order,
-    turn: bool,
-    first: int | None,
-    contour: int | None,
-    after: str | None,
-    solid: bool,
-    exit_left_out: int | None,
-    as_json: bool,
-    console: Console,
-    **asked: Any,
-) -> None:
+    program: str, against: bool, parts: tuple[str, ...], order: Order, turn: bool,
+    first: int | None, contour: int | None, after: str | None, solid: bool,
+    exit_left_out: int | None, as_json: bool, console: Console, **asked: Any,
+) -> None:  # fmt: skip
     """Read PROGRAM back and say where it differs from its parts.
 
     The PARTs are given in their order on the bar, --quantity says how many of each. Without them

@@ -44,18 +44,10 @@ from beamcam.watch import END_S, HotFolder, file_away, look
 )  # fmt: skip
 @click.option("--once", is_flag=True, help="Exit once all present files have been posted.")
 def command(
-    folder: str,
-    output: str,
-    done: str | None,
-    refused: str | None,
-    settle: float,
-    end_wait: float,
-    every: float,
-    once: bool,
-    exit_left_out: int | None,
-    console: Console,
+    folder: str, output: str, done: str | None, refused: str | None, settle: float,
+    end_wait: float, every: float, once: bool, exit_left_out: int | None, console: Console,
     **asked: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Post the files put into IN_FOLDER as they arrive, until Ctrl-C.
 
     A file that is still being written is left until it stays the same for a while and has its

@@ -9,13 +9,7 @@ from typing import Any, TypeVar
 
 from msgspec.structs import astuple, replace
 
-from beamcam.checks.bars.stations import (
-    Bore,
-    Cut,
-    MachinedFeatures,
-    MachinedPath,
-    StampedText,
-)
+from beamcam.checks.bars.stations import Bore, Cut, MachinedFeatures, MachinedPath, StampedText
 from beamcam.comparison.pairing import (
     Difference,
     Kind,

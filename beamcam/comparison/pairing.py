@@ -111,13 +111,10 @@ def shown(value: object) -> str:
 
 
 def differences_one_by_one(
-    what: Literal["cut", "hole", "feature"],
-    a: Iterable[T],
-    b: Iterable[T],
-    place: Callable[[T], tuple[float, float]],
-    name: Callable[[T], str],
+    what: Literal["cut", "hole", "feature"], a: Iterable[T], b: Iterable[T],
+    place: Callable[[T], tuple[float, float]], name: Callable[[T], str],
     changes: Callable[[T, T], list[str]],
-) -> Iterator[Difference]:
+) -> Iterator[Difference]:  # fmt: skip
     """Things of A and B paired: first those that are the same, then the nearest ones."""
     left, right = list(a), list(b)
     crowds = Counter(map(name, left)), Counter(map(name, right))

@@ -219,12 +219,9 @@ def merged(far: Config, near: Config) -> Config:
     }
     both = _laid_over(far, given, near.sources)
     return replace(
-        both,
-        files=(*near.files, *far.files),
-        own=(*near.own, *far.own),
-        trust=(*near.trust, *far.trust),
-        remarks=(*near.remarks, *far.remarks),
-    )
+        both, files=(*near.files, *far.files), own=(*near.own, *far.own),
+        trust=(*near.trust, *far.trust), remarks=(*near.remarks, *far.remarks),
+    )  # fmt: skip
 
 
 def is_table(value: object) -> bool:
@@ -340,12 +337,9 @@ def _said(fault: Fault, place: Place) -> Diagnostic:
 
 #: Key below `[tolerances]` -> field of the machine's drill that it stands for.
 TOLERANCES = {
-    "merge": "merge_tolerance",
-    "duplicate": "duplicate_tolerance",
-    "sink": "sink_tolerance",
-    "path": "path_tolerance",
-    "same_tool": "same_tool_tolerance",
-}
+    "merge": "merge_tolerance", "duplicate": "duplicate_tolerance", "sink": "sink_tolerance",
+    "path": "path_tolerance", "same_tool": "same_tool_tolerance",
+}  # fmt: skip
 
 
 def with_tolerances(machine: Machine, config: Config) -> Machine:

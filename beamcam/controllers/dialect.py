@@ -196,13 +196,9 @@ def _dialect_of(machine: Machine) -> Dialect:
     return Dialect(
         stock=machine.stock,
         axes={"beam": "XYZ", "sheet": "XY", "profile": "XYZA"}[machine.stock] + tilting,
-        resolution=machine.format.resolution,
-        per_minute=60.0 if by_second else 1.0,
-        rules=BY_STOCK[machine.stock],
-        m_words=m_words,
-        letters=letters,
-        section_fields=frozenset(said),
-        feeds=feeding,
+        resolution=machine.format.resolution, per_minute=60.0 if by_second else 1.0,
+        rules=BY_STOCK[machine.stock], m_words=m_words, letters=letters,
+        section_fields=frozenset(said), feeds=feeding,
         changes=any(word.role == "change" for word in m_words.values()),
         sizes=tuple(sorted({d for tools in machine.tools for d in tools.sizes})),
         codes={plain_key(code): meaning for code, meaning in machine.codes.items()},
@@ -210,15 +206,14 @@ def _dialect_of(machine: Machine) -> Dialect:
         numbered={number: tool for tool, number in tool_numbers(machine.tools).items()},
         cycles=cycles,
         only_spindle=machine.spindles[0].number if len(machine.spindles) == 1 else None,
-        text_word=_text_word(machine),
-        startup=machine.startup_code,
+        text_word=_text_word(machine), startup=machine.startup_code,
         laser_mode=torch is not None and torch.laser_mode,
         dwell_s=0.001 if machine.format.dwell_unit == "ms" else 1.0,
         lifting=torch if torch is not None and torch.z == "program" else None,
         shares=any(getattr(machine.words, f"choose_{p}") for p in get_args(TorchProcess)),
         magic=any(MAGIC.match(line) for line in machine.words.material),
         materials={float(r.number): r.feed_mm_min for r in torch.rows} if torch else {},
-    )
+    )  # fmt: skip
 
 
 def _text_word(machine: Machine) -> TextWord | None:
@@ -239,9 +234,7 @@ def _text_word(machine: Machine) -> TextWord | None:
     return TextWord(machine.marks.unit, re.compile(pattern), codes)
 
 
-def _own_words(
-    machine: Machine,
-) -> tuple[dict[int, MWord], frozenset[str], bool, dict[str, Cycle]]:
+def _own_words(machine: Machine) -> tuple[dict[int, MWord], frozenset[str], bool, dict[str, Cycle]]:
     """The M words of the templates, the letters of all words, whether any carries a feed, and how
     the machine works with each kind of tool."""
     m_words: dict[int, MWord] = {30: MWord("end", ())}

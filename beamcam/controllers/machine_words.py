@@ -26,13 +26,10 @@ from beamcam.controllers.dialect import (
     tool_words,
 )
 from beamcam.controllers.events import BarEvent, Lettering, Move, Place, Switch
-from beamcam.errors import Diagnostic, MachineError
 from beamcam.machine.codes import key_for, plain_code
 from beamcam.machine.faults import TABLE_CONTROLLERS, words_of
-from beamcam.machine.load import load, source_in
 from beamcam.machine.machine import Machine
 from beamcam.machine.tables import DIALECTS
-from beamcam.machine.words import WORD
 from beamcam.model.description import PART_DATA
 
 #: Of the tools of a bar; `scribe` and `punch` do not turn.
@@ -65,26 +62,10 @@ _CURVES = {
     "ellipse_cw": ("20", "0", "10", "0"), "ellipse_ccw": ("20", "0", "10", "0"),
 }  # fmt: skip
 
-_ENDS = (2, 30)
 TEXT_X = 300.0  #: machine X of the text that is tried
 
 Line = tuple[str, str, str]  #: key of the template, its text, the block that it becomes
 WordFault = tuple[str, str, str]  #: key, text of its line, what is wrong with it
-
-
-def load_machine(name: str) -> Machine:
-    """The machine called `name`, or the one in the file at that path, whose words can be read.
-
-    Raises MachineError.
-    """
-    machine = load(name)
-    said = tuple(
-        WORD.at(source_in(name, key, text), key=key, said=said)
-        for key, text, said in _known_faults(machine)
-    )
-    if said:
-        raise MachineError(said)
-    return machine
 
 
 def word_faults(machine: Machine) -> tuple[WordFault, ...]:
@@ -100,14 +81,12 @@ def word_faults(machine: Machine) -> tuple[WordFault, ...]:
         _, said = cell_events(f"{machine.startup_code}\nM2", own, "")
         if said:
             return (("startup_code", machine.startup_code, said[0].message),)
-    unknown = tuple(_allowed_faults(machine))
-    if unknown:
+    if unknown := tuple(_allowed_faults(machine)):
         return unknown[:1]
     if machine.torch is not None:  # in laser mode a word by itself switches nothing
         machine = replace(machine, torch=replace(machine.torch, laser_mode=False))
     faults = {"beam": _bar_faults, "sheet": _table_faults, "profile": _coper_faults}
-    found = faults[machine.stock](machine)
-    first = {fault[0]: fault for fault in reversed([*found])}
+    first = {fault[0]: fault for fault in reversed([*faults[machine.stock](machine)])}
     return tuple(first[key] for key in sorted(first))
 
 
@@ -131,7 +110,7 @@ def _allowed_faults(machine: Machine) -> Iterator[WordFault]:
             yield fault_in("allowed_codes", text, text, "a word of a template, or one of [codes]")
 
 
-_known_faults = PerObject("machine.words", word_faults)
+known_faults = PerObject("machine.words", word_faults)
 
 
 def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
@@ -149,14 +128,14 @@ def _filled(machine: Machine, key: str, **more: str) -> Iterator[Line]:
 
 
 def _bar_faults(machine: Machine) -> Iterator[WordFault]:
-    stroke = _stroke(machine)
+    stroke = _STROKE_DOWN if machine.controller == "linuxcnc" else _STROKE
     unit = machine.marks.unit if machine.marks.is_told else ""
     lines = list(_bar_lines(machine, unit, stroke))
     dialect = dialect_of(machine)
-    events, said = cell_events(_text(lines), machine, "")
-    yield from _said(lines, said)
+    events, faults = _run(lines, machine)
+    yield from faults
     yield from _double_words(lines)
-    if said:
+    if faults:
         return
     of: dict[str, list[BarEvent]] = {}
     for event in events:
@@ -237,10 +216,6 @@ def _role(event: Switch, dialect: Dialect) -> str:
     return word.role if word else DOCUMENTED.get(event.number, "other")
 
 
-def _stroke(machine: Machine) -> dict[str, str]:
-    return _STROKE_DOWN if machine.controller == "linuxcnc" else _STROKE
-
-
 def _in_steel(event: Move[Place], stroke: dict[str, str]) -> bool:
     return not {*event.end[1:]}.isdisjoint((float(stroke["bottom_y"]), float(stroke["bottom_z"])))
 
@@ -317,8 +292,8 @@ def _table_faults(machine: Machine) -> Iterator[WordFault]:
         if getattr(words, side):
             lines += (*_filled(machine, side), *feed, *_filled(machine, "straight"))
     lines += _filled(machine, "footer")
-    events, said = cell_events(_text(lines), machine, "")
-    yield from _said(lines, said)
+    events, faults = _run(lines, machine)
+    yield from faults
     yield from _unexplained(lines, events)
     yield from _standing(lines, events)
     torch = machine.needed(machine.torch, "torch")
@@ -337,7 +312,7 @@ def _unexplained(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFaul
     """Each M word beside the one that switches a tool of which nothing says what it does."""
     of: dict[str, list[Switch]] = {}
     for event in events:
-        if isinstance(event, Switch) and event.number not in _ENDS:
+        if isinstance(event, Switch) and event.number not in (2, 30):
             of.setdefault(lines[event.line - 1][0].removeprefix("words."), []).append(event)
     for name, switches in of.items():
         known = {*DOCUMENTED, *STOPS, *IDLE_SWITCHES}
@@ -365,8 +340,8 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
     lines += _filled(machine, "cut_on")
     lines += _filled(machine, "feed", x="11", y="21", z="31", a="-90", inverse="100")
     lines += (*_filled(machine, "cut_off"), *_filled(machine, "footer"))
-    events, said = cell_events(_text(lines), machine, "")
-    yield from _said(lines, said)
+    events, faults = _run(lines, machine)
+    yield from faults
     yield from _standing(lines, events)
     for event in events:
         if isinstance(event, Move):
@@ -404,20 +379,20 @@ def _standing(lines: list[Line], events: list[BarEvent]) -> Iterator[WordFault]:
                 yield fault_in(key, text, found, "the tool switched where it stands")
 
 
-def _text(lines: list[Line]) -> str:
-    return "\n".join(block for _, _, block in lines) + "\n"
-
-
-def _said(lines: list[Line], said: list[Diagnostic]) -> Iterator[WordFault]:
-    """What was said of a block, as a fault of the template that it comes from.
+def _run(lines: list[Line], machine: Machine) -> tuple[list[BarEvent], list[WordFault]]:
+    """The events of a program, and what is wrong with it as faults of its templates.
 
     What has to be set before the first move belongs into the header.
     """
-    for one in said:
+    program = "\n".join(block for _, _, block in lines) + "\n"
+    events, diagnostics = cell_events(program, machine, "")
+    faults: list[WordFault] = []
+    for one in diagnostics:
         key, text, _ = lines[min(one.source.line or len(lines), len(lines)) - 1]
         if one.code in (SETTING.code, SHEET_SETTING.code):
             key, text = "words.header", ""
-        yield key, text, one.message
+        faults.append((key, text, one.message))
+    return events, faults
 
 
 def fault_in(key: str, text: str, found: str, expected: str) -> WordFault:

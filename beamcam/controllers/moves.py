@@ -87,11 +87,8 @@ def moves_of(moves: Sequence[HeadMove]) -> Moves:
         np.array([move.rapid for move in moves], dtype=bool),
         np.array([move.start for move in moves], dtype=np.float64).reshape(-1, 2),
         np.array([move.end for move in moves], dtype=np.float64).reshape(-1, 2),
-        np.array([move.feed_mm_min for move in moves], dtype=np.float64),
-        is_arc,
-        arcs,
-        curves,
-    )
+        np.array([move.feed_mm_min for move in moves], dtype=np.float64), is_arc, arcs, curves,
+    )  # fmt: skip
 
 
 def straight_moves(chains: Sequence[tuple[int, Floats, Floats]]) -> Moves:
@@ -101,14 +98,11 @@ def straight_moves(chains: Sequence[tuple[int, Floats, Floats]]) -> Moves:
     nowhere = np.zeros((0, 2))
     flags = np.zeros(count, dtype=bool)
     return Moves(
-        np.repeat(np.array([line for line, _, _ in chains], dtype=np.int64), sizes),
-        flags,
+        np.repeat(np.array([line for line, _, _ in chains], dtype=np.int64), sizes), flags,
         np.concatenate([nowhere, *(start for _, start, _ in chains)]),
-        np.concatenate([nowhere, *(end for _, _, end in chains)]),
-        np.zeros(count),
-        flags,
+        np.concatenate([nowhere, *(end for _, _, end in chains)]), np.zeros(count), flags,
         np.zeros((count, 5)),
-    )
+    )  # fmt: skip
 
 
 def joined(first: Moves, second: Moves, order: Counts) -> Moves:
@@ -116,15 +110,12 @@ def joined(first: Moves, second: Moves, order: Counts) -> Moves:
     if not len(second):
         return first if len(order) == len(first) else first.take(order)
     both = Moves(
-        np.concatenate((first.line, second.line)),
-        np.concatenate((first.rapid, second.rapid)),
-        np.concatenate((first.start, second.start)),
-        np.concatenate((first.end, second.end)),
+        np.concatenate((first.line, second.line)), np.concatenate((first.rapid, second.rapid)),
+        np.concatenate((first.start, second.start)), np.concatenate((first.end, second.end)),
         np.concatenate((first.feed_mm_min, second.feed_mm_min)),
-        np.concatenate((first.is_arc, second.is_arc)),
-        np.concatenate((first.arcs, second.arcs)),
+        np.concatenate((first.is_arc, second.is_arc)), np.concatenate((first.arcs, second.arcs)),
         {len(first) + k: curve for k, curve in second.curves.items()},
-    )
+    )  # fmt: skip
     return both.take(order)
 
 

@@ -28,13 +28,9 @@ class Fault(ValueError):
     """A value that a record does not take."""
 
     def __init__(
-        self,
-        kind: Literal["unknown", "missing", "type", "value"],
-        path: Path,
-        found: object,
-        expected: str,
-        known: tuple[str, ...] = (),
-    ) -> None:
+        self, kind: Literal["unknown", "missing", "type", "value"], path: Path, found: object,
+        expected: str, known: tuple[str, ...] = (),
+    ) -> None:  # fmt: skip
         super().__init__(kind, path, found, expected)
         self.kind = kind
         self.path = path  #: keys and indices from the top; of a missing key its own
@@ -189,16 +185,8 @@ def shown(value: object) -> str:
 
 
 __all__ = [
-    "MAX_NUMBER",
-    "Count",
-    "Fault",
-    "Keys",
-    "NotNegative",
-    "Positive",
-    "PositiveCount",
-    "Text",
-    "converted",
-    "nearest",
+    "MAX_NUMBER", "Count", "Fault", "Keys", "NotNegative", "Positive", "PositiveCount", "Text",
+    "converted", "nearest",
 ]  # fmt: skip
 
 Record = TypeVar("Record")

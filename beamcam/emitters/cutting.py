@@ -142,12 +142,9 @@ class _Writer:
                 self._want(command.feed_mm_min)
                 self._row_feed = command.feed_mm_min
                 return _filled(
-                    getattr(words, f"{command.process}_on"),
-                    feed=self._feed,
-                    **self._of_row(command),
-                    **self._of_torch,
-                    **self._of_part,
-                )
+                    getattr(words, f"{command.process}_on"), feed=self._feed,
+                    **self._of_row(command), **self._of_torch, **self._of_part,
+                )  # fmt: skip
             case SetFeed(feed_mm_min):
                 self._want(feed_mm_min)
                 if not words.slow or not self._row_feed:

@@ -83,14 +83,9 @@ def _value_of(text: str, name: str) -> Callable[[float], float]:
 
 
 def _followed(
-    point: Callable[[float], Point],
-    low: float,
-    high: float,
-    tolerance: float,
-    shape: Callable[[tuple[Point, ...]], Curve],
-    text: str,
-    name: str,
-) -> Approximation:
+    point: Callable[[float], Point], low: float, high: float, tolerance: float,
+    shape: Callable[[tuple[Point, ...]], Curve], text: str, name: str,
+) -> Approximation:  # fmt: skip
     if low == high or not (isfinite(low) and isfinite(high)):
         raise ValueError(f"a graph needs two different ends, found {low:g} and {high:g}")
     if not tolerance > 0.0:
@@ -118,12 +113,9 @@ def _followed(
 
 
 def _curve_over(
-    point: Callable[[float], Point],
-    low: float,
-    high: float,
-    tolerance: float,
+    point: Callable[[float], Point], low: float, high: float, tolerance: float,
     shape: Callable[[tuple[Point, ...]], Curve],
-) -> tuple[Curve, float]:
+) -> tuple[Curve, float]:  # fmt: skip
     """The curve through the nodes of a stretch, a line where that is as good, and its distance."""
     places = [low + (high - low) * k / (NODES - 1) for k in range(NODES - 1)] + [high]
     nodes = tuple(map(point, places))

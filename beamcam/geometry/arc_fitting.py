@@ -219,12 +219,7 @@ def _merged_run(run: Iterable[tuple[Arc, Cubic]], tolerance: float) -> list[Arc]
     return found
 
 
-def _wider(
-    arc: Arc,
-    group: _Run,
-    following: tuple[Arc, Cubic],
-    tolerance: float,
-) -> Arc | None:
+def _wider(arc: Arc, group: _Run, following: tuple[Arc, Cubic], tolerance: float) -> Arc | None:
     """The arc over a group of cubics and the next one; None if they are not on one circle."""
     other = following[0]
     slack = max(tolerance, 3e-4 * arc.radius)

@@ -13,14 +13,7 @@ import numpy as np
 from msgspec.structs import astuple
 
 from beamcam.geometry.array_types import Counts, Floats
-from beamcam.geometry.curves import (
-    Arc,
-    Bezier,
-    BSpline,
-    Curve,
-    Line,
-    signed_area,
-)
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, Line, signed_area
 from beamcam.geometry.plane import Box, Point, box_around, join_boxes
 
 

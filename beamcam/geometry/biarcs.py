@@ -236,10 +236,7 @@ def _strokes(
     unit = step / np.where(bent, chord, 1.0)[:, None]
     middle = (start + end) / 2
     centre = np.column_stack(
-        (
-            middle[:, 0] - side * height * unit[:, 1],
-            middle[:, 1] + side * height * unit[:, 0],
-        )
+        (middle[:, 0] - side * height * unit[:, 1], middle[:, 1] + side * height * unit[:, 0])
     )
     return LinesAndArcs(
         cubic, begin, np.hstack((start, end)), centre, np.where(bent, side, 0.0),

@@ -77,11 +77,7 @@ class Chains(Struct, frozen=True):
     dropped: tuple[int, ...]  #: curves of chains no larger than the tolerance
 
 
-def join_curves(
-    curves: Sequence[Curve],
-    tolerance: float,
-    ends: Floats | None = None,
-) -> Chains:
+def join_curves(curves: Sequence[Curve], tolerance: float, ends: Floats | None = None) -> Chains:
     """Chains of curves whose ends are no farther apart than `tolerance`, in the order given.
 
     Curves are turned round where needed. An end very near its neighbour is moved onto it where a

@@ -241,24 +241,10 @@ def _joined(pieces: tuple[Bezier, ...], breaks: tuple[float, ...]) -> BSpline:
 Curve = Line | Arc | EllipseArc | Bezier | BSpline | NewtonCurve
 
 __all__ = [
-    "Arc",
-    "BSpline",
-    "Bezier",
-    "Box",
-    "Curve",
-    "EllipseArc",
-    "Line",
-    "Matrix",
-    "NewtonCurve",
-    "Point",
-    "arc_through",
-    "bezier_pieces",
-    "circle_of",
-    "join_boxes",
-    "signed_area",
-    "slot_of",
+    "Arc", "BSpline", "Bezier", "Box", "Curve", "EllipseArc", "Line", "Matrix", "NewtonCurve",
+    "Point", "arc_through", "bezier_pieces", "circle_of", "join_boxes", "signed_area", "slot_of",
     "unit_vector",
-]
+]  # fmt: skip
 
 
 def bezier_pieces(curve: Bezier | BSpline | NewtonCurve) -> tuple[Bezier, ...]:

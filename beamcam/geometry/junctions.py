@@ -45,10 +45,7 @@ def resolve(
 
 class _Work:
     def __init__(
-        self,
-        crowds: Sequence[Sequence[int]],
-        partner: list[int],
-        is_small: Callable[[int], bool],
+        self, crowds: Sequence[Sequence[int]], partner: list[int], is_small: Callable[[int], bool]
     ) -> None:
         self._partner = partner
         self._is_small = is_small

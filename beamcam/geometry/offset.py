@@ -285,12 +285,9 @@ def offset_chains(
 
 
 def _right_ones(
-    asked: Sequence[int],
-    rings: Sequence[Ring | None],
-    areas: NDArray[np.float64],
-    rights: NDArray[np.float64],
-    tolerance: float,
-) -> dict[int, Offset]:
+    asked: Sequence[int], rings: Sequence[Ring | None], areas: NDArray[np.float64],
+    rights: NDArray[np.float64], tolerance: float,
+) -> dict[int, Offset]:  # fmt: skip
     """The rings that are right, by the chains (of all `areas`) that were `asked` for."""
     made = [(k, ring) for k, ring in zip(asked, rings, strict=True) if ring is not None]
     which, candidates = [k for k, _ in made], [ring for _, ring in made]
@@ -304,12 +301,9 @@ def _right_ones(
 
 
 def _are_right(
-    areas: NDArray[np.float64],
-    after: NDArray[np.float64],
-    rings: Sequence[tuple[Curve, ...]],
-    rights: NDArray[np.float64],
-    tolerance: float,
-) -> list[bool]:
+    areas: NDArray[np.float64], after: NDArray[np.float64], rings: Sequence[tuple[Curve, ...]],
+    rights: NDArray[np.float64], tolerance: float,
+) -> list[bool]:  # fmt: skip
     """Which moved rings are simple, run as before, and grew or shrank as they should.
 
     `areas` are those of the chains, `after` those of the rings.

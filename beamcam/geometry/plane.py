@@ -116,10 +116,7 @@ MAX_HALVINGS = 24  #: of the range, by `integrate`
 
 
 def integrate(
-    function: Callable[[float], float],
-    low: float = 0.0,
-    high: float = 1.0,
-    floor: float = 0.0,
+    function: Callable[[float], float], low: float = 0.0, high: float = 1.0, floor: float = 0.0
 ) -> float:
     """Integral of a function that is smooth but for a few points, to about 1e-12 relative.
 

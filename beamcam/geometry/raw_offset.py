@@ -187,13 +187,9 @@ def _beside(table: CurveTable, right: Floats) -> tuple[_Moved, Floats]:
 
 
 def _cornered(
-    moved: _Moved,
-    corners: Floats,
-    following: Counts,
-    right: Floats,
-    apart: Flags,
+    moved: _Moved, corners: Floats, following: Counts, right: Floats, apart: Flags,
     mitre_limit: float,
-) -> tuple[dict[int, Arc], dict[int, Line | Arc]]:
+) -> tuple[dict[int, Arc], dict[int, Line | Arc]]:  # fmt: skip
     """Trim or extend the moved curves at corners (`apart`); mark those that cannot meet as bad.
 
     Gives the arcs about corners that open, by the curve before them, and the arcs that were cut.

@@ -223,8 +223,10 @@ def _of_three(carriers: Sequence[_Carrier]) -> Iterator[Circle]:
     for signs in product((1.0, -1.0), repeat=2):
         rows = [_row(c, s) for c, s in zip(carriers, (1.0, *signs), strict=True)]
         for x, y, r in _solved(rows):
-            if abs(r) > NEAR and _touches_all(Circle((x, y), abs(r)), carriers):
-                yield Circle((x, y), abs(r))
+            circle = Circle((x, y), abs(r))
+            near = NEAR * max(1.0, circle.radius)  # rounding has left some that do not touch
+            if circle.radius > NEAR and all(_off(circle, c) <= near for c in carriers):
+                yield circle
 
 
 def _row(carrier: _Carrier, s: float) -> _Row:
@@ -313,11 +315,6 @@ def _refuse_pencil(p: _Row, q: _Row) -> None:
     square = sum(a * a for a in p[1:4])
     if square and abs(q[4] - size / square * p[4]) <= NEAR:
         raise NoTangentCircle("curves that touch at one point, where endlessly many touch them all")
-
-
-def _touches_all(circle: Circle, carriers: Sequence[_Carrier]) -> bool:
-    """Whether rounding has left a circle that does touch."""
-    return all(_off(circle, c) <= NEAR * max(1.0, circle.radius) for c in carriers)
 
 
 def _off(circle: Circle, carrier: _Carrier) -> float:

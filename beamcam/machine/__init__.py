@@ -86,16 +86,12 @@ DEFAULTS: Mapping[tuple[Stock, str], tuple[str, ...]] = {
     ("beam", "*"): ("beamline", "beamline-pusher"),
     ("beam", ".gcode"): ("beamline", "beamline-pusher"),
     ("sheet", "*"): ("plate-linuxcnc", "plate-codesys", "plate-oxyfuel"),
-    ("sheet", ".bin"): ("laser-stepper",),
-    ("sheet", ".csv"): ("laser-stepper",),
-    ("sheet", ".gcode"): ("plate-codesys",),
-    ("sheet", ".h"): ("laser-stepper",),
-    ("sheet", ".nc"): ("laser-grbl",),
-    ("sheet", ".ngc"): ("plate-linuxcnc", "plate-oxyfuel"),
-    ("sheet", ".st"): ("table-simotion",),
-    ("sheet", ".steps"): ("laser-stepper",),
+    ("sheet", ".bin"): ("laser-stepper",), ("sheet", ".csv"): ("laser-stepper",),
+    ("sheet", ".gcode"): ("plate-codesys",), ("sheet", ".h"): ("laser-stepper",),
+    ("sheet", ".nc"): ("laser-grbl",), ("sheet", ".ngc"): ("plate-linuxcnc", "plate-oxyfuel"),
+    ("sheet", ".st"): ("table-simotion",), ("sheet", ".steps"): ("laser-stepper",),
     ("sheet", ".tap"): ("plate-mach3",),
-}
+}  # fmt: skip
 
 DEFAULT_MACHINE = DEFAULTS["beam", ANY_SUFFIX][0]
 

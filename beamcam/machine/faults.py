@@ -343,13 +343,10 @@ def _moved_by(spindle: Spindle) -> dict[str, str]:
     """The axes and formulas of a spindle, by their keys."""
     across, stroke = spindle.across, spindle.stroke
     return {
-        "across.axis": across.axis,
-        "across.position": across.position,
-        "stroke.axis": stroke.axis,
-        "stroke.retract": stroke.retract,
-        "stroke.approach": stroke.approach or stroke.retract,
+        "across.axis": across.axis, "across.position": across.position, "stroke.axis": stroke.axis,
+        "stroke.retract": stroke.retract, "stroke.approach": stroke.approach or stroke.retract,
         "stroke.bottom": stroke.bottom,
-    }
+    }  # fmt: skip
 
 
 def table_faults(machine: Machine) -> Iterator[Fault]:

@@ -191,7 +191,9 @@ def _is_table(value: object) -> bool:
 def _value(key: str, value: object, meaning: str) -> Iterator[str]:
     mark = "" if isinstance(value, Own) else "# "
     short = f"# {_key(key)} = {_toml(value)}"
-    if len(short) <= WIDTH and not _is_list_of_tables(value):
+    if len(short) <= WIDTH and not (
+        isinstance(value, list) and value and isinstance(value[0], dict)
+    ):
         yield f"{short}  # {meaning}" if meaning else short
         return
     if meaning:
@@ -200,10 +202,6 @@ def _value(key: str, value: object, meaning: str) -> Iterator[str]:
     if isinstance(value, list):
         yield from (f"{mark}    {_toml(row)}," for row in value)
     yield f"{mark}]"
-
-
-def _is_list_of_tables(value: object) -> bool:
-    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
 
 
 def _key(key: str) -> str:

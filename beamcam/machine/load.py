@@ -311,12 +311,9 @@ def merged(
 
 
 def _overlay(
-    table: dict[str, Any],
-    over: dict[str, Any],
-    files: dict[str, tuple[str, str]],
-    origin: tuple[str, str],
-    prefix: str,
-) -> None:
+    table: dict[str, Any], over: dict[str, Any], files: dict[str, tuple[str, str]],
+    origin: tuple[str, str], prefix: str,
+) -> None:  # fmt: skip
     """Lay `over` over `table` in place: tables key by key, everything else as a whole.
 
     False in the place of a table takes it away: `saw = false`.
@@ -378,22 +375,12 @@ def _check(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
 
 
 def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
-    for faults in (
-        _size_faults,
-        template_faults,
-        code_faults,
-        number_faults,
-        name_faults,
-        partial(reference_faults, left_behind=left_behind),
-        spindle_faults,
-        tool_faults,
-        pair_faults,
-        torch_faults,
-        coper_faults,
-        view_faults,
-        marking_faults,
-        range_faults,
-    ):
+    checks = (
+        _size_faults, template_faults, code_faults, number_faults, name_faults,
+        partial(reference_faults, left_behind=left_behind), spindle_faults, tool_faults,
+        pair_faults, torch_faults, coper_faults, view_faults, marking_faults, range_faults,
+    )  # fmt: skip
+    for faults in checks:
         for key, found, expected in faults(machine):
             source = place.child(key).source
             said = WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)

@@ -171,15 +171,9 @@ class Machine(MachineFile, frozen=True):
 # A line without a saw takes parts that are cut; one without a drill saws them only. What the work
 # asks of a station holds for these too, but for who would make a cut, or lay parts on a bar.
 NO_SAW = Saw(
-    kerf=0.0,
-    min_angle=-90.0,
-    max_angle=90.0,
-    max_height=MAX_COORDINATE,
-    max_width=MAX_COORDINATE,
-    min_tilt=-90.0,
-    max_tilt=90.0,
-    compound=True,
-)
+    kerf=0.0, min_angle=-90.0, max_angle=90.0, max_height=MAX_COORDINATE, max_width=MAX_COORDINATE,
+    min_tilt=-90.0, max_tilt=90.0, compound=True,
+)  # fmt: skip
 
 
 NO_DRILL = Drill(x=0.0, max_height=MAX_COORDINATE, max_width=MAX_COORDINATE, fits=(), cutting=())
@@ -235,14 +229,9 @@ def path_limits(machine: Machine) -> PathLimits | None:
     whole = min(x.acceleration, y.acceleration)
     along = torch.acceleration or ALONG_SHARE * whole
     return PathLimits(
-        x.speed,
-        y.speed,
-        along,
-        torch.acceleration or whole,
-        sqrt(whole * whole - along * along),
-        min(_jerk(x), _jerk(y)),
-        torch.corner,
-    )
+        x.speed, y.speed, along, torch.acceleration or whole, sqrt(whole * whole - along * along),
+        min(_jerk(x), _jerk(y)), torch.corner,
+    )  # fmt: skip
 
 
 def _jerk(axis: ControlledAxis) -> float:

@@ -25,15 +25,11 @@ def with_corner(machine: Machine, radius: float | None) -> Machine:
 
 
 def with_torch(
-    machine: Machine,
-    colours: Mapping[str, Meaning] | None = None,
-    kerf: float | None = None,
+    machine: Machine, colours: Mapping[str, Meaning] | None = None, kerf: float | None = None,
     settings: Mapping[str, LayerSettings] | None = None,
-    sheet_size: tuple[float, float] | None = None,
-    amps: float | None = None,
-    nozzle: str | None = None,
-    **values: Any,
-) -> Machine:
+    sheet_size: tuple[float, float] | None = None, amps: float | None = None,
+    nozzle: str | None = None, **values: Any,
+) -> Machine:  # fmt: skip
     """The machine with other values of its torch; itself if nothing is given.
 
     `sheet_size` is the length and width of the sheet, no larger than the table. `colours` are laid

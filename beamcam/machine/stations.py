@@ -211,9 +211,8 @@ class Drill(Keys, frozen=True):
     min_speed_rpm: Positive = 150.0  #: of a spindle
     max_speed_rpm: Positive = 2500.0  #: of a spindle
     max_feed_mm_min: Positive = 20000.0  #: of a tool
-    same_tool_tolerance: NotNegative = (
-        0.02  #: tools that differ by no more are one: 20.64 and 13/16 in
-    )
+    #: tools that differ by no more are one: 20.64 and 13/16 in
+    same_tool_tolerance: NotNegative = 0.02
     duplicate_tolerance: NotNegative = 0.01  #: holes of one face nearer than this are one hole
     slots: Literal["mill", "drill-mill"] = "drill-mill"  #: whether its ends are drilled first
     runout_pitches: NotNegative = 3.0  #: of a tap's drill below a blind thread

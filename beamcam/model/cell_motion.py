@@ -87,14 +87,11 @@ def _yz(axes: tuple[Axis, Axis], across: float, along: float) -> YZ:
 def formula_values(profile: Profile, face: Face, drill: Drill) -> dict[str, float]:
     """The names that a machine's formulas may use, as far as the section gives them."""
     return {
-        "height": profile.height,
-        "width": profile.width,
+        "height": profile.height, "width": profile.width,
         "flange_thickness": profile.flange_thickness,
-        "web_thickness": profile.web_thickness or 0.0,
-        "thickness": profile.thickness(face),
-        "face_depth": profile.face_depth(face),
-        "clearance": drill.clearance,
-    }
+        "web_thickness": profile.web_thickness or 0.0, "thickness": profile.thickness(face),
+        "face_depth": profile.face_depth(face), "clearance": drill.clearance,
+    }  # fmt: skip
 
 
 Positions = tuple[float, ...]  #: in the order of the machine's axes

@@ -249,13 +249,10 @@ def curve_to_json(curve: Curve) -> dict[str, Any]:
         case EllipseArc():
             return {
                 "ellipse": {
-                    "centre": list(curve.centre),
-                    "axis": list(curve.axis),
-                    "ratio": curve.ratio,
-                    "start": curve.start_deg,
-                    "sweep": curve.sweep_deg,
+                    "centre": list(curve.centre), "axis": list(curve.axis), "ratio": curve.ratio,
+                    "start": curve.start_deg, "sweep": curve.sweep_deg,
                 }
-            }
+            }  # fmt: skip
         case Bezier():
             points = _lists(curve.points)
             if curve.weights is None:

@@ -101,19 +101,13 @@ def _fields(record: Struct) -> Json:
 def _contour(contour: Contour) -> Json:
     box = join_boxes([curve.bbox for curve in contour.curves])
     return {
-        "face": contour.face,
-        "kind": contour.kind,
-        "process": contour.process,
-        "closed": contour.closed,
-        "curves": [curve_to_json(curve) for curve in contour.curves],
-        "length": total_length(contour.curves),
-        "bbox": None if box is None else list(box),
-        "layer": contour.layer,
-        "colour": contour.colour,
+        "face": contour.face, "kind": contour.kind, "process": contour.process,
+        "closed": contour.closed, "curves": [curve_to_json(curve) for curve in contour.curves],
+        "length": total_length(contour.curves), "bbox": None if box is None else list(box),
+        "layer": contour.layer, "colour": contour.colour,
         "bevels": [asdict(bevel) for bevel in contour.bevels],
-        "notches": [asdict(notch) for notch in contour.notches],
-        "edge": contour.edge,
-    }
+        "notches": [asdict(notch) for notch in contour.notches], "edge": contour.edge,
+    }  # fmt: skip
 
 
 def _sums(part: Part) -> Json:

@@ -20,14 +20,7 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.geometry.curves import signed_area
 from beamcam.geometry.plane import join_boxes, unit_vector
-from beamcam.model.part import (
-    Contour,
-    Face,
-    Part,
-    Profile,
-    ProfileCode,
-    SectionPoint,
-)
+from beamcam.model.part import Contour, Face, Part, Profile, ProfileCode, SectionPoint
 
 ARC_STEP_RAD = radians(1.0)
 
@@ -103,13 +96,9 @@ def corners(
         case "T":
             low, high = ((height + way * profile.flange_thickness) / 2 for way in (-1, 1))
             return (
-                (0.0, 0.0),
-                (height, 0.0),
-                (low, width),
-                (high, width),
-                (0.0, wall),
+                (0.0, 0.0), (height, 0.0), (low, width), (high, width), (0.0, wall),
                 (height, wall),
-            )
+            )  # fmt: skip
         case "RO" | "RU":
             return _rounded(height, height, height / 2)
         case "B":

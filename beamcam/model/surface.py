@@ -65,19 +65,6 @@ class Patch(Struct, frozen=True):
         turn = atan2(z - self.origin[1], self.origin[0] - y) - self.first_rad
         return (turn % (2 * pi)) * self.radius
 
-    def longest_u(self, chord_error: float) -> float:
-        """The greatest step of u whose chord lies within `chord_error` of the surface.
-
-        Sagitta r (1 - cos(step / 2r)), never above 45 degrees; of a flat patch all of it.
-        Raises ValueError if chord_error is not positive.
-        """
-        if not chord_error > 0.0:
-            raise ValueError(f"chord_error must be above 0, found {chord_error:g}")
-        if not self.radius:
-            return self.high - self.low
-        step = 2 * acos(max(cos(pi / 8), 1 - chord_error / self.radius))
-        return self.radius * step
-
 
 def surface_of(profile: Profile) -> tuple[Patch, ...]:
     """The patches of a section that a torch can look at; none of a section without such walls.

@@ -198,16 +198,9 @@ def _path_cycle(
 ) -> PathCycle:
     points = tuple(_point(op, strokes, x, y) for x, y in op.path)
     return PathCycle(
-        "mill" if op.tool.kind == "mill" else "scribe",
-        op.spindle,
-        op.tool.diameter,
-        points,
-        feed_mm_min,
-        speed_rpm,
-        op.source,
-        op.tool.name,
-        station,
-    )
+        "mill" if op.tool.kind == "mill" else "scribe", op.spindle, op.tool.diameter, points,
+        feed_mm_min, speed_rpm, op.source, op.tool.name, station,
+    )  # fmt: skip
 
 
 def _point(op: SpindleOp, strokes: Strokes, x: float, y: float) -> PathPoint:

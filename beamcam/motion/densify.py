@@ -298,10 +298,7 @@ def _collect_spans(path: Sequence[Curve], tolerance: float) -> Spans:
 
 
 def _span_free(
-    kind: tuple[int, bool],
-    pieces: list[tuple[int, Bezier]],
-    tolerance: float,
-    spans: Spans,
+    kind: tuple[int, bool], pieces: list[tuple[int, Bezier]], tolerance: float, spans: Spans
 ) -> None:
     """Cuts free curves of one degree in spans, all of them at once."""
     control = np.array([piece.homogeneous for _, piece in pieces])

@@ -55,12 +55,9 @@ WORTH_LOWERING = 1e-3
 
 
 def paced(
-    start: Point,
-    moves: Sequence[Movement],
-    feed_mm_min: float,
-    shares: Sequence[float],
+    start: Point, moves: Sequence[Movement], feed_mm_min: float, shares: Sequence[float],
     limits: PathLimits | None,
-) -> Iterator[Movement | SetFeed]:
+) -> Iterator[Movement | SetFeed]:  # fmt: skip
     """The moves from `start`, and before each whose feed differs from the last one its own.
 
     `shares` are those of the feed that are asked of each move; without `limits` that is its feed.

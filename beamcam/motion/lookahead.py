@@ -77,12 +77,9 @@ def _absorb(into: SpeedSection, other: SpeedSection) -> None:
 
 
 def join_segments(
-    lengths: Sequence[float],
-    limits: Sequence[float],
-    junctions: Sequence[float],
-    accelerations: Sequence[float],
-    jerks: Sequence[float],
-) -> list[SpeedSection]:
+    lengths: Sequence[float], limits: Sequence[float], junctions: Sequence[float],
+    accelerations: Sequence[float], jerks: Sequence[float],
+) -> list[SpeedSection]:  # fmt: skip
     """The stretches of a path with n segments and n + 1 junctions, its ends included.
 
     Stretches without length are junctions whose limit stands for itself. Each segment is looked

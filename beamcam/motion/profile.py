@@ -76,12 +76,9 @@ def build_profile(
         x += duration * (v + duration * (a / 2 + duration * j / 6))
         v += duration * (a + duration * j / 2)
     return VelocityProfile(
-        tuple(phases),
-        t,
-        x if distance is None else distance,
-        start_velocity,
+        tuple(phases), t, x if distance is None else distance, start_velocity,
         v if end_velocity is None else end_velocity,
-    )
+    )  # fmt: skip
 
 
 def profile_to_velocity(velocity: float, time_s: float, jerk_percent: float) -> VelocityProfile:

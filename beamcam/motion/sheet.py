@@ -269,13 +269,9 @@ class Pen:
         tells = any("{acceleration}" in word for word in words.modal)
         self.limits = path_limits(machine) if tells else None
         self.numbers = Numbers(
-            form.length_decimals,
-            form.angle_decimals,
-            torch.tolerance * (1 - FIT_SHARE) / 2,
-            torch.arc_limit,
-            torch.min_radius,
-            torch.max_radius if self._arcs else 0.0,
-        )
+            form.length_decimals, form.angle_decimals, torch.tolerance * (1 - FIT_SHARE) / 2,
+            torch.arc_limit, torch.min_radius, torch.max_radius if self._arcs else 0.0,
+        )  # fmt: skip
 
     def along(
         self, chains: Sequence[Sequence[Sequence[Curve]]], rows: Sequence[TorchRow]

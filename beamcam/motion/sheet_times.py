@@ -154,12 +154,9 @@ def speeds_along(
     count = len(segments)
     junctions = [0.0, *(_junction_mm_s(segments, k, limits) for k in range(1, count)), 0.0]
     stretches = join_segments(
-        [s.length for s in segments],
-        [s.speed_mm_s for s in segments],
-        junctions,
-        [s.acceleration_mm_s2 for s in segments],
-        [limits.jerk_mm_s3] * count,
-    )
+        [s.length for s in segments], [s.speed_mm_s for s in segments], junctions,
+        [s.acceleration_mm_s2 for s in segments], [limits.jerk_mm_s3] * count,
+    )  # fmt: skip
     return joint_speeds(stretches)
 
 

@@ -96,12 +96,9 @@ def step_table(plan: SheetPlan, machine: Machine, job: str) -> StepTable:
     found = ways(plan, machine)
     planned: list[PlannedPath] = []  # with the first run through the rows
     return StepTable(
-        job,
-        stepper.step,
-        stepper.sequence,
-        partial(step_rows, found, stepper, planned),
+        job, stepper.step, stepper.sequence, partial(step_rows, found, stepper, planned),
         partial(stretches, found, stepper.step, max_speed(stepper)),
-    )
+    )  # fmt: skip
 
 
 def max_speed(stepper: Stepper) -> float:

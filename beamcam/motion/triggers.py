@@ -122,12 +122,9 @@ class _Way:
         from beamcam.motion.densify import DensifyRules, densify
 
         rules = DensifyRules(
-            self.tolerance,
-            10**self.decimals,
-            self.speed_mm_s,
-            self.triggers.cycle_s,
+            self.tolerance, 10**self.decimals, self.speed_mm_s, self.triggers.cycle_s,
             self.triggers.cycles_per_chord,
-        )
+        )  # fmt: skip
         path = densify((curve,), rules)
         self.slowest = min(self.slowest, float(path.speeds_mm_s.min(initial=self.slowest)))
         points = path.points.tolist()[1:]

@@ -10,13 +10,7 @@ from collections.abc import Iterator
 from msgspec.structs import replace
 
 from beamcam.checks.bars.pieces import CutPlane
-from beamcam.checks.bars.stations import (
-    Bore,
-    Cut,
-    MachinedFeatures,
-    MachinedPath,
-    StampedText,
-)
+from beamcam.checks.bars.stations import Bore, Cut, MachinedFeatures, MachinedPath, StampedText
 from beamcam.machine.machine import text_x
 from beamcam.model.description import face_title, runs_down
 from beamcam.model.part import Face

@@ -6,9 +6,7 @@ from typing import Literal
 from msgspec import Struct
 
 from beamcam.checks.bars.pieces import CutPlane, planes
-from beamcam.checks.bars.stations import (
-    MachinedFeatures,
-)
+from beamcam.checks.bars.stations import MachinedFeatures
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Face, Profile
 from beamcam.pictures.features import SteelDepths

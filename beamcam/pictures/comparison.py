@@ -31,20 +31,8 @@ from beamcam.pictures.overlay import (
 )
 from beamcam.pictures.part import face_of, faces_of, view_of
 from beamcam.pictures.program import ReadProgram, bar_made
-from beamcam.pictures.scene import (
-    Circle,
-    Frame,
-    Polyline,
-    Shape,
-)
-from beamcam.pictures.views import (
-    View,
-    figures,
-    head_height,
-    heading,
-    laid_out,
-    titles,
-)
+from beamcam.pictures.scene import Circle, Frame, Polyline, Shape
+from beamcam.pictures.views import View, figures, head_height, heading, laid_out, titles
 
 ROUND = 1e-3  #: mm; ends of moves nearer than this are one
 

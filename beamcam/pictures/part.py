@@ -29,12 +29,7 @@ from beamcam.model.part import (
     TextMark,
 )  # fmt: skip
 from beamcam.pictures import features as shapes
-from beamcam.pictures.callouts import (
-    Callouts,
-    callouts,
-    size_letters,
-    sizes_on,
-)  # fmt: skip
+from beamcam.pictures.callouts import Callouts, callouts, size_letters, sizes_on  # fmt: skip
 from beamcam.pictures.features import cutting_planes, end_cuts, end_lines, mitres
 from beamcam.pictures.scene import (
     LETTER,

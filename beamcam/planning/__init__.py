@@ -2,16 +2,17 @@
 
 `beam.plan_oriented` plans bars (`beam.plan_bar` as their parts lie) and `sheet.plan_sheet` sheets;
 neither loads what the other needs. Here are the programs that a request comes to: a share of its
-pieces for each bar, or for each sheet.
+pieces for each bar, or for each sheet; and of the bars in store the first that will do.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.budget import check_pieces
-from beamcam.errors import PlanError, Source
+from beamcam.errors import Diagnostic, PlanError, Source, errors_in
 from beamcam.model.part import Part
 from beamcam.model.request import Quantity, Remnant, Request
 from beamcam.planning import rules
@@ -128,3 +129,37 @@ def numbered(name: str, count: int) -> tuple[str, ...]:
     if not stem:
         stem, dot, suffix = name, "", ""
     return tuple(f"{stem}-{number}{dot}{suffix}" for number in range(1, count + 1))
+
+
+Made = TypeVar("Made")
+
+
+def from_store(
+    make: Callable[[float | None], Made], lengths: Sequence[float], longest_part: float
+) -> Made:
+    """What `make` gives for the first of `lengths` (mm, rising) that is not too short.
+
+    Without any it is asked for None, a bar as long as the parts need. Raises PlanError as `make`
+    does; where all bars are too short, for the longest.
+    """
+    if not lengths:
+        return make(None)
+    *shorter, longest = lengths
+    for length in shorter:
+        if length < longest_part:
+            continue
+        try:
+            return make(length)
+        except PlanError as error:
+            if not is_too_short(error.diagnostics):
+                raise
+    return make(longest)
+
+
+def is_too_short(said: Iterable[Diagnostic]) -> bool:
+    """Whether a longer bar is all that would help."""
+    return {d.code for d in errors_in(said)} <= {
+        rules.BAR_FULL.code,
+        rules.BAR_SHORT.code,
+        rules.BAR_LEFT.code,
+    }

@@ -30,7 +30,7 @@ from beamcam.model.plan import (
     TextOp,
     WorkOp,
 )
-from beamcam.planning import rules
+from beamcam.planning import is_too_short, rules
 from beamcam.planning.axis_limits import refuse_bar
 from beamcam.planning.nesting import LaidParts, lay
 from beamcam.planning.operations.part_planner import BarLine, line_of
@@ -38,7 +38,7 @@ from beamcam.planning.operations.saw_cut import cuts_of
 from beamcam.planning.operations.tools import ROUNDING, Tooling, Tools
 from beamcam.planning.operations.work import PartWork, works_on
 from beamcam.planning.order import cutting_remarks, reloads, sort_along_x
-from beamcam.planning.stock import is_too_short, refuse_stock
+from beamcam.planning.stock import refuse_stock
 from beamcam.planning.times import work_time
 from beamcam.planning.turning import TURNS, Turn, alike, lies, turned
 
@@ -134,12 +134,9 @@ LEDGER_TOLERANCE = 0.001  #: mm
 
 
 def plan_bar(
-    parts: Sequence[Part],
-    machine: Machine,
-    bar: float | None = None,
-    skips: Collection[str] = (),
+    parts: Sequence[Part], machine: Machine, bar: float | None = None, skips: Collection[str] = (),
     order: Order = "given",
-) -> Plan:
+) -> Plan:  # fmt: skip
     """The work that makes `parts`, as they lie, from one bar of length `bar`, or as they need.
 
     `skips` names what may be left out (`rules.SKIP_NAMES`), `order` whether the parts lie as they
@@ -211,13 +208,9 @@ def _balance(plan: Plan, machine: Machine) -> None:
 
 
 def plan_oriented(
-    parts: Sequence[Part],
-    machine: Machine,
-    bar: float | None = None,
-    skips: Collection[str] = (),
-    order: Order = "given",
-    turn: bool = False,
-) -> Plan:
+    parts: Sequence[Part], machine: Machine, bar: float | None = None, skips: Collection[str] = (),
+    order: Order = "given", turn: bool = False,
+) -> Plan:  # fmt: skip
     """The plan of `plan_bar`; with `turn`, of the parts in the orientations that are best.
 
     Raises PlanError as `plan_bar` does; without `turn`, with the turn that would help.

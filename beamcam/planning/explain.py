@@ -50,26 +50,17 @@ def explain(plan: Plan, machine: Machine) -> Explanation:
     before = (None, *plan.operations)
     steps = tuple(
         ExplainedOperation(
-            op.x,
-            _what(op),
-            _where(op),
-            seconds,
+            op.x, _what(op), _where(op), seconds,
             tuple((code, SAID[code]) for code in (*op.reasons, _place_code(op, previous))),
-            tuple(_rejected(op, plan, machine)),
-            tuple(_sources(op, plan)),
+            tuple(_rejected(op, plan, machine)), tuple(_sources(op, plan)),
         )
         for op, previous, seconds in zip(plan.operations, before, time.operations, strict=False)
-    )
+    )  # fmt: skip
     forward, back = travel(plan.operations)
     return Explanation(
-        steps,
-        tool_loads(plan.operations, machine),
-        changes(plan.operations),
-        forward,
-        back,
-        time.manual_changes_s,
-        time.total_s,
-    )
+        steps, tool_loads(plan.operations, machine), changes(plan.operations), forward, back,
+        time.manual_changes_s, time.total_s,
+    )  # fmt: skip
 
 
 def _what(op: Operation) -> str:

@@ -370,17 +370,12 @@ def _size_remarks(
             )  # fmt: skip
 
 
-def _says_speeds(machine: Machine) -> bool:
-    """Whether the machine's programs contain the cutting data."""
-    words = (getattr(machine.words, kind) for kind in TURNING)
-    return any("{feed}" in line or "{speed}" in line for lines in words for line in lines)
-
-
 def _remarks(
     grade: str, tools: Collection[Tool], machine: Machine, drill: Drill
 ) -> Iterator[Diagnostic]:
-    if not _says_speeds(machine):
-        return
+    words = (getattr(machine.words, kind) for kind in TURNING)
+    if not any("{feed}" in line or "{speed}" in line for lines in words for line in lines):
+        return  # the machine's programs do not contain the cutting data
     source = Source(machine.name)
     shown = grade or "unknown"
     if grade and is_unnamed(drill, grade):

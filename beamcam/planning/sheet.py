@@ -33,11 +33,7 @@ from beamcam.planning.contours.assign_process import (
 )
 from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
 from beamcam.planning.contours.join import Joined, join
-from beamcam.planning.contours.layer_settings import (
-    refuse_order,
-    refuse_overcuts,
-    refuse_settings,
-)
+from beamcam.planning.contours.layer_settings import refuse_order, refuse_overcuts, refuse_settings
 from beamcam.planning.contours.layout import box_of, refuse_large, refuse_size, shift_of
 from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest

@@ -1,12 +1,11 @@
 """The bar that parts are cut from: its section, and of those in store the shortest that will do."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import floor, inf
-from typing import TypeVar
 
 from msgspec import Struct
 
-from beamcam.errors import Diagnostic, PlanError, Source, errors_in
+from beamcam.errors import Diagnostic, PlanError, Source
 from beamcam.machine.machine import Layout, Machine
 from beamcam.machine.stations import Saw
 from beamcam.model.part import Part
@@ -16,39 +15,6 @@ from beamcam.planning import rules
 from beamcam.planning.nesting import SAME_ANGLE_DEG, Row, bar_of, lay_on_bar, row_of, row_with
 from beamcam.planning.operations.ends import End, Ends, ends_of
 from beamcam.planning.operations.part_planner import BarLine
-
-Made = TypeVar("Made")
-
-
-def from_store(
-    make: Callable[[float | None], Made], lengths: Sequence[float], longest_part: float
-) -> Made:
-    """What `make` gives for the first of `lengths` (mm, rising) that is not too short.
-
-    Without any it is asked for None, a bar as long as the parts need. Raises PlanError as `make`
-    does; where all bars are too short, for the longest.
-    """
-    if not lengths:
-        return make(None)
-    *shorter, longest = lengths
-    for length in shorter:
-        if length < longest_part:
-            continue
-        try:
-            return make(length)
-        except PlanError as error:
-            if not is_too_short(error.diagnostics):
-                raise
-    return make(longest)
-
-
-def is_too_short(said: Iterable[Diagnostic]) -> bool:
-    """Whether a longer bar is all that would help."""
-    return {d.code for d in errors_in(said)} <= {
-        rules.BAR_FULL.code,
-        rules.BAR_SHORT.code,
-        rules.BAR_LEFT.code,
-    }
 
 
 def refuse_stock(parts: Sequence[Part], line: BarLine) -> Iterator[Diagnostic]:

@@ -186,12 +186,9 @@ class _Mapper:
         self._faces = {
             face: self._face(axis, high)
             for face, axis, high in (
-                ("v", 2, True),
-                ("h", 2, False),
-                ("o", 1, True),
-                ("u", 1, False),
+                ("v", 2, True), ("h", 2, False), ("o", 1, True), ("u", 1, False),
             )
-        }
+        }  # fmt: skip
 
     def _face(self, axis: int, high: bool) -> tuple[Face, Matrix]:
         """The face after the turn, and the map of its coordinates (x, y of web; x, z of flange)."""

@@ -13,12 +13,7 @@ from msgspec.structs import asdict
 from beamcam.errors import ReadError, Source, error
 from beamcam.geometry.curves import Arc, Curve, signed_area
 from beamcam.model.colour import parse_colour
-from beamcam.model.curve_json import (
-    Place,
-    curves_of,
-    record_of,
-    show,
-)
+from beamcam.model.curve_json import Place, curves_of, record_of, show
 from beamcam.model.part import (
     FACES,
     MIRRORED_FACES,
@@ -91,30 +86,12 @@ def part_from_json(value: object, file: str) -> Part:
     names = tuple(plane.name for plane in planes)
     made = None if form.made is None else _features(form.made, top.at("made"), of_file, names)
     return Part(
-        form.mark,
-        Profile(**asdict(form.profile)),
-        form.length,
-        source,
-        form.quantity,
-        form.saw_length,
-        form.order,
-        form.drawing,
-        form.phase,
-        form.grade,
-        form.cuts,
-        _features(form, top, of_file, names),
-        planes,
-        form.weight,
-        form.surface,
-        form.notes,
-        form.tolerance,
-        form.section,
-        form.info,
-        form.comments,
-        form.guid,
-        made,
+        form.mark, Profile(**asdict(form.profile)), form.length, source, form.quantity,
+        form.saw_length, form.order, form.drawing, form.phase, form.grade, form.cuts,
+        _features(form, top, of_file, names), planes, form.weight, form.surface, form.notes,
+        form.tolerance, form.section, form.info, form.comments, form.guid, made,
         cut_lines=form.cut_lines,
-    )
+    )  # fmt: skip
 
 
 #: Keys that are written for those who read the file: lengths and boxes of what stands beside them.
@@ -210,18 +187,10 @@ def _contour(form: ContourForm, place: Place, source: Source) -> Contour:
             if not 0 <= row.curve < len(curves):
                 raise below.at("curve").fault(JSON_INDEX, found=row.curve, count=len(curves))
     return Contour(
-        form.face,
-        form.kind,
-        curves,
-        source,
-        form.process,
-        _is_closed(curves) if isinstance(form.closed, UnsetType) else form.closed,
-        form.bevels,
-        form.notches,
-        form.edge,
-        form.layer,
-        _colour(form.colour, place.at("colour")),
-    )
+        form.face, form.kind, curves, source, form.process,
+        _is_closed(curves) if isinstance(form.closed, UnsetType) else form.closed, form.bevels,
+        form.notches, form.edge, form.layer, _colour(form.colour, place.at("colour")),
+    )  # fmt: skip
 
 
 def _colour(text: str | None, place: Place) -> str | None:

@@ -61,11 +61,7 @@ def feature_of(
 
 
 def _pockets(
-    points: Sequence[Point],
-    trail: MachinedPath,
-    depth: float | None,
-    slack: float,
-    decimals: int,
+    points: Sequence[Point], trail: MachinedPath, depth: float | None, slack: float, decimals: int
 ) -> Iterator[Pocket]:
     """Possible pockets of a mill's path: a circle, or rectangles with round corners.
 

@@ -163,13 +163,9 @@ def as_message(said: Diagnostic) -> Message:
     """A diagnostic as data."""
     source = said.source
     return {
-        "file": source.file,
-        "line": source.line,
-        "where": source.where,
-        "severity": said.severity.value,
-        "code": said.code,
-        "message": said.message,
-    }
+        "file": source.file, "line": source.line, "where": source.where,
+        "severity": said.severity.value, "code": said.code, "message": said.message,
+    }  # fmt: skip
 
 
 def message_line(said: Message, file: bool = True) -> str:
@@ -282,15 +278,10 @@ def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iter
         weights = tuple(int(severity == kind) for kind in ("error", "warning", "note"))
         yield _line(
             (
-                message["file"],
-                "",
-                "",
-                "",
-                *("",) * len(_CELLS),
-                *weights,
+                message["file"], "", "", "", *("",) * len(_CELLS), *weights,
                 message_line(message, file=False),
             )
-        )
+        )  # fmt: skip
 
 
 _CELLS = HEAD[4:23]

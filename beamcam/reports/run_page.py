@@ -12,15 +12,7 @@ from urllib.parse import quote
 from msgspec import Struct
 
 from beamcam.plain_text import terminal_text
-from beamcam.reports.run import (
-    STATUSES,
-    Counts,
-    Message,
-    Row,
-    encoded,
-    ledger_line,
-    message_line,
-)
+from beamcam.reports.run import STATUSES, Counts, Message, Row, encoded, ledger_line, message_line
 from beamcam.reports.templates import as_it_stands, static_text, template
 
 if TYPE_CHECKING:
@@ -49,12 +41,9 @@ class Total(Struct):
 
 
 def as_html(
-    read: Callable[[], Iterable[Row]],
-    counts: Counts,
-    said: Iterable[Message],
-    extras: Mapping[str, Extra] | None = None,
-    style: str = "",
-) -> Iterator[bytes]:
+    read: Callable[[], Iterable[Row]], counts: Counts, said: Iterable[Message],
+    extras: Mapping[str, Extra] | None = None, style: str = "",
+) -> Iterator[bytes]:  # fmt: skip
     """The report as HTML, piece by piece; `read` gives its rows as often as it is called.
 
     `extras` are by the name of the output, `style` is that of their pictures.

@@ -255,16 +255,13 @@ def _header(program: ReadProgram, trace: Trace) -> Sequence[tuple[str, str]]:
     """The lines of the header, empty ones left out."""
     parts = program.parts
     rows = [
-        ("Program", program.name),
-        ("Machine", f"{program.machine.name}: {program.machine.title}"),
-        ("Mark", _joined(p.mark for p in parts)),
-        ("Order", _joined(p.order for p in parts)),
+        ("Program", program.name), ("Machine", f"{program.machine.name}: {program.machine.title}"),
+        ("Mark", _joined(p.mark for p in parts)), ("Order", _joined(p.order for p in parts)),
         ("Drawing", _joined(p.drawing for p in parts)),
         ("Section", _joined(p.profile.name for p in parts)),
-        ("Grade", _joined(p.grade for p in parts)),
-        ("Quantity", _quantities(parts)),
+        ("Grade", _joined(p.grade for p in parts)), ("Quantity", _quantities(parts)),
         ("Machine time", clock(trace.duration_s)),
-    ]
+    ]  # fmt: skip
     return [(label, value) for label, value in rows if value]
 
 

@@ -106,14 +106,9 @@ def _operations(content: Content) -> Table:
     )  # fmt: skip
     more = len(content.operations) - len(listed)
     return Table(
-        table.name,
-        table.title,
-        table.columns,
-        table.rows,
-        tuple(op.line for op in listed),
-        more,
+        table.name, table.title, table.columns, table.rows, tuple(op.line for op in listed), more,
         "operations",
-    )
+    )  # fmt: skip
 
 
 def _operation(op: Operation) -> tuple[Cell, ...]:

@@ -54,12 +54,9 @@ class _Simulation:
     """The clock and the switches while a program runs."""
 
     def __init__(
-        self,
-        events: Sequence[BarEvent],
-        dialect: Dialect,
-        section: Mapping[str, float],
+        self, events: Sequence[BarEvent], dialect: Dialect, section: Mapping[str, float],
         machine: Machine,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.events, self.dialect = events, dialect
         self.cell = CellMotion(machine, section.get("width", section.get("height", 0.0)))
         self.per_minute = 60.0 if machine.format.feed_unit == "mm/s" else 1.0
@@ -148,12 +145,9 @@ def bar_trace(course: Sequence[MotionSegment], machine: Machine) -> Trace:
         ends = [part.at(part.begin_s + until_s) for _, until_s, _, _ in rows]
         ends[-1] = part.end
         builder.add(
-            [until_s - from_s for from_s, until_s, _, _ in rows],
-            ends,
-            [slopes for _, _, *slopes in rows],
-            part.line,
-            part.state,
-        )
+            [until_s - from_s for from_s, until_s, _, _ in rows], ends,
+            [slopes for _, _, *slopes in rows], part.line, part.state,
+        )  # fmt: skip
     return builder.trace()
 
 

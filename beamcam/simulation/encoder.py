@@ -120,16 +120,11 @@ def precision(trace: Trace, encoder: Encoder) -> Precision:
     errors = np.sqrt(np.sum((at - read)[corners] ** 2, axis=1))
     worst = int(corners[errors.argmax()]) if len(corners) else 0
     return Precision(
-        encoder.count,
-        float(errors.max(initial=0.0)),
-        float(errors.mean()) if len(errors) else 0.0,
-        len(corners),
-        int(trace.line[worst - 1]) if len(corners) else 0,
-        float(trace.time_s[worst]),
-        float(moved.min()) if len(moved) else 0.0,
-        int((moved < encoder.count).sum()),
-        len(moved),
-    )
+        encoder.count, float(errors.max(initial=0.0)),
+        float(errors.mean()) if len(errors) else 0.0, len(corners),
+        int(trace.line[worst - 1]) if len(corners) else 0, float(trace.time_s[worst]),
+        float(moved.min()) if len(moved) else 0.0, int((moved < encoder.count).sum()), len(moved),
+    )  # fmt: skip
 
 
 def _turned(ways: Floats) -> np.ndarray[Any, np.dtype[np.bool_]]:

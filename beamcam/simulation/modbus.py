@@ -9,7 +9,6 @@ import struct
 import time
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from types import TracebackType
 from typing import Any, Self
 
 from msgspec import Struct
@@ -139,12 +138,7 @@ class Client:
             raise self._failed("no connection")
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._client.close()
 
     def write(self, address: int, words: list[int]) -> None:
@@ -174,13 +168,9 @@ class Client:
 
 
 def send(
-    rows: Iterable[TraceRow],
-    modbus: Modbus,
-    host: str,
-    port: int,
-    pace: float = 0.0,
+    rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float = 0.0,
     sleep: Callable[[float], None] = time.sleep,
-) -> int:
+) -> int:  # fmt: skip
     """Write every row to the server and return how many there were.
 
     `pace` is how many seconds of the wall one second of the machine takes; 0 sends at once. Raises
@@ -214,15 +204,10 @@ ANY_DEVICE = 0  #: the server answers whatever unit it is asked as
 
 
 def serve(
-    rows: Iterable[TraceRow],
-    modbus: Modbus,
-    host: str,
-    port: int,
-    pace: float = 1.0,
-    ready: Callable[[str, int], None] = lambda host, port: None,
-    is_held: bool = True,
+    rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float = 1.0,
+    ready: Callable[[str, int], None] = lambda host, port: None, is_held: bool = True,
     asked: Asked = NEVER,
-) -> None:
+) -> None:  # fmt: skip
     """Show every row when it is due, then the last one until it is `asked` to end, if `is_held`.
 
     `pace` is how many seconds of the wall one second of the machine takes; `ready` is called with

@@ -46,12 +46,9 @@ class Simulated(Struct, frozen=True):
 
 
 def simulate_program(
-    data: str | bytes,
-    machine: Machine,
-    name: str = "program",
-    style: str = "",
+    data: str | bytes, machine: Machine, name: str = "program", style: str = "",
     parts: Sequence[Part] = (),
-) -> Simulated:
+) -> Simulated:  # fmt: skip
     """The axes of a machine over time while it runs a program.
 
     `style` is the suffix of a step table; the machine's own where it is none of its forms.

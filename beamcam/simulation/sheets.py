@@ -21,12 +21,7 @@ from beamcam.machine.machine import Machine, path_limits
 from beamcam.model.program import ArcFeed, EllipseFeed, Feed, Movement, ParabolaFeed
 from beamcam.motion.lift_times import LiftTimes
 from beamcam.motion.lookahead import SpeedSection
-from beamcam.motion.sheet_times import (
-    SECONDS_PER_MINUTE,
-    Segment,
-    segment_of,
-    speeds_along,
-)
+from beamcam.motion.sheet_times import SECONDS_PER_MINUTE, Segment, segment_of, speeds_along
 from beamcam.simulation.trace import (
     UNIFORM,
     Chords,

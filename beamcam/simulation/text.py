@@ -73,12 +73,9 @@ def csv_text(
 
 
 def json_data(
-    trace: Trace,
-    machine: Machine,
-    every_s: float | None,
-    encoder: Encoder | None,
+    trace: Trace, machine: Machine, every_s: float | None, encoder: Encoder | None,
     warnings: Iterable[Diagnostic],
-) -> dict[str, Any]:
+) -> dict[str, Any]:  # fmt: skip
     """The trace as one record: the axes with their limits, the warnings, columns and rows."""
     data: dict[str, Any] = {
         "machine": machine.name,

@@ -59,17 +59,8 @@ from beamcam.solid.kernel import (
 )
 from beamcam.solid.kernel import outline as section_of
 from beamcam.solid.part_solid import part_solid
-from beamcam.solid.stock_solid import (
-    ALONG as ALONG_BAR,
-)
-from beamcam.solid.stock_solid import (
-    Margins,
-    Shape,
-    end_planes,
-    is_cut,
-    shape_of,
-    stock_solid,
-)
+from beamcam.solid.stock_solid import ALONG as ALONG_BAR
+from beamcam.solid.stock_solid import Margins, Shape, end_planes, is_cut, shape_of, stock_solid
 from beamcam.solid.wrapped import (
     all_round,
     outline_gone,

@@ -11,13 +11,7 @@ from beamcam.controllers.rotary import in_degrees
 from beamcam.geometry.array_types import Counts, Floats
 from beamcam.machine.machine import Machine
 from beamcam.model.part import Part
-from beamcam.solid.bar_solid import (
-    bar_pieces,
-    lying,
-    points_of,
-    said_of_section,
-    work_of,
-)
+from beamcam.solid.bar_solid import bar_pieces, lying, points_of, said_of_section, work_of
 from beamcam.solid.coper_solid import burns_of, stock_of, taken_by
 from beamcam.solid.copers import as_tube
 from beamcam.solid.kernel import Frame, minus, prism

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from beamcam.controllers import cell_events
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.machine.machine import Machine
-from beamcam.machine.stations import ToolKind
 from beamcam.model.part import Part
 from beamcam.model.request import Request
 from beamcam.solid import NO_MACHINE, PIECES
@@ -71,9 +70,8 @@ def bar_bodies(part: Part, machine: Machine) -> Bodies:
     def smaller(diameter: float) -> float:
         return -(_fit_of_drills(diameter, machine)[1] / 2 + place + path + CHORD)
 
-    wide = Margins(
-        larger, step, end, 0.0, _sharpest("drill", machine), minor=0.0, run_out=inf, sink=sink
-    )
+    sharpest = min((t.point_deg for t in machine.tools if t.kind == "drill"), default=180.0)
+    wide = Margins(larger, step, end, 0.0, sharpest, minor=0.0, run_out=inf, sink=sink)
     narrow = Margins(smaller, -step, -end, 0.0, square_below=least_mitre, sink=-sink)
     return bodies_of(part, wide, narrow, 2 * end, place)
 
@@ -85,11 +83,6 @@ def _fit_of_drills(diameter: float, machine: Machine) -> tuple[float, float]:
         return 0.0, 0.0
     row = next((r for r in drill.fits if diameter <= r.up_to), drill.fits[-1])
     return row.plus + drill.same_tool_tolerance, row.minus + drill.same_tool_tolerance
-
-
-def _sharpest(kind: ToolKind, machine: Machine) -> float:
-    """The least angle of the points of a kind of tool."""
-    return min((tools.point_deg for tools in machine.tools if tools.kind == kind), default=180.0)
 
 
 def solid_faults(

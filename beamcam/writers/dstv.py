@@ -39,13 +39,9 @@ from beamcam.writers.dstv_rows import (
 )
 
 _CONTOUR_CODES = {
-    ("outer", "cut"): "AK",
-    ("inner", "cut"): "IK",
-    ("open", "punch"): "KO",
-    ("inner", "punch"): "KO",
-    ("open", "powder"): "PU",
-    ("inner", "powder"): "PU",
-}
+    ("outer", "cut"): "AK", ("inner", "cut"): "IK", ("open", "punch"): "KO",
+    ("inner", "punch"): "KO", ("open", "powder"): "PU", ("inner", "powder"): "PU",
+}  # fmt: skip
 #: What stands before the rows of features that are there, so that no reader has them made again.
 MADE = "**BEAMCAM MADE "
 MADE_ENDS = "ENDS"
@@ -141,28 +137,18 @@ def _header(part: Part) -> list[str]:
     if part.saw_length is not None:
         length += "," + format_number(part.saw_length)
     sizes = (
-        profile.height,
-        profile.width,
-        profile.flange_thickness,
-        profile.web_thickness or 0.0,
+        profile.height, profile.width, profile.flange_thickness, profile.web_thickness or 0.0,
         profile.radius,
-    )
+    )  # fmt: skip
     angles = (cuts.web_start, cuts.web_end, cuts.flange_start, cuts.flange_end)
     notes = [*part.notes, *[""] * (_TEXT_LINES - len(part.notes))]
     return [
-        part.order or "-",
-        part.drawing or "-",
-        part.phase or "-",
-        part.mark,
-        part.grade or "-",
-        str(part.quantity),
-        profile.name,
-        profile.code,
-        length,
+        part.order or "-", part.drawing or "-", part.phase or "-", part.mark, part.grade or "-",
+        str(part.quantity), profile.name, profile.code, length,
         *(f"{format_number(size):>11}" for size in sizes),
         *(f"{format_number(value, 3):>11}" for value in (part.weight, part.surface, *angles)),
         *notes,
-    ]
+    ]  # fmt: skip
 
 
 def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
@@ -187,13 +173,9 @@ def _write_features(part: Part, sheet: _Sheet, tolerance: float | None) -> None:
 
 
 def _write_feature(
-    feature: Feature,
-    index: int,
-    part: Part,
-    sheet: _Sheet,
-    valid: dict[str, str],
+    feature: Feature, index: int, part: Part, sheet: _Sheet, valid: dict[str, str],
     tolerance: float | None,
-) -> None:
+) -> None:  # fmt: skip
     anchor = f"feature:{index}"
     # Rows of a block share the face, and whether they have a reference letter: a row without one
     # would inherit that of the row before.
@@ -224,13 +206,9 @@ def _write_feature(
 
 
 def _code(
-    code: str,
-    face: str,
-    what: str,
-    planes: tuple[Plane, ...],
-    valid: dict[str, str],
+    code: str, face: str, what: str, planes: tuple[Plane, ...], valid: dict[str, str],
     source: Source,
-) -> str:
+) -> str:  # fmt: skip
     """The block code for a feature on `face`; that of a plane takes its number."""
     if face in FACES:
         return code

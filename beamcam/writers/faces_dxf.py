@@ -268,13 +268,9 @@ def _draw_curve(curve: Curve, sheet: _View, suffix: str) -> None:
 def _draw_ellipse(curve: EllipseArc, sheet: _View, attributes: dict[str, Any]) -> None:
     start, end = sorted((curve.start_deg, curve.start_deg + curve.sweep_deg))
     sheet.space.add_ellipse(
-        sheet.at(curve.centre),
-        curve.axis,
-        curve.ratio,
-        radians(start),
-        radians(end),
+        sheet.at(curve.centre), curve.axis, curve.ratio, radians(start), radians(end),
         dxfattribs=attributes,
-    )
+    )  # fmt: skip
 
 
 def _draw_spline(curve: BSpline, sheet: _View, attributes: dict[str, Any]) -> None:

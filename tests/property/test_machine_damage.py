@@ -7,10 +7,10 @@ from typing import Any
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import BeamcamError, Diagnostic, errors_in
 from beamcam.machine.keys import _key, _toml
 from beamcam.machine.load import files_of_machine, merged
+from beamcam.machine_proof import load_machine
 from beamcam.pipeline import post
 from beamcam.readers import read
 from tests.conftest import SAMPLES, examples

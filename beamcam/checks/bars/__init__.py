@@ -17,12 +17,7 @@ from beamcam.checks import rules
 from beamcam.checks.bars.ability import FeatureRef, skippable
 from beamcam.checks.bars.cell import Cell
 from beamcam.checks.bars.compare import Asked, Comparison
-from beamcam.checks.bars.machine_limits import (
-    bar_faults,
-    bore_faults,
-    reach_faults,
-    size_faults,
-)
+from beamcam.checks.bars.machine_limits import bar_faults, bore_faults, reach_faults, size_faults
 from beamcam.checks.bars.pieces import standing
 from beamcam.checks.bars.sequence import comment_faults, place_faults, stop_comments
 from beamcam.checks.bars.stations import (
@@ -147,15 +142,9 @@ def interpret(text: str, machine: Machine, name: str = "program") -> MachinedFea
 
 
 def verify(
-    text: str,
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-    order: str = "given",
-    turn: bool = False,
-    bar: float | None = None,
-) -> tuple[Diagnostic, ...]:
+    text: str, parts: Sequence[Part], machine: Machine, skips: Collection[str] = (),
+    name: str = "program", order: str = "given", turn: bool = False, bar: float | None = None,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a program, by itself and against the parts on its bar.
 
     The parts are those that were asked for, in the order asked; `order` and `turn` say whether

@@ -160,12 +160,9 @@ def _is_clear(line: Contour, station: Station) -> bool:
 
 
 def _off_stroke(
-    part: Part,
-    targets: Sequence[Target],
-    shop: ToolCatalogue,
-    spindles: Mapping[str, Spindle],
+    part: Part, targets: Sequence[Target], shop: ToolCatalogue, spindles: Mapping[str, Spindle],
     stations: Mapping[str, Station],
-) -> Iterator[int]:
+) -> Iterator[int]:  # fmt: skip
     """The holes that a stroke which is the same for all of them does not make."""
     slack = shop.machine.format.resolution
     for target in targets:
@@ -184,12 +181,9 @@ def _off_stroke(
 
 
 def _off_axis(
-    part: Part,
-    targets: Sequence[Target],
-    shop: ToolCatalogue,
-    spindles: Mapping[str, Spindle],
+    part: Part, targets: Sequence[Target], shop: ToolCatalogue, spindles: Mapping[str, Spindle],
     stations: Mapping[str, Station],
-) -> Iterator[int]:
+) -> Iterator[int]:  # fmt: skip
     """The features of which something that they need lies beyond an axis."""
     for target in targets:
         if isinstance(target, Unmakeable):

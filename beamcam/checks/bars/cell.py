@@ -14,7 +14,6 @@ from msgspec.structs import replace
 
 from beamcam.checks import rules
 from beamcam.checks.bars.cell_state import AXES, CellState
-from beamcam.checks.bars.machine_limits import EPSILON
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Bore,
@@ -25,6 +24,7 @@ from beamcam.checks.bars.stations import (
     Tip,
     made_in_order,
 )
+from beamcam.checks.bars.tools import EPSILON
 from beamcam.controllers.dialect import WORD
 from beamcam.controllers.events import (
     Acceleration,
@@ -169,16 +169,10 @@ class Cell(CellState):
         last = self.order[-1] if self.order else None
         if type(last) is Bore and last.kind == self.cycle.kind:
             self.order[-1] = MachinedPath(
-                last.line,
-                last.face,
-                last.kind,
-                ((last.x, last.y), point),
-                last.diameter,
-                min(last.tip_depth, depth),
-                max(last.tip_depth, depth),
-                last.spindle,
+                last.line, last.face, last.kind, ((last.x, last.y), point), last.diameter,
+                min(last.tip_depth, depth), max(last.tip_depth, depth), last.spindle,
                 last.feed_mm_min,
-            )
+            )  # fmt: skip
         elif type(last) is MachinedPath and self.peck is not None:
             self.order[-1] = replace(
                 last,

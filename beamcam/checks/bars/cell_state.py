@@ -13,7 +13,6 @@ from collections.abc import Callable
 from math import isnan, nan
 
 from beamcam.checks import rules
-from beamcam.checks.bars.machine_limits import EPSILON, limits_of_cell
 from beamcam.checks.bars.stations import (
     NOWHERE,
     Choice,
@@ -25,7 +24,15 @@ from beamcam.checks.bars.stations import (
     limits_of,
     tilts_of,
 )
-from beamcam.checks.bars.tools import LEAST, Changed, Chosen, CuttingData, wrong_changes
+from beamcam.checks.bars.tools import (
+    EPSILON,
+    LEAST,
+    Changed,
+    Chosen,
+    CuttingData,
+    limits_of_cell,
+    wrong_changes,
+)
 from beamcam.controllers.dialect import WORD, Cycle, Dialect, MWord, Role
 from beamcam.controllers.events import Lettering, Switch
 from beamcam.errors import Diagnostic, Rule, Source
@@ -44,9 +51,8 @@ class CellState:
         self, machine: Machine, dialect: Dialect, choices: dict[int, Choice], data: CuttingData,
         name: str,
     ) -> None:  # fmt: skip
-        self.machine, self.dialect, self.choices = machine, dialect, choices
+        self.machine, self.dialect, self.choices, self.name = machine, dialect, choices, name
         self.data, self.limits = data, limits_of_cell(machine)
-        self.name = name
         self.said: list[Diagnostic] = []
         self.section: dict[str, float] = {}
         self.unsaid = dialect.section_fields  #: what the program has not said of its bar yet
@@ -64,10 +70,8 @@ class CellState:
         self.cooling = False
         self.x = self.furthest = self.feed_mm_min = nan
         self.at: dict[int, Tip] = {}  #: of each spindle
-        #: Depth at which each spindle fed on since it was drawn back.
-        self.fed_since: dict[int, float] = {}
-        #: X, across and depth to which each spindle fed last, in steel or before it
-        self.fed_to: dict[int, tuple[float, float, float]] = {}
+        self.fed_since: dict[int, float] = {}  #: depth at which each fed on since it was back
+        self.fed_to: dict[int, tuple[float, float, float]] = {}  #: X, across, depth of each, last
         self.fed_from: dict[int, float] = {}  #: stroke at which a tool's feed into the bar began
         self.unseen: set[str] = set()  #: faces that were worked on without knowing where they lie
         self.peck: tuple[float, float] | None = None  #: X and across of the hole being drilled
@@ -129,10 +133,7 @@ class CellState:
             )  # fmt: skip
 
     def _cool(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
-        self.cooling = True
-
-    def _dry(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
-        self.cooling = False
+        self.cooling = self.dialect.m_words[switch.number].role == "coolant-on"
 
     def _describe(self, switch: Switch, values: Values, cycle: Cycle | None) -> None:
         self.section.update(values)
@@ -298,7 +299,9 @@ class CellState:
         saw = self.machine.saw
         name, least, greatest = limits_of(self.machine, "angle")
         if saw is not None and "feed" in values:
-            self._saw_feed(switch.line, values["feed"] * self.limits.per_minute, saw.feed_mm_min)
+            feed, own = values["feed"] * self.limits.per_minute, saw.feed_mm_min
+            if not LEAST * own <= feed <= own + 0.1:
+                self.say_feed(switch.line, feed, "the saw", own, own + 0.1)
         if not least <= angle <= greatest:
             self.beyond(switch.line, name, angle, least, greatest)
         if isnan(self.x):
@@ -336,11 +339,6 @@ class CellState:
             )
         )
         self.peck = None
-
-    def _saw_feed(self, line: int, feed: float, own: float) -> None:
-        """Refuse a feed beyond the saw's own, and warn of one far below it."""
-        if not LEAST * own <= feed <= own + 0.1:
-            self.say_feed(line, feed, "the saw", own, own + 0.1)
 
     def say_feed(self, line: int, feed: float, what: str, own: float, most: float) -> None:
         """Report a feed beyond its limits; `own` is that of the cutting data; all in mm/min."""
@@ -398,7 +396,7 @@ class CellState:
 
 _DOES: dict[Role, Callable[[CellState, Switch, Values, Cycle | None], None]] = {
     "on": CellState._start, "off": CellState._stop, "coolant-on": CellState._cool,
-    "coolant-off": CellState._dry, "choose": CellState._choose, "change": CellState._change,
+    "coolant-off": CellState._cool, "choose": CellState._choose, "change": CellState._change,
     "saw": CellState._saw, "section": CellState._describe, "other": CellState._set_pitch,
     "end": CellState._end,
 }  # fmt: skip

@@ -14,12 +14,7 @@ from beamcam.checks.asked import left_out, left_to_hand
 from beamcam.checks.bars.ability import FeatureRef, may_be_missing, repeats
 from beamcam.checks.bars.cuts import CutFaults, End, ends_of
 from beamcam.checks.bars.holes import HoleCheck, RequiredHole
-from beamcam.checks.bars.machine_limits import (
-    reach_faults,
-    section_faults,
-    shape_of,
-    steel_faults,
-)
+from beamcam.checks.bars.machine_limits import reach_faults, section_faults, shape_of, steel_faults
 from beamcam.checks.bars.paths import PathsAlong, RequiredPath, check_paths, is_led
 from beamcam.checks.bars.pieces import (
     Candidate,
@@ -33,13 +28,7 @@ from beamcam.checks.bars.pieces import (
 )
 from beamcam.checks.bars.sequence import Done, entry_faults, parting_faults
 from beamcam.checks.bars.stations import Choice, MachinedFeatures
-from beamcam.checks.bars.targets import (
-    Pocket,
-    Round,
-    Target,
-    Unmakeable,
-    targets_of,
-)
+from beamcam.checks.bars.targets import Pocket, Round, Target, Unmakeable, targets_of
 from beamcam.checks.bars.tools import ToolCatalogue
 from beamcam.errors import Diagnostic, Source
 from beamcam.machine.machine import Machine, saw_of

@@ -238,13 +238,9 @@ class CutFaults:
             )
 
     def _place(
-        self,
-        part: Part,
-        ends: tuple[End, End],
-        following: End | None,
-        begin: float | None,
+        self, part: Part, ends: tuple[End, End], following: End | None, begin: float | None,
         shared: bool,
-    ) -> tuple[float, bool]:
+    ) -> tuple[float, bool]:  # fmt: skip
         """One part's cuts; where the next part begins, and whether its start is made already."""
         first, last = ends
         saw, height = self.saw, part.profile.height

@@ -75,11 +75,8 @@ def _punch(kind: RoundKind, diameter: float, thickness: float, shop: ToolCatalog
 
 #: By the kind of tool.
 REACHES: dict[str, Callable[[RoundKind, float, float, ToolCatalogue], DepthRange]] = {
-    "drill": _drill,
-    "tap": _tap,
-    "countersink": _sink,
-    "punch": _punch,
-}
+    "drill": _drill, "tap": _tap, "countersink": _sink, "punch": _punch,
+}  # fmt: skip
 
 
 def path_reach(depth: float | None, thickness: float, shop: ToolCatalogue) -> DepthRange:

@@ -300,13 +300,9 @@ def _box(points: Sequence[tuple[float, float]]) -> Box:
 
 
 def _tool_and_depth(
-    path: MachinedPath,
-    target: Pocket | MarkingPath,
-    mark: str,
-    shop: ToolCatalogue,
-    profile: Profile,
-    source: Source,
-) -> Iterator[Diagnostic]:
+    path: MachinedPath, target: Pocket | MarkingPath, mark: str, shop: ToolCatalogue,
+    profile: Profile, source: Source,
+) -> Iterator[Diagnostic]:  # fmt: skip
     """Faults of the tool and the depth of a path."""
     x, y = (target.x, target.y) if isinstance(target, Pocket) else target.curves[0].start
     described: dict[str, object] = {

@@ -210,12 +210,9 @@ def is_of(plane: CutPlane, end: End, machine: Machine, saw: Saw) -> bool:
 
 
 def wedge_cuts(
-    laid: Sequence[LaidPart],
-    cuts: Sequence[CutPlane],
-    machine: Machine,
-    saw: Saw,
+    laid: Sequence[LaidPart], cuts: Sequence[CutPlane], machine: Machine, saw: Saw,
     bar: float | None,
-) -> set[int] | None:
+) -> set[int] | None:  # fmt: skip
     """The lines of the square cuts that remove the wedge behind each skew end.
 
     None where one is missing. None is needed behind an end that is the next part's start too, and
@@ -381,10 +378,7 @@ def _map(face: Face, part: Part, rotation: Rotation) -> tuple[Face, Matrix]:
         return px, py if after in ("v", "h") else pz
 
     (x0, y0), (x1, y1), (x2, y2) = place(0.0, 0.0), place(1.0, 0.0), place(0.0, 1.0)
-    return after, (
-        (round(x1 - x0), round(x2 - x0), x0),
-        (round(y1 - y0), round(y2 - y0), y0),
-    )
+    return after, ((round(x1 - x0), round(x2 - x0), x0), (round(y1 - y0), round(y2 - y0), y0))
 
 
 def _point(at: Vector, part: Part, rotation: Rotation) -> Vector:

@@ -34,18 +34,10 @@ def operation_lines(made: MachinedFeatures) -> tuple[int, ...]:
 
 
 def verify_remainder(
-    whole: str,
-    rest: str,
-    first: int,
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-    whole_name: str = "whole program",
-    order: str = "given",
-    turn: bool = False,
-    bar: float | None = None,
-) -> tuple[Diagnostic, ...]:
+    whole: str, rest: str, first: int, parts: Sequence[Part], machine: Machine,
+    skips: Collection[str] = (), name: str = "program", whole_name: str = "whole program",
+    order: str = "given", turn: bool = False, bar: float | None = None,
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of the remainder from operation `first` on of a whole program.
 
     It is read by itself, as nothing in it may count on what was said before, and behind the

@@ -44,12 +44,9 @@ CHORDS = 48  #: of a hole
 
 
 def texts_of(
-    part: Part,
-    ends: tuple[End, End],
-    paths: Sequence[MachinedPath],
-    from_x: float,
+    part: Part, ends: tuple[End, End], paths: Sequence[MachinedPath], from_x: float,
     shop: ToolCatalogue,
-) -> tuple[list[MarkingPath], list[Diagnostic]]:
+) -> tuple[list[MarkingPath], list[Diagnostic]]:  # fmt: skip
     """The strokes of a part's texts where a program letters them, and what is wrong with them.
 
     One that it does not letter is needed where the part has it, unless it can stand nowhere: then
@@ -109,13 +106,9 @@ class PrintedTexts:
         return face in self.shop.machine.marks.faces and face not in missing
 
     def _take(
-        self,
-        p: int,
-        of: tuple[Part, tuple[End, End]],
-        texts: Sequence[Wanted],
-        start: float,
+        self, p: int, of: tuple[Part, tuple[End, End]], texts: Sequence[Wanted], start: float,
         steel: Steel,
-    ) -> list[DrawnText | None]:
+    ) -> list[DrawnText | None]:  # fmt: skip
         """The texts of a part's face as they are told over it."""
         from_x, face = self.at + start, texts[0].feature.face
         over = [one for one in self.left if one.face == face]
@@ -249,10 +242,7 @@ def _within_axes(face: Face, part: Part, shop: ToolCatalogue) -> tuple[float, fl
     if not ys or ys[-1] - ys[0] <= 2 * SPARE:
         return None
     spare = (high - low) / 256 + SPARE
-    return (
-        low if ys[0] == low else ys[0] + spare,
-        high if ys[-1] == steps[-1] else ys[-1] - spare,
-    )
+    return (low if ys[0] == low else ys[0] + spare, high if ys[-1] == steps[-1] else ys[-1] - spare)
 
 
 def _steel(face: Face, part: Part, ends: tuple[End, End], sides: tuple[float, float]) -> Steel:

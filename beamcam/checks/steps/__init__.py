@@ -35,14 +35,9 @@ FORMS = (*_STEPS, VELOCITIES)
 
 
 def verify_table(
-    form: str,
-    pieces: Iterable[bytes],
-    parts: Sequence[Part],
-    machine: Machine,
-    skips: Collection[str] = (),
-    name: str = "program",
-    head: str = "",
-) -> tuple[Diagnostic, ...]:
+    form: str, pieces: Iterable[bytes], parts: Sequence[Part], machine: Machine,
+    skips: Collection[str] = (), name: str = "program", head: str = "",
+) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of a table, by itself and against its part.
 
     `form` is the suffix of its file, one of `FORMS`; `pieces` are its bytes in any cut; `head` is

@@ -118,14 +118,9 @@ class OutlineCheck:
     """
 
     def __init__(
-        self,
-        part: Part | None,
-        machine: Machine,
-        skips: Collection[str],
-        rounding: float,
-        simplify: float,
-        name: str,
-    ) -> None:
+        self, part: Part | None, machine: Machine, skips: Collection[str], rounding: float,
+        simplify: float, name: str,
+    ) -> None:  # fmt: skip
         torch = machine.needed(machine.torch, "torch")
         self.torch = torch if part is None else with_speeds(part, torch)
         self.part, self.machine = part, replace(machine, torch=self.torch)

@@ -89,12 +89,7 @@ def radius_centre(start: Point, end: Point, radius: float, clockwise: bool) -> P
 
 
 def curve_of(
-    motion: int,
-    start: Point,
-    end: Point,
-    words: dict[str, float],
-    origin: Point,
-    resolution: float,
+    motion: int, start: Point, end: Point, words: dict[str, float], origin: Point, resolution: float
 ) -> Curve | str:
     """The curve of a block, whose I and J count from `origin`, or what is wrong with it.
 
@@ -131,22 +126,14 @@ def _parabola(start: Point, end: Point, vertex: Point) -> Bezier | str:
     chord = (end[0] - start[0], end[1] - start[1])
     if cross(chord, (vertex[0] - start[0], vertex[1] - start[1])) == 0.0:
         return "that is a parabola whose vertex lies on its chord"
-    control = (
-        2 * vertex[0] - (start[0] + end[0]) / 2,
-        2 * vertex[1] - (start[1] + end[1]) / 2,
-    )
+    control = (2 * vertex[0] - (start[0] + end[0]) / 2, 2 * vertex[1] - (start[1] + end[1]) / 2)
     return Bezier((start, control, end))
 
 
 def _ellipse(
-    start: Point,
-    end: Point,
-    centre: Point,
-    angle: float,
-    ratio: float,
-    clockwise: bool,
+    start: Point, end: Point, centre: Point, angle: float, ratio: float, clockwise: bool,
     resolution: float,
-) -> EllipseArc | str:
+) -> EllipseArc | str:  # fmt: skip
     c, s = cos(radians(angle)), sin(radians(angle))
 
     def local(p: Point) -> Point:

@@ -115,12 +115,9 @@ class _Words:
     """The words of a block, sorted by what they do."""
 
     def __init__(
-        self,
-        words: list[tuple[str, str]],
-        variant: Variant,
-        switches: Mapping[int, frozenset[str]],
-        dialect: Dialect,
-    ) -> None:
+        self, words: list[tuple[str, str]], variant: Variant,
+        switches: Mapping[int, frozenset[str]], dialect: Dialect,
+    ) -> None:  # fmt: skip
         self._variant, self._switches, self._dialect = variant, switches, dialect
         self._own = dialect.codes
         self._is_table = dialect.stock == "sheet"

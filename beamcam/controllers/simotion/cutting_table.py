@@ -15,12 +15,7 @@ from beamcam.controllers.simotion.motion_blocks import motion_blocks, start
 from beamcam.controllers.simotion.syntax import Unit
 from beamcam.errors import Diagnostic, Rule, Source, add_few
 from beamcam.machine.machine import Machine
-from beamcam.machine.runtime import (
-    INPUTS,
-    PROCESSES,
-    STOP_BRAKES,
-    is_address,
-)
+from beamcam.machine.runtime import INPUTS, PROCESSES, STOP_BRAKES, is_address
 
 Place = tuple[float, float]
 

@@ -95,12 +95,9 @@ def _values(t: Triggers) -> dict[str, str]:
         "homing_window", "late_factor",
     )  # fmt: skip
     of_z = {} if t.z is None else {
-        "axis_z": t.z.axis,
-        "z_arrival_window": lreal(t.z.arrival_window),
-        "z_homing_window": lreal(t.lift_window),
-        "z_back_off": lreal(t.z.back_off),
-        "z_home": lreal(t.z.home_height),
-        "z_home_place": lreal(t.z.home_height),
+        "axis_z": t.z.axis, "z_arrival_window": lreal(t.z.arrival_window),
+        "z_homing_window": lreal(t.lift_window), "z_back_off": lreal(t.z.back_off),
+        "z_home": lreal(t.z.home_height), "z_home_place": lreal(t.z.home_height),
         "z_home_position": lreal(t.z.home_height + t.z.back_off),
     }  # fmt: skip
     return {

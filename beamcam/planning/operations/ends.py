@@ -76,13 +76,9 @@ def ends_of(part: Part, saw: Saw) -> tuple[Ends, tuple[Diagnostic, ...]]:
 
 
 def _agreed(
-    part: Part,
-    name: Literal["web", "flange"],
-    header: tuple[float, float],
-    drawn: tuple[float, float] | None,
-    min_mitre: float,
-    remarks: list[Diagnostic],
-) -> tuple[float, float]:
+    part: Part, name: Literal["web", "flange"], header: tuple[float, float],
+    drawn: tuple[float, float] | None, min_mitre: float, remarks: list[Diagnostic],
+) -> tuple[float, float]:  # fmt: skip
     """The angles of both ends on which header and contour agree."""
     found = []
     ends: tuple[Literal["start", "end"], ...] = ("start", "end")

@@ -29,14 +29,9 @@ MIN_RADIUS = 1e-6
 
 
 def pocket_path(
-    centre: Point,
-    size: tuple[float, float],
-    angle_deg: float,
-    diameter: float,
-    mill: float,
-    tolerance: float,
-    is_blind: bool,
-) -> tuple[Point, ...]:
+    centre: Point, size: tuple[float, float], angle_deg: float, diameter: float, mill: float,
+    tolerance: float, is_blind: bool,
+) -> tuple[Point, ...]:  # fmt: skip
     """Points of the path that mills a pocket, first and last the same one.
 
     `size` is the distance of the corner circles' centres along and across `angle_deg`, `diameter`
@@ -195,10 +190,6 @@ def _mark_steps(lines: Sequence[tuple[int, Contour]], planner: PartPlanner) -> I
 
 
 LINE = Kind(
-    "mark",
-    lambda feature: isinstance(feature, Contour) and feature.process != "cut",
-    _mark_needs,
-    _mark_refusals,
-    _mark_steps,
-    REASONS,
-)
+    "mark", lambda feature: isinstance(feature, Contour) and feature.process != "cut", _mark_needs,
+    _mark_refusals, _mark_steps, REASONS,
+)  # fmt: skip

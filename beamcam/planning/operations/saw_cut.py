@@ -266,12 +266,9 @@ def _sawn(features: Sequence[Numbered], _: PartPlanner) -> Iterator[Found]:
 
 
 CONTOUR = Kind(
-    "contour",
-    lambda feature: isinstance(feature, Contour) and feature.process == "cut",
-    _cut_out,
-    _unsawn,
-    _sawn,
-)
+    "contour", lambda feature: isinstance(feature, Contour) and feature.process == "cut", _cut_out,
+    _unsawn, _sawn,
+)  # fmt: skip
 
 
 NAMES = {Bend: "a bend", EndPlane: "an end plane", Camber: "a camber"}

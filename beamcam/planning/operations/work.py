@@ -98,14 +98,9 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     refusals = [*errors_in(of_ends), *(refused[f] for f in sorted(refused) if f not in skipped)]
     told = [*remarks, *(said for said in of_ends if said not in refusals), *planner.remarks]
     return PartWork(
-        part,
-        ends,
-        tuple(refusals),
-        tuple(told),
-        tuple(planner.steps),
-        tuple(planner.settled.values()),
-        skipped,
-    )
+        part, ends, tuple(refusals), tuple(told), tuple(planner.steps),
+        tuple(planner.settled.values()), skipped,
+    )  # fmt: skip
 
 
 def _put_features(planner: PartPlanner) -> None:

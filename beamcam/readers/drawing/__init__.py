@@ -9,15 +9,7 @@ from pathlib import PurePath
 
 from beamcam.errors import Diagnostic, Source, error, note, warning
 from beamcam.geometry.conics import direction_deg
-from beamcam.geometry.curves import (
-    Arc,
-    Bezier,
-    BSpline,
-    Curve,
-    EllipseArc,
-    Line,
-    NewtonCurve,
-)
+from beamcam.geometry.curves import Arc, Bezier, BSpline, Curve, EllipseArc, Line, NewtonCurve
 from beamcam.geometry.plane import MAX_COORDINATE
 from beamcam.model.part import Contour, Measures, Part, Profile, extent
 from beamcam.plain_text import whole_text
@@ -70,22 +62,10 @@ WRAPPED = note("drawing-wrapped",
 
 #: Millimetres in a unit, by the words of `--units` and `--width`.
 MM_PER_UNIT = {
-    "um": 0.001,
-    "mil": 0.0254,
-    "q": 0.25,
-    "mm": 1.0,
-    "cm": 10.0,
-    "dm": 100.0,
-    "in": 25.4,
-    "ft": 304.8,
-    "yd": 914.4,
-    "m": 1000.0,
-    "pt": 25.4 / 72,
-    "pc": 25.4 / 6,
-    "px72": 25.4 / 72,
-    "px90": 25.4 / 90,
-    "px96": 25.4 / 96,
-}
+    "um": 0.001, "mil": 0.0254, "q": 0.25, "mm": 1.0, "cm": 10.0, "dm": 100.0, "in": 25.4,
+    "ft": 304.8, "yd": 914.4, "m": 1000.0, "pt": 25.4 / 72, "pc": 25.4 / 6, "px72": 25.4 / 72,
+    "px90": 25.4 / 90, "px96": 25.4 / 96,
+}  # fmt: skip
 
 #: Ends of a chain that are nearer than this are one point; files carry 1e-6 mm and coarser.
 ONE_POINT = 1e-9
@@ -159,14 +139,9 @@ def as_contour(
     """A chain as it was drawn; one that ends where it starts is closed."""
     closed = joined(curves)
     return Contour(
-        face="v",
-        kind="outer" if closed else "open",
-        curves=curves,
-        source=source,
-        closed=closed,
-        layer=layer,
-        colour=colour,
-    )
+        face="v", kind="outer" if closed else "open", curves=curves, source=source, closed=closed,
+        layer=layer, colour=colour,
+    )  # fmt: skip
 
 
 def drawing_part(name: str, contours: tuple[Contour, ...], measures: Measures) -> Part:

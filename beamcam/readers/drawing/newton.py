@@ -25,11 +25,8 @@ def checked_polynomials(part: Part) -> Iterator[Diagnostic]:
             error = node_error(curve)
             if not error <= MAX_NODE_ERROR:
                 yield NODES_LOST.at(
-                    contour.source,
-                    nodes=len(curve.nodes),
-                    found=error,
-                    expected=MAX_NODE_ERROR,
-                )
+                    contour.source, nodes=len(curve.nodes), found=error, expected=MAX_NODE_ERROR,
+                )  # fmt: skip
             elif (found := find_oscillation(curve)) is not None:
                 yield OSCILLATION.at(contour.source, found=found)
 

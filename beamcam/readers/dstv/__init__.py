@@ -120,15 +120,11 @@ def read_with_account(data: bytes, name: str, asked: str | None = None) -> tuple
         _read_block(block, content, header.profile, log)
     features = tuple(_finish_contours(content, header.profile, log))
     part = replace(
-        header,
-        features=features,
-        planes=tuple(content.planes),
-        tolerance=content.tolerance,
-        section=tuple(content.section),
-        info=tuple(content.info),
+        header, features=features, planes=tuple(content.planes), tolerance=content.tolerance,
+        section=tuple(content.section), info=tuple(content.info),
         comments=place_comments(comments, loose, blocks, end, features, content),
         made=None if made is None else made.parts[0].features if made.parts else (),
-    )
+    )  # fmt: skip
     log.diagnostics += () if made is None else made.diagnostics
     check(part, content.contours, head.numbers, log)
     data_lines = [*head.numbers]

@@ -98,13 +98,9 @@ Stop = tuple[int, str]  #: a line that a comment can stand before, and its ancho
 
 
 def place_comments(
-    placed: list[Placed],
-    loose: list[tuple[int, str]],
-    blocks: list[Block],
-    end: int,
-    features: Sequence[Feature],
-    content: Content,
-) -> tuple[Comment, ...]:
+    placed: list[Placed], loose: list[tuple[int, str]], blocks: list[Block], end: int,
+    features: Sequence[Feature], content: Content,
+) -> tuple[Comment, ...]:  # fmt: skip
     """All comments of a file with their anchors, in the order in which a writer meets them.
 
     `placed` have their anchor already; `loose` are lines and texts between the blocks.

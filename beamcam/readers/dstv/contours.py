@@ -152,18 +152,12 @@ def _part_of(rows: Rows, low: int, high: int) -> Rows:
     """The contour of the points from `low` to before `high`."""
     first, behind = rows.lines[low], rows.lines[high] if high < len(rows.lines) else inf
     return Rows(
-        rows.code,
-        rows.face,
-        rows.edge,
-        first,
-        rows.points[low:high],
-        rows.radii[low:high],
+        rows.code, rows.face, rows.edge, first, rows.points[low:high], rows.radii[low:high],
         rows.lines[low:high],
         {i - low: bevel for i, bevel in rows.bevels.items() if low <= i < high},
         {i - low: notch for i, notch in rows.notches.items() if low <= max(i, 0) < high},
-        [n for n in rows.notch_lines if (first <= n or low == 0) and n < behind],
-        rows.edges,
-    )
+        [n for n in rows.notch_lines if (first <= n or low == 0) and n < behind], rows.edges,
+    )  # fmt: skip
 
 
 _SNAP = 0.011  #: ends this close are one point that was rounded twice
@@ -248,16 +242,9 @@ def build_contour(rows: Rows, mirrored: bool, thickness: float, log: Log) -> Con
         notches = [Notch(last - n.curve, n.kind, n.corner, -n.radius) for n in reversed(notches)]
     process: Process = "punch" if rows.code == "K" else "powder" if rows.code == "P" else "cut"
     return Contour(
-        rows.face,
-        kind,
-        curves,
-        Source(log.file, rows.line),
-        process,
-        closed,
-        tuple(bevels),
-        tuple(notches),
-        rows.edge,
-    )
+        rows.face, kind, curves, Source(log.file, rows.line), process, closed, tuple(bevels),
+        tuple(notches), rows.edge,
+    )  # fmt: skip
 
 
 def _runs_the_other_way(rows: Rows, kind: ContourKind, log: Log) -> bool:

@@ -21,18 +21,9 @@ _WHOLE = re.compile(r"([0-9]{1,9})(\.0*)?", re.ASCII)  #: a quantity, which some
 
 #: Names of the header lines that are numbers, 10 to 20.
 NUMBER_NAMES = (
-    "height",
-    "flange width",
-    "flange thickness",
-    "web thickness",
-    "radius",
-    "weight",
-    "surface",
-    "web start cut",
-    "web end cut",
-    "flange start cut",
-    "flange end cut",
-)
+    "height", "flange width", "flange thickness", "web thickness", "radius", "weight", "surface",
+    "web start cut", "web end cut", "flange start cut", "flange end cut",
+)  # fmt: skip
 
 LIMITS = (" of at least 0", f" between -{ALONG_DEG:g} and {ALONG_DEG:g}")  #: of sizes, of angles
 
@@ -130,22 +121,12 @@ def read_header(head: HeaderLines, source: Source, log: Log) -> Part | None:
     said = {d.source.line for d in log.diagnostics[before:]}
     log.taken += [line for line in lines if line not in said] if said else lines
     return Part(
-        mark=values[3],
-        profile=profile,
-        length=length,
-        source=source,
-        quantity=quantity,
-        saw_length=saw_length,
-        order=_text(values[0]),
-        drawing=_text(values[1]),
-        phase=_text(values[2]),
-        grade=_text(values[4]),
-        cuts=EndCuts(*cuts),
-        weight=weight,
-        surface=surface,
-        notes=_notes(values[MIN_LINES:]),
+        mark=values[3], profile=profile, length=length, source=source, quantity=quantity,
+        saw_length=saw_length, order=_text(values[0]), drawing=_text(values[1]),
+        phase=_text(values[2]), grade=_text(values[4]), cuts=EndCuts(*cuts), weight=weight,
+        surface=surface, notes=_notes(values[MIN_LINES:]),
         cut_lines=(lines[16], lines[17], lines[18], lines[19]),
-    )
+    )  # fmt: skip
 
 
 def _is_short(head: HeaderLines, log: Log) -> bool:

@@ -260,11 +260,8 @@ Sizes = tuple[float, float, float, float, float]  #: diameter, depth, width, hei
 
 # DSTV NC, page 10: the letter before the diameter.
 _KINDS: dict[str, HoleKind] = {
-    "g": "thread",
-    "l": "left-thread",
-    "m": "mark",
-    "s": "countersink",
-}
+    "g": "thread", "l": "left-thread", "m": "mark", "s": "countersink",
+}  # fmt: skip
 
 
 def read_hole(row: str, line: int, place: Place) -> Hole | Slot | None:

@@ -16,13 +16,9 @@ __all__ = ["looks_like", "read"]
 
 
 def read(
-    data: bytes,
-    name: str,
-    units: str | None = None,
-    width: str | float | None = None,
-    layers: Sequence[str] = (),
-    fit: Sequence[str] = (),
-) -> Reading:
+    data: bytes, name: str, units: str | None = None, width: str | float | None = None,
+    layers: Sequence[str] = (), fit: Sequence[str] = (),
+) -> Reading:  # fmt: skip
     """The part that an SVG file draws, and remarks on it; never raises.
 
     `units` names the unit of plain numbers ("mm", "px90"), `width` is the width of the page
@@ -47,15 +43,11 @@ def read(
     seen = [*walk.found.not_cut.items(), ("hidden shapes", walk.found.counts["invisible"])]
     unit = "of the page" if units is None and width is None else None
     said = (
-        *page.remarks,
-        *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
+        *page.remarks, *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
-        *unknown_layers(sorted(walk.found.layers - {""}), layers, source),
-        *walk.found.said,
-        *fitted,
-        *_remarks(walk.found, source),
-        *verdict(part, seen, unit, source),
-    )
+        *unknown_layers(sorted(walk.found.layers - {""}), layers, source), *walk.found.said,
+        *fitted, *_remarks(walk.found, source), *verdict(part, seen, unit, source),
+    )  # fmt: skip
     return Reading("svg", (part,), said)
 
 
@@ -68,14 +60,10 @@ def _part(name: str, found: Collected, page: Page) -> Part:
 
 #: Remarks on the counted shapes, in this order.
 _COUNTED: tuple[tuple[str, Rule], ...] = (
-    ("filled", rules.FILL_ONLY),
-    ("clipped", rules.CLIPPED),
-    ("flattened", rules.FLATTENED),
-    ("invisible", rules.INVISIBLE),
-    ("dashed", rules.DASHED),
-    ("hairline", rules.HAIRLINE),
+    ("filled", rules.FILL_ONLY), ("clipped", rules.CLIPPED), ("flattened", rules.FLATTENED),
+    ("invisible", rules.INVISIBLE), ("dashed", rules.DASHED), ("hairline", rules.HAIRLINE),
     ("degenerate", rules.DEGENERATE),
-)
+)  # fmt: skip
 
 
 def _remarks(found: Collected, source: Source) -> list[Diagnostic]:

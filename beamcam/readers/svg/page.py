@@ -281,13 +281,10 @@ class _Finder:
             if abs(ratios[0] / ratios[1] - 1.0) > slack:
                 raise ReadError(
                     rules.CONTRADICT.at(
-                        self.source,
-                        first=f"{ratios[0]:g}",
-                        first_by=f"{by[0][0]} and viewBox",
-                        second=f"{ratios[1]:g}",
-                        second_by=f"{by[1][0]} and viewBox",
+                        self.source, first=f"{ratios[0]:g}", first_by=f"{by[0][0]} and viewBox",
+                        second=f"{ratios[1]:g}", second_by=f"{by[1][0]} and viewBox",
                     )
-                )
+                )  # fmt: skip
         return ratios
 
     def _by_pixels(self, found: str, across: float, down: float) -> Page:

@@ -140,28 +140,16 @@ class _Builder:
 
 #: Properties that this reader looks at and that an element passes on to its content.
 INHERITED = (
-    "stroke",
-    "stroke-width",
-    "stroke-opacity",
-    "stroke-dasharray",
-    "fill",
-    "fill-opacity",
-    "color",
-    "visibility",
-)
+    "stroke", "stroke-width", "stroke-opacity", "stroke-dasharray", "fill", "fill-opacity",
+    "color", "visibility",
+)  # fmt: skip
 OWN = ("display", "opacity", "clip-path", "mask")
 
 #: Default values. Source: SVG 1.1, property index.
 INITIAL: Mapping[str, str] = {
-    "stroke": "none",
-    "stroke-width": "1",
-    "stroke-opacity": "1",
-    "stroke-dasharray": "none",
-    "fill": "black",
-    "fill-opacity": "1",
-    "color": "black",
-    "visibility": "visible",
-}
+    "stroke": "none", "stroke-width": "1", "stroke-opacity": "1", "stroke-dasharray": "none",
+    "fill": "black", "fill-opacity": "1", "color": "black", "visibility": "visible",
+}  # fmt: skip
 
 Style = Mapping[str, str]
 

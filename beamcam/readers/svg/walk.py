@@ -248,12 +248,9 @@ class Walk(Struct):
 
     def _say_number(self, element: Element, error: NumberError) -> None:
         self._say(
-            rules.NUMBER,
-            element,
-            attribute=error.attribute,
-            found=error.found,
+            rules.NUMBER, element, attribute=error.attribute, found=error.found,
             expected=error.expected,
-        )
+        )  # fmt: skip
 
     def _placed(self, subpaths: Iterable[Subpath], matrix: Matrix) -> list[tuple[Curve, ...]]:
         """The chains in mm, without those of no length."""

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from beamcam.controllers import cell_events, table_events
 from beamcam.controllers.events import Move, Pause
-from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import MachineError, errors_in
 from beamcam.machine import Machine, load
+from beamcam.machine_proof import load_machine
 from beamcam.model.request import Request
 from beamcam.pipeline import post, read_back
 from beamcam.readers import read

@@ -8,9 +8,10 @@ from click.testing import CliRunner
 import beamcam
 from beamcam.cli import main
 from beamcam.controllers import table_events
-from beamcam.controllers.machine_words import load_machine, word_faults
+from beamcam.controllers.machine_words import word_faults
 from beamcam.errors import MachineError
 from beamcam.machine import load, shipped
+from beamcam.machine_proof import load_machine
 from tests.conftest import SAMPLES
 
 DRILL = [

@@ -8,12 +8,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from beamcam.cli import main
-from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import MachineError
 from beamcam.machine import load, machine_folders, own_machines, resolved, shipped
 from beamcam.machine.keys import machine_keys, starting_file
 from beamcam.machine.load import files_of_machine, merged
 from beamcam.machine.words import WORD_NAMES
+from beamcam.machine_proof import load_machine
 from tests.conftest import ROOT, SAMPLES, sampled
 from tests.runs import batch, counts, fill
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.controllers.machine_words import load_machine
 from beamcam.errors import MachineError
+from beamcam.machine_proof import load_machine
 from tests.conftest import SAMPLES
 
 #: A drill, a saw alone, and a saw and drill; each is a file over the machine before it.

@@ -123,23 +123,6 @@ def is_free(profile: Profile, patch: Patch, u: float) -> bool:
     return u > high + r or u < low - r
 
 
-@given(st.sampled_from(PATCHES), st.floats(1e-3, 1.0))
-def test_chords_of_the_longest_step_keep_to_the_surface(
-    of: tuple[Profile, Patch], error: float
-) -> None:
-    _, patch = of
-    step = patch.longest_u(error)
-    (_, ya, za), (_, yb, zb) = (patch.point(0.0, u) for u in (patch.low, patch.low + step))
-    _, y, z = patch.point(0.0, patch.low + step / 2)
-    off = ((y - (ya + yb) / 2) ** 2 + (z - (za + zb) / 2) ** 2) ** 0.5
-    assert off <= error + 1e-9
-
-
-def test_no_chord_error_is_no_step() -> None:
-    with pytest.raises(ValueError, match="above 0"):
-        surface_of(CHS)[0].longest_u(0.0)
-
-
 # --- once round -----------------------------------------------------------------------------------
 
 
