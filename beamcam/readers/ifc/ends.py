@@ -68,6 +68,7 @@ class Trim(Struct, frozen=True, gc=False):
 
     planes: tuple[End, ...]  #: the stock's own square end, and those that cut it
     sole: End | None  #: the one plane that cuts the whole section; None if several share it
+    reach: float  #: side * x that the sole plane reaches at most; as `most` without one
     least: float  #: side * x up to which no plane takes anything
     most: float  #: side * x beyond which nothing is left
 
@@ -76,16 +77,16 @@ def trim(square: End, cuts: Sequence[End], corners: Sequence[Point]) -> Trim:
     """The end of a stock that is `square` before its cuts, at the (Y, Z) of the corners."""
     planes, level = (square, *cuts), square.side * square.c
     if not cuts:
-        return Trim(planes, square, level, level)
+        return Trim(planes, square, level, level, level)
     lines = [reaches(one, corners) for one in cuts]
     left = list(map(min, repeat(level), *lines))
     least, most = min(left), max(left)
     if level - least <= SAME_REACH:
-        return Trim(planes, square, least, most)
+        return Trim(planes, square, level, least, most)
     for one, line in zip(cuts, lines, strict=True):
         if max(map(sub, line, left)) <= SAME_REACH:
-            return Trim(planes, one, least, most)
-    return Trim(planes, None, least, most)
+            return Trim(planes, one, max(line), least, most)
+    return Trim(planes, None, most, least, most)
 
 
 def reaches(end: End, corners: Sequence[Point]) -> list[float]:

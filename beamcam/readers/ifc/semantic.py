@@ -18,7 +18,7 @@ from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.cutters import MIN_LEAN, Bounded, Box3, Cutter, HalfSpace, Prism, planes_of
 from beamcam.readers.ifc.ends import End, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
-from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, reach, sawn
+from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
@@ -126,7 +126,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
     gross = stock.x1 - stock.x0
     plain = not stock.outline and not stock.hollows and not general
     if plain and start.sole is not None and end.sole is not None:
-        span = reach(section, start.sole, end.sole)
+        span = -start.reach, end.reach
         return sawn(section, (start.sole, end.sole), span, holes, source, gross)
     if not walls:
         raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
