@@ -72,9 +72,9 @@ def _measured(code: ProfileCode, corners: Sequence[Corner], area: float) -> Sect
 
     Of the ways in which a form lies, the one with the greater side upright.
     """
-    reflex = FORMS[code].reflex
-    turned = [(*corners[k:], *corners[:k]) for k in range(len(corners))]
-    ways = [_sized(code, ring, area) for ring in turned if [c.reflex for c in ring] == reflex]
+    bends, reflex = tuple(corner.reflex for corner in corners), FORMS[code].reflex
+    turns = [k for k in range(len(bends)) if bends[k:] + bends[:k] == reflex]
+    ways = [_sized(code, (*corners[k:], *corners[:k]), area) for k in turns]
     known = [section for section in ways if section is not None]
     least = max((section.height for section in known), default=0.0) - SAME_SIDES
     tall = [section for section in known if section.height >= least]

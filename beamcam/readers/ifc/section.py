@@ -146,6 +146,7 @@ class Form(Struct, frozen=True):
     flanges: Names
     #: Where flanges are measured that slope, from root (0) to tip (1); None midway of the width.
     share: float | None
+    reflex: tuple[bool, ...] = ()  #: whether each corner is an inner one
 
     def levels(
         self, h: float, b: float, tf: float, tw: float, lip: float = 0.0
@@ -160,13 +161,6 @@ class Form(Struct, frozen=True):
         across, up = self.levels(*sizes)
         return [(across[z], up[y]) for z, y in self.corners]
 
-    @property
-    def reflex(self) -> list[bool]:
-        """Whether each corner is an inner one."""
-        p = self.drawn(9.0, 7.0, 1.0, 1.0, 2.0)
-        sides = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([p[-1], *p], p, strict=False)]
-        return [cross(a, b) < 0 for a, b in zip(sides, [*sides[1:], sides[0]], strict=True)]
-
 
 def _form(
     corners: str, upright: tuple[int, int], webs: str, flanges: str, share: float | None = 0.0
@@ -174,7 +168,11 @@ def _form(
     def names(text: str) -> Names:
         return tuple((pair[0], pair[1]) for pair in text.split())
 
-    return Form(names(corners), upright, names(webs), names(flanges), share)
+    form = Form(names(corners), upright, names(webs), names(flanges), share)
+    p = form.drawn(9.0, 7.0, 1.0, 1.0, 2.0)
+    sides = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([p[-1], *p], p, strict=False)]
+    bends = map(cross, sides, [*sides[1:], sides[0]])
+    return replace(form, reflex=tuple(bend < 0 for bend in bends))
 
 
 FORMS: dict[ProfileCode, Form] = {
