@@ -160,13 +160,11 @@ def one(index: int, seed: int, files: dict[str, list[bytes]], by_commands: bool 
 
 def _warm_up(files: dict[str, list[bytes]], by_commands: bool) -> None:
     """Load what the work needs, so that no input pays for it."""
+    use, times = (doors.go_through, WARM) if by_commands else (work, 1)
     for kind, found in files.items():
         with suppress(Exception):
-            if by_commands:
-                for seed in range(WARM):
-                    doors.go_through(kind, found[0], random.Random(seed))
-            else:
-                work(kind, found[0], random.Random(1))
+            for seed in range(times):
+                use(kind, found[0], random.Random(seed))
 
 
 def _place(error: BaseException) -> str:
@@ -255,19 +253,20 @@ class Worker:
             outcome: Outcome = self.pipe.recv()
             return outcome
         except (EOFError, OSError):
-            self.end()
-            self._begin()
-            kinds = self._arguments[1]
-            return Outcome(index, kinds[index % len(kinds)], "memory", "the worker died")
+            return self._ended(index, "memory", "the worker died")
 
     def too_late(self) -> Outcome | None:
         """The outcome of an input over which the worker is ended."""
         if self.index is None or self._taken() < PATIENCE * MOST_S:
             return None
-        index, kinds = self.index, self._arguments[1]
+        return self._ended(self.index, "hang", "in a library", PATIENCE * MOST_S)
+
+    def _ended(self, index: int, how: str, place: str, seconds: float = 0.0) -> Outcome:
+        """The outcome of an input at which the worker is ended and begun anew."""
         self.end()
         self._begin()
-        return Outcome(index, kinds[index % len(kinds)], "hang", "in a library", PATIENCE * MOST_S)
+        kinds = self._arguments[1]
+        return Outcome(index, kinds[index % len(kinds)], how, place, seconds)
 
     def _taken(self) -> float:
         """Seconds that an input has taken: of the processor, where the system tells, else of the
@@ -323,10 +322,8 @@ def tried_again(
 
 def table(found: list[Outcome], kinds: tuple[str, ...]) -> Iterator[str]:
     """The counts of each format, the most seconds with the number of their input, and megabytes."""
-    yield "".join(
-        f"{word:>10}"
-        for word in ("format", "inputs", *HELD, *FAULTS, "most s", "of no.", "most MB")
-    )
+    words = ("format", "inputs", *HELD, *FAULTS, "most s", "of no.", "most MB")
+    yield "".join(f"{word:>10}" for word in words)
     for kind in (*kinds, "all"):
         own = [o for o in found if kind in (o.format, "all")]
         counts = Counter(o.how for o in own)
@@ -365,11 +362,7 @@ def main() -> None:
     parser.add_argument("--formats", type=_kinds, help=",".join(OF_COMMANDS))
     parser.add_argument("--commands", action="store_true", help="go through the commands")
     parser.add_argument("--only", type=at_least(0), help="the number of one input")
-    parser.add_argument(
-        "--keep",
-        type=Path,
-        help="folder for inputs that did not hold",
-    )
+    parser.add_argument("--keep", type=Path, help="folder for inputs that did not hold")
     asked = parser.parse_args()
     known = OF_COMMANDS if asked.commands else FORMATS
     asked.formats = asked.formats or known
@@ -379,8 +372,7 @@ def main() -> None:
     found: list[Outcome] = []
     keep = _keeper(asked.keep, asked.seed, asked.formats)
     with suppress(KeyboardInterrupt):  # the table then counts what was done
-        done = outcomes(numbers, asked.seed, asked.jobs, asked.formats, asked.commands)
-        for outcome in done:
+        for outcome in outcomes(numbers, asked.seed, asked.jobs, asked.formats, asked.commands):
             found.append(outcome)
             if outcome.place or asked.only is not None:
                 keep(outcome.index)

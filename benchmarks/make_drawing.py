@@ -1,10 +1,11 @@
-"""Writes one drawing as DXF and as SVG, the same for the same seed: plates with holes and slots.
+"""Writes a drawing as DXF and as SVG, the same for the same seed: plates with holes and slots.
 
     python benchmarks/make_drawing.py FOLDER [--segments 20000] [--arcs 2000] [--splines 500]
 
 Straight segments are the sides of polygons, drawn as LINE entities and as a polyline each in turn;
 arcs are the ends of slots, circles and lone arcs; splines are closed cubic B-splines, of the kind
-that text as curves gives. Everything is drawn in red, in mm, no two contours touching.
+that text as curves gives. Everything is drawn in red, in mm, no two contours touching. Beside it
+stands jagged.dxf: 100 closed contours with 200 sharp corners each, and 2,500 open curves.
 """
 
 from math import cos, pi, sin
@@ -127,6 +128,40 @@ def write_svg(drawing: Drawing, path: Path) -> None:
     path.write_text("\n".join(lines), encoding="utf-8")
 
 
+def write_jagged(path: Path, seed: int = 1) -> None:
+    """100 closed contours with 200 sharp corners each and 2,500 open curves, as DXF R2010, mm.
+
+    The contours are spikes about 14 mm long, round a place each; of the open curves, above them, a
+    third each are lines, arcs and polylines of four sides.
+    """
+    import ezdxf
+
+    uniform = Random(seed).uniform
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    space, red = document.modelspace(), {"color": RED}
+    for k in range(100):
+        x, y = 100.0 * (k % 10 + 0.5), 100.0 * (k // 10 + 0.5)
+        corners = []
+        for i in range(200):
+            r = uniform(22, 30) if i % 2 else uniform(36, 44)
+            a = 2 * pi * (i + uniform(-0.2, 0.2)) / 200
+            corners.append((round(x + r * cos(a), 4), round(y + r * sin(a), 4)))
+        space.add_lwpolyline(corners, close=True, dxfattribs=red)
+    for k in range(2_500):
+        x, y = 10.0 * (k % 100 + 0.5), 1020 + 10.0 * (k // 100 + 0.5)
+        if k % 3 == 0:
+            ends = (x - 3, y + uniform(-3, 3)), (x + 3, y + uniform(-3, 3))
+            space.add_line(*ends, dxfattribs=red)
+        elif k % 3 == 1:
+            angles = uniform(0, 90), uniform(180, 300)
+            space.add_arc((x, y), uniform(1, 4), *angles, dxfattribs=red)
+        else:
+            corners = [(x - 4 + 2 * i, round(y + uniform(-4, 4), 4)) for i in range(5)]
+            space.add_lwpolyline(corners, dxfattribs=red)
+    document.saveas(path)
+
+
 def _bezier_path(corners: list[Point], at: object) -> str:
     """A closed uniform cubic B-spline as cubics: thirds of the control polygon's sides."""
     count = len(corners)
@@ -160,6 +195,7 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     write_dxf(drawing, folder / "drawing.dxf")
     write_svg(drawing, folder / "drawing.svg")
+    write_jagged(folder / "jagged.dxf", asked.seed)
 
 
 if __name__ == "__main__":

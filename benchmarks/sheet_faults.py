@@ -11,6 +11,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
+from typing import Any
 
 from beamcam.checks.sheets import verify_sheet
 from beamcam.errors import Severity, errors_in
@@ -188,6 +189,13 @@ def _changed(
     return None if at is None else [*program[:at], *blocks, *program[at + more :]]
 
 
+def _instead(pattern: str, *others: Sequence[str], more: int = 1) -> Fault:
+    """The fault of some other blocks in the place of one of a pattern, as of `_changed`."""
+    return lambda program, chance: _changed(
+        program, chance, pattern, *chance.choice(others), more=more
+    )
+
+
 def _turned_round(program: Lines, chance: random.Random, first: str, last: str) -> Lines | None:
     """Two blocks, one right behind the other, in the other order."""
     pairs = [
@@ -198,23 +206,6 @@ def _turned_round(program: Lines, chance: random.Random, first: str, last: str) 
         return None
     at = chance.choice(pairs)
     return [*program[:at], program[at + 1], program[at], *program[at + 2 :]]
-
-
-def pierced_at_another_height(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"G0 Z3\.8", f"G0 Z{chance.choice((0.5, 2.8, 5, 12))}")
-
-
-def cut_at_another_height(program: Lines, chance: random.Random) -> Lines | None:
-    height = chance.choice((0.4, 1.2, 2, 3.8, 6))
-    return _changed(program, chance, r"G1 Z1\.5 F1500", f"G1 Z{height} F1500")
-
-
-def down_as_a_traverse(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"G1 Z1\.5 F1500", "G0 Z1.5")
-
-
-def never_down_to_the_cut(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"G1 Z1\.5 F1500")
 
 
 def traverse_between_the_heights(program: Lines, chance: random.Random) -> Lines | None:
@@ -228,25 +219,9 @@ def traverse_between_the_heights(program: Lines, chance: random.Random) -> Lines
     return [*program[:at], *low, *program[at + 1 :]]
 
 
-def no_touch(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"G31 Z-150 F600")
-
-
-def no_zero_behind_the_touch(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"G92 Z-3")
-
-
-def another_zero(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"G92 Z-3", f"G92 Z{chance.choice((-2.5, 0, 3, -30))}")
-
-
 def up_before_the_tool_is_off(program: Lines, chance: random.Random) -> Lines | None:
     at = _one(program, chance, r"M121")
     return None if at is None else [*program[:at], "M121", "G0 Z20", "M5", *program[at + 4 :]]
-
-
-def zero_left_for_the_next_program(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"G92\.1")
 
 
 def never_up_at_first(program: Lines, chance: random.Random) -> Lines | None:
@@ -258,29 +233,9 @@ def held_as_it_pierces(program: Lines, chance: random.Random) -> Lines | None:
     return _changed(program, chance, r"M3", "M120", "M3") if "M120" in program else None
 
 
-def not_held(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"M120")
-
-
 def held_as_it_stops(program: Lines, chance: random.Random) -> Lines | None:
     found = _turned_round(program, chance, r"M121", r"M5")
     return _changed(program, chance, r"M121") if chance.random() < 0.5 else found
-
-
-def held_in_a_small_hole(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"M62 P2")
-
-
-def not_held_behind_a_small_hole(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"M63 P2")
-
-
-def share_left_behind_a_small_hole(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"M67 E3 Q0")
-
-
-def another_share(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"M67 E3 Q60", f"M67 E3 Q{chance.choice((30, 61, 90, 100))}")
 
 
 def share_left_for_the_next_program(program: Lines, chance: random.Random) -> Lines | None:
@@ -295,18 +250,6 @@ def another_material(program: Lines, chance: random.Random) -> Lines | None:
     name = chance.choice(("ph", "pd", "ch", "fr", "kw", "ca", "cv"))
     other = re.sub(rf"\b{name}=[\d.]+", f"{name}=7.7", program[at])
     return [*program[:at], other, *program[at + 1 :]]
-
-
-def no_material(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"\(o=0.*")
-
-
-def places_of_the_scribe(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"T0 M6", more=2)
-
-
-def oxygen_without_the_flame(program: Lines, chance: random.Random) -> Lines | None:
-    return _changed(program, chance, r"M64 P0")
 
 
 def flame_too_short(program: Lines, chance: random.Random) -> Lines | None:
@@ -340,22 +283,52 @@ def output_left_on(program: Lines, chance: random.Random) -> Lines | None:
     return _put(program, at, "M64 P9")
 
 
-BY_CLASS: dict[str, tuple[Fault, ...]] = {
-    "order": (outline_before_its_openings,),
-    "state": (dwell_in_mid_cut, off_and_on_in_mid_cut, tool_left_on, compensation_not_asked,
-              corners_rounded, inches),
-    "limits": (off_the_table, faster_than_the_axes),
-    "leads": (pierced_in_the_contour, pierced_in_the_part),
-    "heights": (pierced_at_another_height, cut_at_another_height, down_as_a_traverse,
-                never_down_to_the_cut, traverse_between_the_heights, no_touch,
-                no_zero_behind_the_touch, another_zero, up_before_the_tool_is_off,
-                zero_left_for_the_next_program, never_up_at_first),
-    "held": (held_as_it_pierces, not_held, held_as_it_stops, held_in_a_small_hole,
-             not_held_behind_a_small_hole),
-    "switched": (share_left_behind_a_small_hole, another_share, share_left_for_the_next_program,
-                 another_material, no_material, places_of_the_scribe, oxygen_without_the_flame,
-                 flame_too_short, oxygen_before_the_flame, flame_off_before_the_oxygen,
-                 flame_left_on, output_left_on),
+def _named(*faults: Any) -> dict[str, Fault]:
+    return {fault.__name__: fault for fault in faults}
+
+
+#: The faults of each class by their names.
+BY_CLASS: dict[str, dict[str, Fault]] = {
+    "order": _named(outline_before_its_openings),
+    "state": _named(dwell_in_mid_cut, off_and_on_in_mid_cut, tool_left_on, compensation_not_asked,
+                    corners_rounded, inches),
+    "limits": _named(off_the_table, faster_than_the_axes),
+    "leads": _named(pierced_in_the_contour, pierced_in_the_part),
+    "heights": {
+        "pierced_at_another_height": _instead(
+            r"G0 Z3\.8", ["G0 Z0.5"], ["G0 Z2.8"], ["G0 Z5"], ["G0 Z12"]
+        ),
+        "cut_at_another_height": _instead(
+            r"G1 Z1\.5 F1500", *([f"G1 Z{height} F1500"] for height in (0.4, 1.2, 2, 3.8, 6))
+        ),
+        "down_as_a_traverse": _instead(r"G1 Z1\.5 F1500", ["G0 Z1.5"]),
+        "never_down_to_the_cut": _instead(r"G1 Z1\.5 F1500", []),
+        "no_touch": _instead(r"G31 Z-150 F600", []),
+        "no_zero_behind_the_touch": _instead(r"G92 Z-3", []),
+        "another_zero": _instead(
+            r"G92 Z-3", ["G92 Z-2.5"], ["G92 Z0"], ["G92 Z3"], ["G92 Z-30"]
+        ),
+        "zero_left_for_the_next_program": _instead(r"G92\.1", []),
+        **_named(traverse_between_the_heights, up_before_the_tool_is_off, never_up_at_first),
+    },
+    "held": {
+        "not_held": _instead(r"M120", []),
+        "held_in_a_small_hole": _instead(r"M62 P2", []),
+        "not_held_behind_a_small_hole": _instead(r"M63 P2", []),
+        **_named(held_as_it_pierces, held_as_it_stops),
+    },
+    "switched": {
+        "share_left_behind_a_small_hole": _instead(r"M67 E3 Q0", []),
+        "another_share": _instead(
+            r"M67 E3 Q60", *([f"M67 E3 Q{share}"] for share in (30, 61, 90, 100))
+        ),
+        "no_material": _instead(r"\(o=0.*", []),
+        "places_of_the_scribe": _instead(r"T0 M6", [], more=2),
+        "oxygen_without_the_flame": _instead(r"M64 P0", []),
+        **_named(share_left_for_the_next_program, another_material, flame_too_short,
+                 oxygen_before_the_flame, flame_off_before_the_oxygen, flame_left_on,
+                 output_left_on),
+    },
 }  # fmt: skip
 
 
@@ -413,8 +386,8 @@ def _text_of(part: Part, machine: Machine) -> str:
 def _broken(text: str, each: int, chance: random.Random) -> Iterator[tuple[str, str, str]]:
     """Class, name and program of each fault that a program can have."""
     for kind, faults in BY_CLASS.items():
-        for fault in faults:
+        for name, fault in faults.items():
             for _ in range(each):
-                found = fault(text.split("\n"), chance)
-                if found is not None:
-                    yield kind, fault.__name__, "\n".join(found)
+                program = fault(text.split("\n"), chance)
+                if program is not None:
+                    yield kind, name, "\n".join(program)

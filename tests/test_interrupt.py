@@ -55,7 +55,7 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 #: Imports into a start, counted from that of the command line, at which Ctrl-C comes.
-AT_IMPORTS = {"post a.nc1 -o x.gcode": (1, 30, 120, 240), "inspect big.dxf": (5, 400, 500)}
+AT_IMPORTS = {"post a.nc1 -o x.gcode": (1, 30, 120, 180), "inspect big.dxf": (5, 400, 500)}
 #: What a Python loads at its start: it sends itself Ctrl-C in the midst of an import.
 INTERRUPTS_ITSELF = """
 import os, signal, sys

@@ -15,7 +15,6 @@ from beamcam.batch.recipe import path_from, recipe_of
 from beamcam.batch.run import run
 from beamcam.commands import options
 from beamcam.commands.common import (
-    REFUSED,
     STANDARD,
     Console,
     Grouped,
@@ -27,6 +26,7 @@ from beamcam.commands.running import (
     Progress,
     Report,
     checked_report,
+    end_run,
     run_options,
     shop_of,
     told_of,
@@ -40,9 +40,9 @@ from beamcam.files import FilesRead, write_whole
 from beamcam.reports.labels import SCHEMA, Label
 from beamcam.reports.labels import as_json as labels_as_json
 from beamcam.reports.part_list import BARS, CUTS, PARTS, bar_list, cutting_list, part_list
-from beamcam.reports.run import Row, as_message
+from beamcam.reports.run import Message, Row, as_message
 from beamcam.reports.tables import as_csv
-from beamcam.system import INTERRUPTED, asked_to_end, cores, portable_path
+from beamcam.system import asked_to_end, cores, portable_path
 
 FILES_A_WORKER = 20  #: of setup sheets; for fewer a process of their own is not worth its start
 
@@ -159,26 +159,27 @@ def command(
         unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]
         screen.say(unmatched)
         said += unmatched
+        jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
+        shares = () if stock_run is None else stock_run.tasks
         try:
-            jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
-            shares = () if stock_run is None else stock_run.tasks
             account.write(screen.counts, said, None if dry else shop, jobs, shares)
         except OSError as error:
-            if report == STANDARD:
-                raise  # whoever reads it has gone, and there is no one to tell
-            reason = error.strerror or str(error)
-            unwritten = as_message(WRITE.at(Source(str(report)), found=report, reason=reason))
-            screen.say([unwritten])
-            said.append(unwritten)
+            unwritten = [_unwritten(error, report)]
+            screen.say(unwritten)
+            said += unwritten
         screen.end(
             " (interrupted)" if interrupted else " (dry run, nothing written)" if dry else ""
         )
-    if interrupted:
-        raise SystemExit(INTERRUPTED)
-    if screen.counts.refused or screen.counts.failed or any(m["severity"] == "error" for m in said):
-        raise SystemExit(REFUSED)
-    if screen.counts.not_made and exit_left_out is not None:
-        raise SystemExit(exit_left_out)
+    is_refused = any(one["severity"] == "error" for one in said)
+    end_run(screen.counts, bool(interrupted), exit_left_out, is_refused)
+
+
+def _unwritten(error: OSError, report: str | None) -> Message:
+    """The message about a report that cannot be written. Raises the error of standard output."""
+    if report == STANDARD:
+        raise error  # whoever reads it has gone, and there is no one to tell
+    reason = error.strerror or str(error)
+    return as_message(WRITE.at(Source(str(report)), found=report, reason=reason))
 
 
 def _is_over_stock(nest: bool | None, asked: Mapping[str, Any]) -> bool:

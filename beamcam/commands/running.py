@@ -19,7 +19,7 @@ from beamcam.batch.pool import Here, Workers
 from beamcam.batch.shares import ShareTask
 from beamcam.batch.work import BatchSettings
 from beamcam.commands import SETTINGS, options
-from beamcam.commands.common import Console, say_lines
+from beamcam.commands.common import REFUSED, Console, say_lines
 from beamcam.commands.options import quantity
 from beamcam.commands.outputs import KINDS, expected
 from beamcam.commands.parts import (
@@ -41,7 +41,7 @@ from beamcam.model.request import remnant_of
 from beamcam.plain_text import json_text
 from beamcam.readers import is_interruptible
 from beamcam.reports.run import Counts, Message, Row, dumped, ledger_line, loaded, message_line
-from beamcam.system import cores
+from beamcam.system import INTERRUPTED, cores
 
 
 def _template(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -387,3 +387,13 @@ class Report:
         if self._rows is not None:
             self._rows.seek(0)
             yield from map(loaded, self._rows)
+
+
+def end_run(counts: Counts, interrupted: bool, left_out: int | None, refused: bool = False) -> None:
+    """Exit with the status of a run, if it has one; `left_out` is that of what is left out."""
+    if interrupted:
+        raise SystemExit(INTERRUPTED)
+    if refused or counts.refused or counts.failed:
+        raise SystemExit(REFUSED)
+    if counts.not_made and left_out is not None:
+        raise SystemExit(left_out)

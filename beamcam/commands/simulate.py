@@ -1,6 +1,7 @@
 """`beamcam simulate`: the axes of a machine over time, from a program."""
 
 import re
+from collections.abc import Iterable
 from hashlib import sha256
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from beamcam.machine.machine import Machine
     from beamcam.pictures.graphs import Study
     from beamcam.simulation.encoder import Encoder
-    from beamcam.simulation.trace import Trace
+    from beamcam.simulation.trace import Trace, TraceRow
 
 _UNITS_S = {"ms": 0.001, "s": 1.0}
 
@@ -174,22 +175,26 @@ def command(
             write(output, content, console, files_read(config, inputs))
         console.say(said)
         if serve is not None:
-            from beamcam.simulation.modbus import serve as serve_rows
-
-            def tell(host: str, port: int) -> None:
-                if not (console.quiet or as_json):
-                    say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
-
             rows = trace_rows(trace, every)
-            with asked_to_end() as asked_so:
-                serve_rows(
-                    rows, machine.modbus, *serve, 1.0 if pace is None else pace, tell,
-                    asked=asked_so,
-                )  # fmt: skip
-            if asked_so:
-                raise SystemExit(INTERRUPTED)
+            _serve(rows, machine, serve, 1.0 if pace is None else pace, console.quiet or as_json)
     except BeamcamError as error:
         console.stop((*told, *error.diagnostics))
+
+
+def _serve(
+    rows: "Iterable[TraceRow]", machine: "Machine", place: tuple[str, int], pace: float, quiet: bool
+) -> None:
+    """Serve the rows of a trace as registers until they end, or with the exit status of Ctrl-C."""
+    from beamcam.simulation.modbus import serve
+
+    def tell(host: str, port: int) -> None:
+        if not quiet:
+            say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
+
+    with asked_to_end() as asked_so:
+        serve(rows, machine.modbus, *place, pace, tell, asked=asked_so)
+    if asked_so:
+        raise SystemExit(INTERRUPTED)
 
 
 def _own_encoder(machine: "Machine") -> "Encoder":

@@ -13,12 +13,12 @@ from beamcam.batch.recipe import recipe_of
 from beamcam.batch.record import claims_of
 from beamcam.batch.run import BatchError, run
 from beamcam.commands import options
-from beamcam.commands.common import REFUSED, Console, Grouped, say_lines
-from beamcam.commands.running import Progress, run_options, shop_of, unused, workers_of
+from beamcam.commands.common import Console, Grouped, say_lines
+from beamcam.commands.running import Progress, end_run, run_options, shop_of, unused, workers_of
 from beamcam.commands.settings import files_read, settled
 from beamcam.errors import BeamcamError, Diagnostic, Source
 from beamcam.reports.run import Row, as_message
-from beamcam.system import INTERRUPTED, asked_to_end
+from beamcam.system import asked_to_end
 from beamcam.watch import END_S, HotFolder, file_away, look
 
 
@@ -115,12 +115,7 @@ def command(
         except BeamcamError as error:
             console.stop(error.diagnostics)
         screen.end()
-    if interrupted:
-        raise SystemExit(INTERRUPTED)
-    if screen.counts.refused or screen.counts.failed:
-        raise SystemExit(REFUSED)
-    if screen.counts.not_made and exit_left_out is not None:
-        raise SystemExit(exit_left_out)
+    end_run(screen.counts, bool(interrupted), exit_left_out)
 
 
 def _make(folder: str) -> None:

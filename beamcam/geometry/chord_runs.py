@@ -21,6 +21,7 @@ LONGEST = 3.0  #: mm of a chord
 LEAST_RUN = 8  #: chords
 LEAST_ARC = 4  #: chords that an arc stands for
 SAME_POINT = 1e-9
+ROUNDING = 1e-6  #: share of a distance
 #: No chord of a run turns it by more than this: a square is not a circle.
 MOST_SWEEP_DEG = 350.0
 MOST_TURN = 0.8  #: the least cosine between neighbouring chords of an arc
@@ -78,18 +79,47 @@ def _refit(run: Sequence[Line], tolerance: float) -> Sequence[Curve]:
     if len(run) < LEAST_RUN:
         return run
     points = np.array([run[0].start, *(line.end for line in run)])
-    found: list[Curve] = []
+    kept = _kept_chords(points, tolerance)
+    fitted: list[Curve] = []
     at = 0
     while at < len(run):
-        arc, reach = longest_arc(points, at, LEAST_ARC, lambda run: _arc_over(run, tolerance))
-        if arc is None:
-            reach = longest_line(points, at, lambda run: _is_straight(run, tolerance))
-            line = run[at] if reach == at + 1 else Line(run[at].start, run[reach - 1].end)
-            found.append(line)
+        arc, reach = None, at
+        if not kept[at]:
+            arc, reach = longest_arc(points, at, LEAST_ARC, lambda run: _arc_over(run, tolerance))
+        if arc is not None:
+            fitted.append(arc)
         else:
-            found.append(arc)
+            reach = at + 1
+            if not kept[at]:
+                reach = longest_line(points, at, lambda run: _is_straight(run, tolerance))
+            line = run[at] if reach == at + 1 else Line(run[at].start, run[reach - 1].end)
+            fitted.append(line)
+        if 2 * len(fitted) > len(run):
+            return run
         at = reach
-    return found if 2 * len(found) <= len(run) else run
+    return fitted
+
+
+def _kept_chords(points: Floats, tolerance: float) -> list[bool]:
+    """Which chords stay as they are: no arc and no line over more of them begins at their start.
+
+    An arc over LEAST_ARC chords turns gently at each of the corners between them, a line over two
+    has the corner between them within the tolerance.
+    """
+    way = np.diff(points, axis=0)
+    size = np.hypot(way[:, 0], way[:, 1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        sharp = (way[1:] * way[:-1]).sum(axis=1) / (size[1:] * size[:-1]) < MOST_TURN
+    no_arc = np.ones(len(way), dtype=bool)
+    no_arc[: 1 - LEAST_ARC] = np.lib.stride_tricks.sliding_window_view(sharp, LEAST_ARC - 1).any(1)
+    over = way[1:] + way[:-1]
+    across = np.abs(way[:-1, 0] * over[:, 1] - way[:-1, 1] * over[:, 0])
+    # What rounding leaves of a distance is left to `_is_straight`.
+    no_line = np.append(
+        across > (1 + ROUNDING) * tolerance * np.hypot(over[:, 0], over[:, 1]), True
+    )
+    kept: list[bool] = (no_arc & no_line).tolist()
+    return kept
 
 
 def _arc_over(points: Floats, tolerance: float) -> Arc | None:

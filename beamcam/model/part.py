@@ -9,7 +9,7 @@ numbers of o and h. Curves are plain geometry in those numbers.
 
 from collections.abc import Iterable, Iterator
 from math import inf
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta, Struct, field
 from msgspec.structs import replace
@@ -324,7 +324,10 @@ class Part(Struct, frozen=True):
         return (f for f in self.features if type(f) is TextMark)
 
 
-def moved_feature(feature: Feature, by: Point) -> Feature:
+Moved = TypeVar("Moved", bound=Feature)
+
+
+def moved_feature(feature: Moved, by: Point) -> Moved:
     """The feature moved in the plane of its plate; values across the plate stay."""
     if isinstance(feature, Contour):
         return replace(feature, curves=tuple([moved_curve(curve, by) for curve in feature.curves]))

@@ -48,7 +48,7 @@ SAME_SPEED = 1e-3
 STAIR_RATIO = 1.25
 
 
-class SpeedSection(Struct):
+class SpeedSection(Struct, gc=False):
     """Segments `first` to `last` (excluded) under one limit; a junction has none."""
 
     limit: float

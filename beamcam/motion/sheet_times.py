@@ -50,7 +50,7 @@ HOME: Point = (0.0, 0.0)
 SMOOTH_COS = cos(radians(1.0))
 
 
-class Segment(Struct, frozen=True):
+class Segment(Struct, frozen=True, gc=False):
     """A move as the look-ahead sees it."""
 
     length: float
@@ -90,6 +90,11 @@ def _passes(
     segments: list[Segment] = []
     for command in program.commands:
         match command:
+            case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
+                segment = segment_of(here, command, feed, limits)
+                if segment is not None:
+                    segments.append(segment)
+                here = command.x, command.y
             case Traverse():
                 seconds += _traverse_seconds(here, (command.x, command.y), rapid, limits)
                 here = command.x, command.y
@@ -99,11 +104,6 @@ def _passes(
                 seconds += waits if standing is None else standing(command)
             case SetFeed():
                 feed = command.feed_mm_min / SECONDS_PER_MINUTE
-            case Feed() | ArcFeed() | ParabolaFeed() | EllipseFeed():
-                segment = segment_of(here, command, feed, limits)
-                if segment is not None:
-                    segments.append(segment)
-                here = command.x, command.y
             case ToolOff() | PassEnd():
                 yield seconds + seconds_along(segments, limits)
                 seconds, segments = 0.0, []
@@ -121,15 +121,19 @@ def segment_of(
     here: Point, move: Movement, feed_mm_s: float, limits: PathLimits | None
 ) -> Segment | None:
     """A move that starts `here`; None if it goes nowhere."""
-    curve = curve_of(here, move)
-    length = curve.length
+    straight = type(move) is Feed
+    if straight:
+        x, y = move.x - here[0], move.y - here[1]
+        length = hypot(x, y)
+        enters = leaves = (x / length, y / length) if length else (1.0, 0.0)
+    else:
+        curve = curve_of(here, move)
+        length, enters, leaves = curve.length, curve.tangent(0.0), curve.tangent(1.0)
     if length == 0.0:
         return None
-    enters, leaves = curve.tangent(0.0), curve.tangent(1.0)
     if limits is None:
         return Segment(length, feed_mm_s, inf, enters, leaves)
     speed = min(feed_mm_s, feasible_mm_s(here, move, limits))
-    straight = isinstance(curve, Line)
     along = limits.straight_mm_s2 if straight else limits.along_mm_s2
     return Segment(length, speed, along, enters, leaves)
 

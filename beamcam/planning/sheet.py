@@ -29,7 +29,6 @@ from beamcam.planning.contours.assign_process import (
     OUTLINE,
     Assigned,
     assign_processes,
-    drill_small_openings,
 )
 from beamcam.planning.contours.crowd import refuse_copies, refuse_crowds
 from beamcam.planning.contours.join import Joined, join
@@ -39,6 +38,7 @@ from beamcam.planning.contours.material import Material
 from beamcam.planning.contours.nest import nest
 from beamcam.planning.contours.operations import operations_of
 from beamcam.planning.contours.outline import Shape, points_of
+from beamcam.planning.contours.small_openings import drill_small_openings
 from beamcam.planning.left_out import BEVEL
 
 #: What arcs for short chords may take of the machine's tolerance; rounding has the rest.

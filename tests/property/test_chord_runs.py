@@ -3,13 +3,16 @@
 from itertools import pairwise
 from math import cos, dist, hypot, pi, sin
 
+import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beamcam.geometry.chord_runs import LONGEST, refit_runs
+from beamcam.geometry import chord_runs
+from beamcam.geometry.chord_runs import LEAST_ARC, LEAST_RUN, LONGEST, refit_runs
 from beamcam.geometry.curves import Arc, Curve
+from beamcam.geometry.offset import longest_arc, longest_line
 from beamcam.machine import load
 from beamcam.machine.overlay import with_torch
 from beamcam.model.request import Request
@@ -89,6 +92,27 @@ def test_long_lines_and_corners_stay(points: list[Place], tolerance: float) -> N
         return
     assert refit_runs(chain(far, True), tolerance) == chain(far, True)
     assert refit_runs(box(0, 0, 2, 2), tolerance) == box(0, 0, 2, 2)
+
+
+@settings(max_examples=examples(100), deadline=None)
+@given(points=st.one_of(shapes, jagged), tolerance=st.floats(0.001, 0.1))
+def test_where_a_chord_is_known_to_stay_nothing_longer_begins(
+    points: list[Place], tolerance: float
+) -> None:
+    assume(len(points) > LEAST_RUN)
+    places = np.array(points)
+    for at, stays in enumerate(chord_runs._kept_chords(places, tolerance)):
+        arc, _ = longest_arc(
+            places, at, LEAST_ARC, lambda run: chord_runs._arc_over(run, tolerance)
+        )
+        line = longest_line(places, at, lambda run: chord_runs._is_straight(run, tolerance))
+        assert not stays or (arc is None and line == at + 1)
+
+
+def test_sharp_corners_are_known_to_stay_and_a_cam_is_not() -> None:
+    zigzag = np.array([(float(k), 2.0 * (k % 2)) for k in range(20)])
+    assert all(chord_runs._kept_chords(zigzag, 0.02))
+    assert not any(chord_runs._kept_chords(np.array(cam(200, 60, 2, 0.1)), 0.02)[:-4])
 
 
 def test_three_thousand_chords_of_a_cam_are_a_few_arcs() -> None:

@@ -83,7 +83,7 @@ def test_faults_of_tables_are_refused() -> None:
     classes = {kind.split(" ")[0] for kind in result.made}
     assert classes == {*sheet_faults.BY_CLASS, "direction"}
     names = {kind.split(" ")[1] for kind in result.made} - {"turned"}
-    assert names == {f.__name__ for many in sheet_faults.BY_CLASS.values() for f in many}
+    assert names == {name for many in sheet_faults.BY_CLASS.values() for name in many}
 
 
 def test_faults_of_feeds_and_of_common_cuts_are_refused() -> None:

@@ -204,6 +204,30 @@ def test_what_is_near_is_found(seed: int) -> None:
         assert every[who[i]] == pytest.approx(min(every), abs=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_what_was_moved_is_near_where_it_lies_now(seed: int) -> None:
+    """Curves with a grid, moved, against all distances; spikes have more than one size of cells."""
+    random = Random(seed)
+    spikes: list[Curve] = [Line((0.3 * k, 0.0), (0.3 * k + 0.1, 14.0)) for k in range(60)]
+    curves = [*spikes, *random_curves(random, 20)]
+    reach = random.choice([0.05, 0.5])
+    x, y = random.uniform(-900, 900), random.uniform(-900, 900)
+    points = [(random.uniform(-2, 20), random.uniform(-2, 16)) for _ in range(150)]
+    still = Toolpaths(curves, 0.01)
+    still.near(np.array(points), reach)
+    pairs = still.moved((x, y)).near(np.add(points, (x, y)), reach)
+    near = dict(
+        zip(zip(pairs.point.tolist(), pairs.element.tolist(), strict=True), pairs.away, strict=True)
+    )
+    for i, point in enumerate(points):
+        for k, curve in enumerate(curves):
+            away = distance(curve, point)
+            if abs(away - reach) > 1e-9:
+                assert ((i, k) in near) == (away < reach)
+            if (i, k) in near:
+                assert near[i, k] == pytest.approx(away, abs=1e-9)
+
+
 near_places = st.tuples(st.integers(-30, 30), st.integers(-30, 30))
 
 

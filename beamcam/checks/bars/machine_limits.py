@@ -10,7 +10,7 @@ from math import dist, hypot, inf
 
 from msgspec import Struct
 
-from beamcam.checks import rules as rules
+from beamcam.checks import rules
 from beamcam.checks.bars.cuts import End
 from beamcam.checks.bars.pieces import LaidPart
 from beamcam.checks.bars.stations import Cut, MachinedFeatures, MachinedPath, lip_length

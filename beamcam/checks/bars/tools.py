@@ -8,7 +8,6 @@ from math import inf, pi, radians, tan
 from msgspec import Struct
 
 from beamcam.caches import PerObject, cached
-from beamcam.checks import rules as rules
 from beamcam.checks.bars.stations import limits_of
 from beamcam.machine.machine import Machine
 from beamcam.machine.stations import FLAT_DEG, Cutting, Drill, ToolSet

@@ -26,11 +26,12 @@ def verify_sheet(
     the text whose head has to say where sound parts lie, if one has to. Nothing comes back for a
     program that makes exactly the part. Raises TypeError for a machine without a torch.
     """
+    from beamcam.checks.sheets.chart_rows import rows_of
     from beamcam.checks.sheets.compare import compare_part
     from beamcam.checks.sheets.compensation import radius_faults
     from beamcam.checks.sheets.controller_state import as_one, with_told
     from beamcam.checks.sheets.heights import switching_faults
-    from beamcam.checks.sheets.need import need_of, rows_of, shift_of
+    from beamcam.checks.sheets.need import need_of, shift_of
     from beamcam.checks.sheets.remainder import link_faults, passes_folded, unchained
     from beamcam.checks.sheets.strokes import is_far, strokes_of
     from beamcam.checks.sheets.work import told_apart, with_contours

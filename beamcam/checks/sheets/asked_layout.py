@@ -18,7 +18,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from beamcam.checks.sheets import rules
-from beamcam.checks.sheets.need import rows_on
+from beamcam.checks.sheets.chart_rows import rows_on
 from beamcam.errors import Diagnostic
 from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.plane import Box, join_boxes

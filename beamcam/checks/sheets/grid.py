@@ -1,6 +1,7 @@
 """Which elements lie near which points, by the cells of a square grid."""
 
 from collections.abc import Iterator
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -132,6 +133,9 @@ class Elements:
 
 
 MAX_TURN_RAD = 0.5  #: of a piece of an arc whose cells are looked for
+SPARE = 1.001  #: of a reach, for the last digits of elements that were moved
+NARROW = 0.1  #: reach by the size of cells, below which a narrower one is no quicker
+MOST_IN_A_CELL = 8  #: else cells are made smaller once
 MOST_CELLS = 1 << 20  #: along one side, so that the number of a cell and an element fits
 MOST_PAIRS = 1 << 21  #: of points and elements that are measured at once
 
@@ -161,17 +165,25 @@ class Grid:
     """The cells of a square grid that elements come within a reach of."""
 
     def __init__(self, elements: Elements, reach: float) -> None:
-        self.reach = reach
         self._elements = elements
-        count = max(len(elements), 1)
         self._bent = bool(elements.is_arc.any())
+        self._shift = 0.0, 0.0
         sides = (*elements.start.T, *elements.end.T) if len(elements) else ()
         wide = 2 * max((float(np.ptp(side)) for side in sides), default=0.0)
-        mean = float(elements.length.sum()) / count
-        self._size = max(mean, 2.0 * reach, wide / MOST_CELLS, 1e-6)
-        low, high, owner = _boxes(elements, self._size)
-        x0, y0 = (np.floor((c - reach) / self._size).astype(np.int64) for c in low.T)
-        x1, y1 = (np.floor((c + reach) / self._size).astype(np.int64) for c in high.T)
+        mean = float(elements.length.sum()) / max(len(elements), 1)
+        least = max(2.0 * SPARE * reach, wide / MOST_CELLS, 1e-6)
+        self._fill(max(mean, least), reach)
+        # Long elements beside one another: a cell that one is in has many others.
+        if np.square(self._sizes).sum() > MOST_IN_A_CELL * len(self._members):
+            self._fill(max(mean / 4, least), reach)
+
+    def _fill(self, size: float, reach: float) -> None:
+        """Put the elements into the cells that they come near."""
+        self.size, self.reach = size, max(SPARE * reach, NARROW * size)
+        count = max(len(self._elements), 1)
+        low, high, owner = _boxes(self._elements, self.size)
+        x0, y0 = (np.floor((c - self.reach) / self.size).astype(np.int64) for c in low.T)
+        x1, y1 = (np.floor((c + self.reach) / self.size).astype(np.int64) for c in high.T)
         self._origin = int(x0.min(initial=0)), int(y0.min(initial=0))
         self._rows = int(y1.max(initial=0)) - self._origin[1] + 1
         self._columns = int(x1.max(initial=0)) - self._origin[0] + 1
@@ -199,6 +211,13 @@ class Grid:
         self._cells = key[self._begins]
         self._sizes = np.diff(self._begins, append=len(key))
 
+    def moved(self, elements: Elements, shift: tuple[float, float]) -> "Grid":
+        """The grid of the same elements elsewhere."""
+        grid = copy(self)
+        grid._elements = elements
+        grid._shift = self._shift[0] + shift[0], self._shift[1] + shift[1]
+        return grid
+
     def _key(self, x: Counts, y: Counts) -> Counts:
         return (x - self._origin[0]) * self._rows + (y - self._origin[1])
 
@@ -223,7 +242,10 @@ class Grid:
         are more than `MOST_AT_A_POINT` on an average.
         """
         x, y = (np.ascontiguousarray(c) for c in points.T)
-        column, row = (np.floor(c / self._size).astype(np.int64) for c in (x, y))
+        column, row = (
+            np.floor((c - by) / self.size).astype(np.int64)
+            for c, by in zip((x, y), self._shift, strict=True)
+        )
         key = self._key(column, row)
         row -= self._origin[1]
         inside = (row >= 0) & (row < self._rows)

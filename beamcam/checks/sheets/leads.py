@@ -8,7 +8,7 @@ import shapely
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.overcut import asked_overcut
-from beamcam.checks.sheets.tabs import ring_depths
+from beamcam.checks.sheets.region import ring_depths
 from beamcam.checks.sheets.work import SHOWN, Traced, Work
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.array_types import Flags, Floats

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from msgspec import Struct, field
-from msgspec.structs import replace
 
 from beamcam.checks.asked import by_hand, is_by_hand, left_out
 from beamcam.checks.sheets import rules
+from beamcam.checks.sheets.chart_rows import rows_on, thickness_of
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Arc, Curve, Line, signed_area, unit_vector
+from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
 from beamcam.geometry.plane import Point
 from beamcam.machine.machine import Machine
-from beamcam.machine.torch import Torch, TorchProcess, TorchRow, is_row_for, material_said
+from beamcam.machine.torch import Torch, TorchProcess, TorchRow
 from beamcam.model.colour import key_of, process_of
 from beamcam.model.description import policy_on
 from beamcam.model.part import (
@@ -78,6 +78,13 @@ class Need(Struct):
         """Where the input has a curve of a process, which is known by its number."""
         return self.sources[self.features[process][curve]]
 
+    def without_cuts(self, features: Collection[int]) -> None:
+        """Take away the cuts of some features."""
+        kept = [feature not in features for feature in self.features["cut"]]
+        for rows in (self.curves, self.looks, self.features):
+            rows["cut"] = list(compress(rows["cut"], kept))  # type: ignore[arg-type]
+        self._forget("cut")
+
     def _forget(self, process: TorchProcess) -> None:
         """Curves of a process are others now."""
         self.drawn = {key: drawn for key, drawn in self.drawn.items() if key[0] != process}
@@ -116,7 +123,7 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
     hand = [is_by_hand(feature, machine) for feature in part.features]
     need = Need(said=[by_hand(f, part, machine) for f in compress(part.features, hand)], rows=rows)
     table = cast("dict[str, Process]", torch.colours)
-    known: dict[tuple[str | None, str | None], str | None] = {}
+    processes: dict[tuple[str | None, str | None], str | None] = {}
     thickness = thickness_of(part, torch)
     outlined = False
     for index, feature in enumerate(part.features):
@@ -148,34 +155,16 @@ def need_of(part: Part, machine: Machine, torch: Torch, skips: Collection[str]) 
             continue
         if isinstance(feature, Contour):
             look = feature.layer, feature.colour
-            if look == (None, None):
-                said = feature.process
-                process: str | None = "mark" if said in ("punch", "powder") else said
-            else:
-                if look not in known:
-                    known[look] = process_of(feature, table)
-                process = known[look]
-            if process is None:
-                _not_made(need, part, feature, "map")
-            elif process != "ignore":
-                key = key_of(feature, torch.colours) if torch.settings and any(look) else ""
-                own = torch.settings.get(key or "")
-                closes = feature.closed or feature.curves[0].start == feature.curves[-1].end
-                if own is not None and own.hatch is not None and not own.hatch_outline and closes:
-                    need.filled.setdefault(key or "", []).append(feature)
-                    continue
-                kind = cast("TorchProcess", process)
-                need.add(kind, feature.curves, index, feature.source, key or "")
+            if look not in processes:
+                processes[look] = process_of(feature, table)
+            _follow(need, part, index, feature, torch, processes[look])
         elif isinstance(feature, Hole) and feature.kind == "mark":
             need.add_centre((feature.x, feature.y), torch, index, feature.source)
         else:
             hole = cast("Hole | Slot", feature)
             need.add("cut", _ring(hole), index, hole.source)
     if part.measures is None and not outlined:
-        width = part.profile.height
-        corners = [(0.0, 0.0), (part.length, 0.0), (part.length, width), (0.0, width)]
-        ends = zip(corners, [*corners[1:], corners[0]], strict=True)
-        need.add("cut", [Line(a, b) for a, b in ends], OUTLINE, part.source)
+        need.add("cut", _rectangle(part.length, part.profile.height), OUTLINE, part.source)
     _leave_small_openings(need, part, machine, torch, skips)
     return need
 
@@ -185,18 +174,12 @@ def _leave_small_openings(
 ) -> None:
     """Have openings of drawings that the torch cannot cut marked for the drill, or left out."""
     least = max(torch.min_hole, torch.min_hole_share * thickness_of(part, torch))
-    ways, owners = need.curves.get("cut", []), need.features.get("cut", [])
-    drawn = [
-        k for k, feature in enumerate(owners)
-        if feature != OUTLINE and isinstance(part.features[feature], Contour)
-    ]  # fmt: skip
-    features: dict[int, list[Curve]] = {}
-    for k in drawn:
-        features.setdefault(owners[k], []).append(ways[k])
-    if not any(_may_be_narrower(curves, least) for curves in features.values()):
+    ways, owners = need.curves.get("cut"), need.features.get("cut")
+    if not least or not ways or not owners:
         return
-    from beamcam.checks.sheets.region import small_openings
+    from beamcam.checks.sheets.small_openings import small_openings
 
+    drawn = [k != OUTLINE and isinstance(part.features[k], Contour) for k in owners]
     left: set[int] = set()
     for opening in small_openings(need.region(torch), ways, owners, drawn, torch, least):
         left.update(opening.features, opening.twins)
@@ -210,25 +193,33 @@ def _leave_small_openings(
                 need.said += left_out(part, (index,))
             else:
                 _not_made(need, part, feature, lack)
-    if not left:
-        return
-    kept = [feature not in left for feature in owners]
-    need.curves["cut"] = list(compress(ways, kept))
-    need.looks["cut"] = list(compress(need.looks["cut"], kept))
-    need.features["cut"] = list(compress(owners, kept))
-    need._forget("cut")
+    if left:
+        need.without_cuts(left)
 
 
-def _may_be_narrower(curves: Sequence[Curve], least: float) -> bool:
-    """Whether a contour, or one that a curve is part of, may be a slot narrower than `least`.
+def _follow(
+    need: Need, part: Part, index: int, contour: Contour, torch: Torch, process: str | None
+) -> None:
+    """Require the curves of a contour; or its inside, if only that is filled.
 
-    Twice the area by the length all round is less than the width.
+    `process` is that of its colour or layer; one that has neither says its own.
     """
-    if len(curves) > 1:
-        around = sum(curve.length for curve in curves)
-        return 2 * abs(signed_area(tuple(curves))) < least * around
-    x0, y0, x1, y1 = curves[0].bbox
-    return max(x1 - x0, y1 - y0) < least
+    is_plain = contour.layer is None and contour.colour is None
+    if is_plain:
+        process = "mark" if contour.process in ("punch", "powder") else contour.process
+    if process is None:
+        _not_made(need, part, contour, "map")
+        return
+    if process == "ignore":
+        return
+    is_set = torch.settings and (contour.layer or contour.colour)
+    key = (key_of(contour, torch.colours) or "") if is_set else ""
+    own = torch.settings.get(key)
+    closes = contour.closed or contour.curves[0].start == contour.curves[-1].end
+    if own is not None and own.hatch is not None and not own.hatch_outline and closes:
+        need.filled.setdefault(key, []).append(contour)
+        return
+    need.add(cast("TorchProcess", process), contour.curves, index, contour.source, key)
 
 
 def _is_begun(feature: Feature, lack: str | None, torch: Torch) -> bool:
@@ -285,6 +276,11 @@ def _not_made(need: Need, part: Part, feature: Feature, lack: str) -> None:
     source = getattr(feature, "source", part.source)
     found = type(feature).__name__.lower()
     need.said.append(rules.NOT_MADE.at(source, found=found, kind=lack))
+
+
+def _rectangle(length: float, width: float) -> list[Curve]:
+    corners = [(0.0, 0.0), (length, 0.0), (length, width), (0.0, width)]
+    return [Line(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
 
 
 def _cross(x: float, y: float, size: float) -> list[Curve]:
@@ -357,57 +353,3 @@ def _min_corner(need: Need, process: TorchProcess, tolerance: float) -> Point:
     corners = np.concatenate((low[exact], np.array([box[:2]] if box else []).reshape(-1, 2)))
     x, y = corners.min(axis=0).tolist()
     return x, y
-
-
-def thickness_of(part: Part, torch: Torch) -> float:
-    """Of the part's sheet in mm, what the machine's file takes where it does not say; 0 unknown."""
-    own = part.profile.web_thickness
-    return own if own is not None else torch.thickness or 0.0
-
-
-def rows_of(part: Part, torch: Torch) -> list[TorchRow]:
-    """The rows that may run on the part's sheet: of each process, then of colours and layers."""
-    rows = rows_on(part, torch)
-    looked = [
-        replace(
-            row,
-            feed_mm_min=row.feed_mm_min if own.speed is None else own.speed,
-            power=row.power if own.power is None else own.power,
-            passes=row.passes if own.passes is None else own.passes,
-        )
-        for key, own in torch.settings.items()
-        for row in rows
-        if torch.colours.get(key) == row.process
-    ]
-    return [*rows, *looked]
-
-
-def _at_feed(row: TorchRow, torch: Torch, thickness: float) -> TorchRow:
-    """A row at the feed that the chart has for a thickness, where the file says it lies between."""
-    if torch.between_rows != "interpolate":
-        return row
-    alike = [
-        r for r in torch.rows
-        if (r.process, r.material, r.amps, r.nozzle)
-        == (row.process, row.material, row.amps, row.nozzle)
-    ]  # fmt: skip
-    thinner = [r for r in alike if r.up_to <= thickness]
-    if not thinner or row.up_to == thickness:
-        return row
-    below = max(thinner, key=lambda r: r.up_to)
-    share = (thickness - below.up_to) / (row.up_to - below.up_to)
-    feed = below.feed_mm_min + share * (row.feed_mm_min - below.feed_mm_min)
-    return replace(row, feed_mm_min=feed)
-
-
-def rows_on(part: Part, torch: Torch) -> list[TorchRow]:
-    """The row of each process on the part's sheet, as the machine's file has it."""
-    thickness = thickness_of(part, torch)
-    material = material_said(part.grade, torch.material)
-    found: dict[TorchProcess, TorchRow] = {}
-    for row in torch.rows:
-        if 0.0 < thickness <= row.up_to and is_row_for(row.material, material):
-            found.setdefault(row.process, _at_feed(row, torch, thickness))
-    if torch.drilled == "spot" and "cut" in found:
-        found.setdefault("spot", found["cut"].spotting())
-    return list(found.values())

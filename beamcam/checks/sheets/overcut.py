@@ -31,13 +31,14 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     slack = (4 if work.stepped else 2) * work.tolerance
     by_machine = work.torch.kerf_by == "machine"
     said = []
+    again = _pass_their_start(work, [t for t in traced if not (t.members or t.joined or t.closed)])
     for t in traced:
         if by_machine and t.half_kerf:
             limits = _beside(work, t)
         elif t.members:
             limits = _along(work, t)
             said += _beyond(work, t.members[-1], slack)
-        elif t.joined or t.closed or not (over := _retraced(work, t)):
+        elif t.first not in again or not (over := _retraced(work, t)):
             continue
         else:
             limits = over, asked_overcut(work, t, over), asked_overcut(work, t, over)
@@ -141,6 +142,17 @@ def _tangent(work: Work, t: Traced) -> float:
     if chord < (1.0 - 1e-9) * float(path.lengths[t.last]):
         return 0.0  # an arc, of which no place is on the contour
     return 2 * sqrt(2 * work.torch.lead_out * work.tolerance)
+
+
+def _pass_their_start(work: Work, traced: Sequence[Traced]) -> set[int]:
+    """The first ways of those strokes that come by the place where they began once more."""
+    path = work.path
+    first = np.array([t.first for t in traced], dtype=np.int64)
+    pairs = path.near(path.starts[first], work.tolerance)
+    first = first[pairs.point]
+    further = path.at(pairs.element, pairs.along) - path.begins[first] > 4 * work.tolerance
+    own = work.of_way[path.owner[pairs.element]] == work.of_way[first]
+    return set(first[own & further].tolist())
 
 
 def _retraced(work: Work, t: Traced) -> float:

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from beamcam.checks.sheets.grid import Elements, Pairs
+from beamcam.checks.sheets.grid import Pairs
 from beamcam.checks.sheets.leads import Bounds, rings
 from beamcam.checks.sheets.overcut import end_faults, restart_faults
 from beamcam.checks.sheets.tabs import join_bridged
-from beamcam.checks.sheets.toolpaths import Samples, Toolpaths, joined_samples
+from beamcam.checks.sheets.toolpaths import NEAR_BEND, Samples, Toolpaths, joined_samples
 from beamcam.checks.sheets.work import MITRE, SHOWN, SPACING, Traced, Work
 from beamcam.errors import Diagnostic
 from beamcam.geometry.array_types import Counts, Flags, Floats
@@ -293,7 +293,6 @@ def _boxes(work: Work, kept: Counts) -> Floats:
 
 MAX_TURN_RAD = 0.02  #: between lines and arcs that run along one another, of any length
 SMOOTH_RAD = 0.26  #: from one way to the next, where they do not bend
-NEAR_BEND = 4.0  #: slacks from an end or a bend, within which any direction is right
 ASIDE = 8.0  #: slacks from an end or a bend, where the other curve is asked
 
 
@@ -311,41 +310,9 @@ def aligned(
     asked = np.flatnonzero(~found)
     if len(asked):
         pairs = pairs.kept(asked)
-        most = (
-            _most_turns(own, slack)[element[pairs.point]] + _most_turns(other, slack)[pairs.element]
-        )
+        most = own.most_turns(slack)[element[pairs.point]] + other.most_turns(slack)[pairs.element]
         found[asked] = across[asked] <= np.sin(np.minimum(MAX_TURN_RAD + most, np.pi / 2))
         found[asked] |= _near_bend(other, pairs, slack)
-    return found
-
-
-def _most_turns(toolpaths: Toolpaths, slack: float) -> Floats:
-    """Angles in rad by which curves within the slack of elements may differ from their directions.
-
-    A chord of length L, at its middle within the slack s of an arc on one side and at its ends on
-    the other, is 8 s / L off the direction of that at its ends; an arc of radius r is
-    2 sqrt(s / r) off that of such a chord. A chord that the next one leaves at the angle b is one
-    of an arc of radius L / b; of short chords, such as those between whole steps, some may go on
-    straight, so that the next bend counts.
-    """
-    elements = toolpaths.elements
-    turns = _turns(elements, slack)
-    bend = _most_near(turns, elements.length, NEAR_BEND * slack)
-    radius = elements.arcs[elements.is_arc, 2]
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # absurdly short or long
-        share = slack / elements.length
-        found: Floats = np.fmin(8.0 * share, bend / 2 + 2.0 * np.sqrt(bend * share))
-        found[elements.is_arc] += 2.0 * np.sqrt(slack / radius)
-    return found
-
-
-def _most_near(turns: Floats, lengths: Floats, reach: float) -> Floats:
-    """The greatest turn at an element or no farther from it than `reach`, for each."""
-    places = np.append(0.0, np.cumsum(lengths))
-    first = np.searchsorted(places, places[:-1] - reach)
-    behind = np.searchsorted(places, places[1:] + reach, "right")
-    windows = np.column_stack((first, behind)).ravel()
-    found: Floats = np.maximum.reduceat(np.append(turns, 0.0), windows)[::2]
     return found
 
 
@@ -376,21 +343,6 @@ def _near_bend(toolpaths: Toolpaths, pairs: Pairs, slack: float) -> Flags:
 
 def _bends(toolpaths: Toolpaths, slack: float) -> tuple[Flags, Flags, Flags]:
     """The ways that begin at a bend, those that end at one, and those that end at the next one."""
-    turns, every = _turns(toolpaths.elements, slack), np.arange(toolpaths.count)
+    turns, every = toolpaths.turns(slack), np.arange(toolpaths.count)
     before, behind = turns[toolpaths.first(every)], turns[toolpaths.last(every) + 1]
     return before > SMOOTH_RAD, behind > SMOOTH_RAD, np.isfinite(behind)
-
-
-def _turns(elements: Elements, slack: float) -> Floats:
-    """Angles in rad before each element and behind the last, (n + 1,).
-
-    Infinite where nothing goes on, or only what does not come next.
-    """
-    every = np.arange(len(elements))
-    ahead = elements.directions(every, np.zeros(len(every)))
-    behind = elements.directions(every, np.ones(len(every)))
-    meets = np.hypot(*(elements.end[:-1] - elements.start[1:]).T) <= slack
-    turns = np.arccos(np.clip(np.sum(behind[:-1] * ahead[1:], axis=1), -1.0, 1.0))
-    found = np.full(len(every) + 1, np.inf)
-    found[1:-1] = np.where(meets, turns, np.inf)
-    return found

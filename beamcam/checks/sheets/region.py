@@ -9,7 +9,6 @@ no order is asked of them, they bound no part, and the beam stays centred on the
 """
 
 from collections.abc import Iterable, Sequence
-from math import pi
 
 import numpy as np
 import shapely
@@ -30,11 +29,8 @@ from beamcam.checks.sheets.joining import (
 )
 from beamcam.checks.sheets.toolpaths import Toolpaths
 from beamcam.geometry.array_types import Counts, Flags, Floats
-from beamcam.geometry.curves import Curve, Line
 from beamcam.geometry.near import first_equal
 from beamcam.geometry.plane import Point
-from beamcam.machine.torch import Torch
-from beamcam.model.part import extent
 
 SAME_PLACE = 5e-3  #: curves as near as this are drawn twice
 SAME_POINT = 1e-6  #: of a gap, what its last digits may be
@@ -98,9 +94,11 @@ def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -
     again, under = _same_rings(polygons, gap)
     closed, apart = np.zeros(toolpaths.count, dtype=bool), rings.gaps(drawn) + SAME_PLACE * twins
     closed[rings.ways[wide[rings.ring]]] = True
-    closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
+    if twins.any():
+        closed |= twins & _lie_on(toolpaths, np.where(closed, 0, 1), SAME_PLACE)
     twins[rings.ways_of(again)] = True
-    apart = np.maximum(apart, np.where(closed, 0.0, _loose_ends(toolpaths, gap)))
+    if len(opened := np.flatnonzero(~closed)):
+        apart[opened] = np.maximum(apart[opened], _loose_ends(toolpaths, opened, gap))
     apart[rings.ways_of(again | under)] += gap
     wide[list(again)] = False
     apart[rings.ways_of(_looped(polygons, gap))] += gap
@@ -166,27 +164,30 @@ def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
     return found
 
 
-def _loose_ends(toolpaths: Toolpaths, gap: float) -> Floats:
-    """How far the ends of each way are from other ends that they may be joined to, at most."""
+def _loose_ends(toolpaths: Toolpaths, which: Counts, gap: float) -> Floats:
+    """How far the ends of some ways are from other ends that they may be joined to, at most."""
     ends = np.concatenate((toolpaths.starts, toolpaths.ends)) + 0.0
-    places, which = np.unique(ends.view(np.complex128).ravel(), return_inverse=True)
-    points = shapely.points(places.real, places.imag)
-    a, b = shapely.STRtree(points).query(points, "dwithin", distance=gap + SAME_POINT)
-    apart = np.zeros(len(places))
-    np.maximum.at(apart, a, np.abs(places[a] - places[b]))
-    found: Floats = apart[which.ravel()].reshape(2, -1).max(axis=0)
+    own = np.concatenate((which, which + toolpaths.count))
+    tree, points = shapely.STRtree(shapely.points(ends)), shapely.points(ends[own])
+    a, b = tree.query(points, "dwithin", distance=gap + SAME_POINT)
+    apart = np.zeros(len(own))
+    np.maximum.at(apart, a, np.hypot(*(ends[own[a]] - ends[b]).T))
+    found: Floats = apart.reshape(2, -1).max(axis=0)
     return found
 
 
 def _same_rings(polygons: NDArray[np.object_], gap: float) -> tuple[set[int], set[int]]:
     """Rings that are nowhere farther than a gap from an earlier one, and those earlier ones."""
+    boxes = shapely.bounds(polygons).reshape(-1, 4)
     # Rings that are equal to the last digit are told apart from the others without measuring.
-    texts = shapely.to_wkb(shapely.normalize(polygons)).tolist()
+    _, box, count = np.unique(boxes, axis=0, return_inverse=True, return_counts=True)
+    alike = np.flatnonzero(count[box.ravel()] > 1)
+    texts = shapely.to_wkb(shapely.normalize(polygons[alike])).tolist()
     first: dict[bytes, int] = {}
-    copy_of = [first.setdefault(text, k) for k, text in enumerate(texts)]
-    copies = {k for k, own in enumerate(copy_of) if own != k}
-    kept = np.array(sorted(first.values()), dtype=np.int64)
-    boxes = shapely.bounds(polygons[kept]).reshape(-1, 4)
+    copy_of = {k: first.setdefault(text, k) for k, text in zip(alike.tolist(), texts, strict=True)}
+    copies = {k for k, own in copy_of.items() if own != k}
+    kept = np.setdiff1d(np.arange(len(polygons)), list(copies))
+    boxes = boxes[kept]
     corners = shapely.points(boxes[:, :2])
     a, b = shapely.STRtree(corners).query(corners, "dwithin", distance=2 * gap)
     near = (a < b) & (np.abs(boxes[a] - boxes[b]).max(axis=1) <= gap + SAME_POINT)
@@ -224,6 +225,22 @@ def _lie_on(toolpaths: Toolpaths, rank: Counts, same: float) -> Flags:
     on[left] = True
     found = np.empty(len(first), dtype=bool)
     found[order] = on[first] | (rank[order] > rank[order[first]])
+    return found
+
+
+def ring_depths(polygons: Sequence[shapely.Polygon | None]) -> list[int | None]:
+    """Number of larger rings around each; None where one crosses it."""
+    shapes = np.array([shapely.Polygon() if p is None else p for p in polygons], dtype=object)
+    tree = shapely.STRtree(shapes)
+    areas = shapely.area(shapes)
+    found: list[int | None] = [0] * len(shapes)
+    for inner, outer in tree.query(shapes, predicate="intersects").T.tolist():
+        if areas[outer] <= areas[inner] or inner == outer or found[inner] is None:
+            continue
+        if shapely.covers(shapely.buffer(shapes[outer], 0.01), shapes[inner]):
+            found[inner] = (found[inner] or 0) + 1
+        elif shapely.area(shapely.intersection(shapes[inner], shapes[outer])) > 0.0:
+            found[inner] = None
     return found
 
 
@@ -269,94 +286,3 @@ class _Rings(Struct, frozen=True):
         found[self.ways] = apart
         found[self.ways[after]] = np.maximum(apart, found[self.ways[after]])
         return found
-
-
-# --- small openings -------------------------------------------------------------------------------
-
-# Round openings and slots of drawings that are smaller than a torch cuts.
-
-
-SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digits
-
-
-class SmallOpening(Struct, frozen=True):
-    """A round opening or a slot of a drawing."""
-
-    centres: tuple[Point, ...]  #: of a slot those of its ends
-    features: tuple[int, ...]  #: that draw it
-    twins: tuple[int, ...]  #: that draw it again
-
-
-def small_openings(
-    region: Region, ways: Sequence[Curve], owners: Sequence[int], drawn: Sequence[int],
-    torch: Torch, least: float,
-) -> list[SmallOpening]:  # fmt: skip
-    """The openings among the cuts that are circles or slots narrower than `least`, by their ways.
-
-    An opening is what an odd number of contours enclose, or what lies within one that is too small.
-    `owners` are the features of the `ways`, `drawn` those of contours.
-    """
-    found = []
-    for number, centres in _openings(region, ways, torch.tolerance, least).items():
-        mine = sorted({owners[way] for way, _ in region.rings[number]})
-        hole = shapely.box(*shapely.bounds(shapely.buffer(region.polygons[number], torch.gap)))
-        twins = (k for k in drawn if region.twins[k] and hole.contains(shapely.box(*ways[k].bbox)))
-        found.append(SmallOpening(centres, tuple(mine), tuple(owners[k] for k in twins)))
-    return found
-
-
-def _openings(
-    region: Region, ways: Sequence[Curve], tolerance: float, least: float
-) -> dict[int, tuple[Point, ...]]:
-    """The centres of the rings that are small openings, by the rings' numbers."""
-    found: dict[int, tuple[Point, ...]] = {}
-    areas = shapely.area(region.polygons)
-    around = shapely.length(region.polygons)
-    # A slot that has this area and this length all round is as wide as this; chords make it less.
-    widths = (around - np.sqrt(np.maximum(around**2 - 4 * pi * areas, 0.0))) / pi
-    for number in np.flatnonzero(widths < least + tolerance).tolist():
-        curves = [ways[k] for k, _ in region.rings[number]]
-        corners = np.asarray(region.polygons[number].exterior.coords)
-        if centres := _centres(corners, curves, tolerance, least):
-            found[number] = centres
-    if not found:
-        return {}
-    rings = np.array(list(found), dtype=np.int64)
-    middles = shapely.points([centres[0] for centres in found.values()])
-    own, around_it = shapely.STRtree(region.polygons).query(middles, "within")
-    larger = areas[around_it] > areas[rings[own]]
-    openings = rings[np.bincount(own[larger], minlength=len(rings)) % 2 == 1]
-    wider = shapely.STRtree(shapely.buffer(region.polygons[openings], tolerance))
-    inside, _ = wider.query(region.polygons[rings], "covered_by")
-    return {k: found[k] for k in sorted({*openings.tolist(), *rings[inside].tolist()})}
-
-
-def _centres(
-    corners: Floats, curves: Sequence[Curve], tolerance: float, least: float
-) -> tuple[Point, ...]:
-    """The centres of an outline that is a circle or a slot below `least`; none if it is neither.
-
-    Its box is that of its curves, as chords of a circle are within it; of one with straight sides
-    that along the longest of them.
-    """
-    sides = [curve for curve in curves if isinstance(curve, Line)]
-    ux, uy = max(sides, key=lambda side: side.length).tangent(0.0) if sides else (1.0, 0.0)
-    axes = np.array([[ux, uy], [-uy, ux]])
-    if float(np.ptp(corners @ axes[1])) >= least:
-        return ()
-    turned = [curve.transformed(((ux, uy, 0.0), (-uy, ux, 0.0))) for curve in curves]
-    low, high = np.array(extent(turned) or (0.0, 0.0, 0.0, 0.0)).reshape(2, 2)
-    long, wide = (high - low).tolist()
-    if abs(long - wide) <= 2 * tolerance:
-        long = wide = (long + wide) / 2
-    if wide > long or wide >= least - SAME_SIZE:
-        return ()
-    middle = (low + high) / 2
-    far = middle + np.array([[-1.0, 0.0], [1.0, 0.0]]) * (long - wide) / 2
-    line = shapely.LineString(far @ axes)
-    places = np.concatenate((corners, (corners[1:] + corners[:-1]) / 2))
-    off = np.abs(shapely.distance(shapely.points(places), line) - wide / 2)
-    if off.max() > tolerance:
-        return ()
-    ends: list[list[float]] = np.unique(far @ axes, axis=0).tolist()
-    return tuple((x, y) for x, y in ends)

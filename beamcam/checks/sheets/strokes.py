@@ -5,7 +5,6 @@ program that says anything else, or moves as it should not, is reported.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from itertools import dropwhile, takewhile
 
 import numpy as np
 from msgspec import Struct
@@ -19,7 +18,8 @@ from beamcam.checks.sheets.controller_state import (
     expected_feeds,
     near_corners,
 )
-from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS, tool_words
+from beamcam.checks.sheets.row_words import RowWords, words_of
+from beamcam.controllers.dialect import IDLE_SWITCHES, SHEET_END, STOPS
 from beamcam.controllers.events import (
     Other,
     Output,
@@ -28,7 +28,6 @@ from beamcam.controllers.events import (
     Side,
     Switch,
     TableEvent,
-    ToolOffset,
 )
 from beamcam.controllers.moves import Moves, TableRun
 from beamcam.errors import Diagnostic, Rule, Source
@@ -38,7 +37,6 @@ from beamcam.geometry.plane import Point
 from beamcam.machine.codes import key_for
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess, TorchRow
-from beamcam.model.description import PART_DATA
 
 ENDS = (2, 30)
 _TURNING = (3, 4, 5)  #: M words of a spindle or a tool
@@ -89,22 +87,11 @@ class Strokes(Struct, frozen=True):
         return Strokes(moved, self.moves.take(np.flatnonzero(which)))
 
 
-class _Words(Struct, frozen=True):
-    """The M words of one row: what starts its tool and what stops it."""
-
-    row: TorchRow
-    on: tuple[Said, ...]
-    off: tuple[Said, ...]
-    pierce_s: float
-    tool: int  #: of the controller's table, whose places they choose; 0 is the torch
-    stop_s: float  #: that it stays on for, the head at rest, before it is stopped
-
-
 class _Started(Struct):
     """A stroke while its program runs."""
 
     stroke: HeadStroke
-    rows: list[_Words]  #: that its words stand for
+    rows: list[RowWords]  #: that its words stand for
     pauses: list[tuple[int, float]]  #: moves before each, and seconds
     dark_from: int | None = None  #: the move from which on the arc is out
 
@@ -117,7 +104,7 @@ def strokes_of(
 
     `parse` gives the events of a few blocks.
     """
-    head = _Head([_words_of(row, machine, parse) for row in rows], machine, torch, name)
+    head = _Head([words_of(row, machine, parse) for row in rows], machine, torch, name)
     for place, (before, event) in enumerate(run.others):
         head.take(place, before, event)
     head.finish(run)
@@ -149,11 +136,11 @@ def _beyond(arc: Sequence[float], low: Sequence[float], high: Sequence[float]) -
 class _Head:
     """The state of the head while a program runs; strokes count all moves of the program."""
 
-    def __init__(self, known: list[_Words], machine: Machine, torch: Torch, name: str) -> None:
+    def __init__(self, known: list[RowWords], machine: Machine, torch: Torch, name: str) -> None:
         self.said: list[Diagnostic] = []
         self._state = ControllerState(machine, torch, name)
         self._known = known
-        self._starting: dict[Said, list[_Words]] = {}
+        self._starting: dict[Said, list[RowWords]] = {}
         for words in known:
             for said in words.on:
                 self._starting.setdefault(said, []).append(words)
@@ -394,50 +381,3 @@ def _off_feed(row: TorchRow, feed_mm_min: float) -> float:
     """How far a feed is from that of a row, in a small hole or elsewhere."""
     slow = row.hole_feed_share if row.slows_holes else 1.0
     return min(abs(row.feed_mm_min - feed_mm_min), abs(row.feed_mm_min * slow - feed_mm_min))
-
-
-def _words_of(row: TorchRow, machine: Machine, parse: Callable[[str], list[TableEvent]]) -> _Words:
-    """The words of a row, read from the machine's templates by the controller's own rules.
-
-    Programs write powers, seconds and feeds to three decimals.
-    """
-
-    second = 0.001 if machine.format.dwell_unit == "ms" else 1.0
-
-    def events(template: tuple[str, ...]) -> list[TableEvent]:
-        lines = [
-            line.format(
-                power=f"{row.power:.3f}",
-                pierce=f"{row.pierce_s / second:.3f}",
-                preheat=f"{row.preheat_s / second:.3f}",
-                feed="1",
-                pierce_height=f"{row.pierce_height:.3f}",
-                cut_height=f"{row.cut_height:.3f}",
-                amps=f"{row.amps:.3f}",
-                volts=f"{row.volts:.3f}",
-                number=str(row.number),
-                clearance="0",
-                touch_height="0",
-                **PART_DATA,  # in comments only, as the machine's file is checked
-            )
-            for line in template
-        ]
-        return parse("\n".join(lines))
-
-    on = events(getattr(machine.words, f"{row.process}_on"))
-    off = events(getattr(machine.words, f"{row.process}_off"))
-    chosen = events(getattr(machine.words, f"choose_{row.process}"))
-    starts = tool_words((e for e in on if isinstance(e, Switch)), True)
-    stops = tool_words((e for e in off if isinstance(e, Switch)), False)
-    return _Words(
-        row,
-        tuple(e.said for e in starts),
-        tuple(e.said for e in stops),
-        _seconds(dropwhile(lambda e: e not in starts, on)),
-        next((e.number for e in reversed(chosen) if isinstance(e, ToolOffset)), 0),
-        _seconds(takewhile(lambda e: e not in stops, off)),
-    )
-
-
-def _seconds(events: Iterable[TableEvent]) -> float:
-    return sum(event.seconds for event in events if isinstance(event, Pause))

@@ -21,6 +21,7 @@ from shapely.ops import substring
 
 from beamcam.checks.sheets import rules
 from beamcam.checks.sheets.controller_state import turn_deg
+from beamcam.checks.sheets.region import ring_depths
 from beamcam.checks.sheets.work import MITRE, SHOWN, STAIRS, Traced, Work
 from beamcam.errors import Diagnostic, Rule, Source
 from beamcam.geometry.array_types import Flags, Floats
@@ -229,22 +230,6 @@ def tab_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         is_ring = polygon is not None and polygon.area > MIN_WIDTH * polygon.length
         said += _ring_faults(work, t, depth if is_ring else -1, corners)
     return said[:SHOWN]
-
-
-def ring_depths(polygons: Sequence["shapely.Polygon | None"]) -> list[int | None]:
-    """Number of larger rings around each; None where one crosses it."""
-    shapes = np.array([shapely.Polygon() if p is None else p for p in polygons], dtype=object)
-    tree = shapely.STRtree(shapes)
-    areas = shapely.area(shapes)
-    found: list[int | None] = [0] * len(shapes)
-    for inner, outer in tree.query(shapes, predicate="intersects").T.tolist():
-        if areas[outer] <= areas[inner] or inner == outer or found[inner] is None:
-            continue
-        if shapely.covers(shapely.buffer(shapes[outer], 0.01), shapes[inner]):
-            found[inner] = (found[inner] or 0) + 1
-        elif shapely.area(shapely.intersection(shapes[inner], shapes[outer])) > 0.0:
-            found[inner] = None
-    return found
 
 
 def _ring_faults(work: Work, t: Traced, depth: int | None, corners: Floats) -> Iterator[Diagnostic]:

@@ -11,7 +11,7 @@ import shapely
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from beamcam.checks.sheets.grid import Elements, Grid, Pairs
+from beamcam.checks.sheets.grid import NARROW, SPARE, Elements, Grid, Pairs
 from beamcam.controllers.moves import Moves
 from beamcam.geometry.array_types import Counts, Flags, Floats
 from beamcam.geometry.arrays import CurveTable, arc_ends
@@ -22,6 +22,7 @@ from beamcam.geometry.polylines import polylines
 Samples = tuple[Counts, Floats, Counts]
 
 WIDER = 4.0  #: how much farther is looked where nothing was near
+NEAR_BEND = 4.0  #: slacks from an end or a bend, within which any direction is right
 MOST_TURN_RAD = 0.8  #: between points of an outline
 
 
@@ -61,6 +62,7 @@ class Toolpaths:
         found.count, found._first, found._behind = self.count, self._first, self._behind
         found.owner, found.rest = self.owner, self.rest
         found._put(self.elements.moved(shift))
+        found._grids = [grid.moved(found.elements, shift) for grid in self._grids]
         return found
 
     def _build(
@@ -95,6 +97,8 @@ class Toolpaths:
 
     def _put(self, elements: Elements) -> None:
         self.elements = elements
+        self._turns: dict[float, Floats] = {}
+        self._most_turns: dict[float, Floats] = {}
         #: How far along all ways, one after the other, each element begins.
         self._reached: Floats = np.concatenate(([0.0], np.cumsum(elements.length)))
         self.begins: Floats = self._reached[self._first]
@@ -128,7 +132,7 @@ class Toolpaths:
 
     def _grid(self, reach: float) -> Grid:
         for grid in self._grids:
-            if reach <= grid.reach <= WIDER * reach:
+            if reach * SPARE <= grid.reach <= max(WIDER * reach, NARROW * grid.size):
                 return grid
         self._grids.append(Grid(self.elements, reach))
         return self._grids[-1]
@@ -221,6 +225,43 @@ class Toolpaths:
             return low, high
         return np.minimum.reduceat(low, self._first), np.maximum.reduceat(high, self._first)
 
+    def turns(self, slack: float) -> Floats:
+        """Angles in rad before each element and behind the last, (n + 1,).
+
+        Infinite where nothing goes on within `slack`, or only what does not come next.
+        """
+        if slack not in self._turns:
+            elements, every = self.elements, np.arange(len(self.elements))
+            ahead = elements.directions(every, np.zeros(len(every)))
+            behind = elements.directions(every, np.ones(len(every)))
+            meets = np.hypot(*(elements.end[:-1] - elements.start[1:]).T) <= slack
+            turn = np.arccos(np.clip(np.sum(behind[:-1] * ahead[1:], axis=1), -1.0, 1.0))
+            turns = np.full(len(every) + 1, np.inf)
+            turns[1:-1] = np.where(meets, turn, np.inf)
+            self._turns[slack] = turns
+        return self._turns[slack]
+
+    def most_turns(self, slack: float) -> Floats:
+        """Angles in rad by which curves within the slack of elements may differ from them.
+
+        A chord of length L, at its middle within the slack s of an arc on one side and at its ends
+        on the other, is 8 s / L off the direction of that at its ends; an arc of radius r is
+        2 sqrt(s / r) off that of such a chord. A chord that the next one leaves at the angle b is
+        one of an arc of radius L / b; of short chords, such as those between whole steps, some may
+        go on straight, so that the next bend counts.
+        """
+        if slack not in self._most_turns:
+            elements = self.elements
+            bend = _most_near(self.turns(slack), elements.length, NEAR_BEND * slack)
+            radius = elements.arcs[elements.is_arc, 2]
+            # Of elements that are absurdly short or long.
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+                share = slack / elements.length
+                most: Floats = np.fmin(8.0 * share, bend / 2 + 2.0 * np.sqrt(bend * share))
+                most[elements.is_arc] += 2.0 * np.sqrt(slack / radius)
+            self._most_turns[slack] = most
+        return self._most_turns[slack]
+
     def outline(self, first: int, last: int, tolerance: float) -> Floats:
         """Points along the ways from `first` up to `last`, both ends of each among them, (n, 2).
 
@@ -295,6 +336,16 @@ def kept_samples(samples: Samples, which: Flags | Counts) -> Samples:
     """Some of the samples."""
     element, share, way = samples
     return element[which], share[which], way[which]
+
+
+def _most_near(turns: Floats, lengths: Floats, reach: float) -> Floats:
+    """The greatest turn at an element or no farther from it than `reach`, for each."""
+    places = np.append(0.0, np.cumsum(lengths))
+    first = np.searchsorted(places, places[:-1] - reach)
+    behind = np.searchsorted(places, places[1:] + reach, "right")
+    windows = np.column_stack((first, behind)).ravel()
+    found: Floats = np.maximum.reduceat(np.append(turns, 0.0), windows)[::2]
+    return found
 
 
 def _nearest(pairs: Pairs, group: Counts) -> Pairs:

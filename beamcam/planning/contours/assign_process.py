@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
 from beamcam.geometry.curves import Arc, Curve, Line, unit_vector
-from beamcam.geometry.plane import Point, between, distance, dot, join_boxes
+from beamcam.geometry.plane import Point, join_boxes
 from beamcam.machine.machine import Machine
 from beamcam.machine.torch import Torch, TorchProcess
 from beamcam.model.colour import colour_name, key_of, process_of
@@ -27,9 +27,8 @@ from beamcam.model.part import (
 )
 from beamcam.planning import rules as bar_rules
 from beamcam.planning.contours import rules
-from beamcam.planning.contours.ability import is_drilled, min_hole, refusal
+from beamcam.planning.contours.ability import is_drilled, refusal
 from beamcam.planning.contours.layout import outline_of
-from beamcam.planning.contours.outline import Shape, points_of
 from beamcam.planning.left_out import (
     BEVEL,
     DRILL,
@@ -103,7 +102,7 @@ def assign_processes(
             else:
                 _follow(index, feature, meaning, meanings.key(feature), found)
         elif torch.drilled == "spot" and cast("Hole | Slot", feature).kind == "mark":
-            _spot(centres_of(cast("Hole | Slot", feature)), [index], found)
+            spot(centres_of(cast("Hole | Slot", feature)), [index], found)
         else:
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
@@ -139,11 +138,11 @@ def _is_out(
         hole = cast("Hole | Slot", feature)
         found.listed[index] = DRILL
         if torch.drilled == "spot":
-            _spot(centres_of(hole), [index], found)
+            spot(centres_of(hole), [index], found)
             return True
         found.wanted += [
             AssignedCurve(curve, "mark", index, feature.source)
-            for at in centres_of(hole) for curve in _cross(at, torch.cross)
+            for at in centres_of(hole) for curve in cross_at(at, torch.cross)
         ]  # fmt: skip
         return True
     said = refuse_mark(feature, machine.marks) or refusal(feature, torch, thickness)
@@ -162,105 +161,7 @@ def _is_out(
     return True
 
 
-def drill_small_openings(
-    shapes: Sequence[Shape], part: Part, torch: Torch, skips: Collection[str], found: Assigned
-) -> tuple[list[Shape], list[Shape]]:
-    """The shapes but for round openings and slots of a drawing that are too small for the torch,
-    and the crosses that mark them.
-
-    They are what such a hole or slot of a part is: their drill start points are marked and they are
-    listed, or they are refused, or left out; `found` records it. What lies within one as round, as
-    a countersink or a thread, goes with it.
-    """
-    thickness = part.profile.web_thickness or torch.thickness or 0.0
-    least = min_hole(torch, thickness)
-    crosses, small = list[Shape](), set[int]()
-    for k in sorted(range(len(shapes)), key=lambda k: shapes[k].depth):
-        shape = shapes[k]
-        if shape.process != "cut" or not (shape.is_hole or shape.parent in small):
-            continue
-        opening = _round_ended(shape, least, torch.tolerance) if shape.closed else None
-        if opening is None:
-            continue
-        small.add(k)
-        if torch.drilled != "refuse":
-            found.listed.update(dict.fromkeys(shape.features, DRILL))
-            if torch.drilled == "spot":
-                _spot(opening.centres, shape.features, found)
-            else:
-                crosses += (
-                    Shape("mark", (line,), False, shape.features, shape.source)
-                    for centre in opening.centres for line in _cross(centre, torch.cross)
-                )  # fmt: skip
-            continue
-        said = _too_small(shape.source, opening, least, thickness)
-        if said.code.removeprefix("plan-") in skips:
-            found.skipped.update(dict.fromkeys(shape.features, said.code))
-        else:
-            found.refusals.append(said)
-    return _without(shapes, small), crosses
-
-
-class _Opening(Struct, frozen=True):
-    """A contour that is a circle or a slot, whatever curves draw it."""
-
-    centres: tuple[Point, ...]  #: of a circle one, of a slot those of its round ends
-    width: float
-    length: float  #: of a circle its diameter
-
-
-def _round_ended(shape: Shape, least: float, tolerance: float) -> _Opening | None:
-    """A contour as a circle or a slot that is narrower than `least`; None if it is none."""
-    lines = [curve for curve in shape.curves if isinstance(curve, Line)]
-    along = max(lines, key=lambda line: line.length).tangent(0.0) if lines else (1.0, 0.0)
-    (c, s), corners = along, points_of([shape.curves], tolerance / 4)[0].tolist()
-    level = [curve.transformed(((c, s, 0.0), (-s, c, 0.0))) for curve in shape.curves]
-    x0, y0, x1, y1 = join_boxes([curve.bbox for curve in level]) or (0.0,) * 4
-    length, width = x1 - x0, y1 - y0
-    if abs(length - width) <= 2 * tolerance:
-        length = width = (length + width) / 2
-    if width > length or width >= least - SAME_SIZE:
-        return None
-    centre, middle, reach = (x0 + x1) / 2, (y0 + y1) / 2, (length - width) / 2
-    ends = [
-        (c * u - s * middle, s * u + c * middle)
-        for u in dict.fromkeys((centre - reach, centre + reach))
-    ]
-    places = [*corners, *(between(a, b, 0.5) for a, b in pairwise(corners))]
-    if max(abs(_from_line(place, ends) - width / 2) for place in places) > tolerance:
-        return None
-    return _Opening(tuple(ends), width, length)
-
-
-def _from_line(place: Point, ends: Sequence[Point]) -> float:
-    """How far a place is from a line between two ends, or from a point."""
-    (x0, y0), (x1, y1) = ends[0], ends[-1]
-    way = x1 - x0, y1 - y0
-    size = dot(way, way)
-    share = dot(way, (place[0] - x0, place[1] - y0)) / size if size else 0.0
-    return distance(place, between(ends[0], ends[-1], min(max(share, 0.0), 1.0)))
-
-
-def _too_small(source: Source, opening: _Opening, least: float, thickness: float) -> Diagnostic:
-    if len(opening.centres) > 1:
-        return bar_rules.SLOT.at(
-            source, found=f"{opening.length:.4g} x {opening.width:.4g}", face="v",
-            expected=f"one at least {least:g} wide in a sheet of {thickness:g} mm",
-        )  # fmt: skip
-    return bar_rules.NO_TOOL.at(
-        source, kind="through", found=f"{opening.width:.4g}", face="v",
-        expected=f"at least {least:g} in a sheet of {thickness:g} mm",
-    )  # fmt: skip
-
-
-def _without(shapes: Sequence[Shape], some: Collection[int]) -> list[Shape]:
-    """The shapes but for some, each parent by its new index."""
-    left = [k for k in range(len(shapes)) if k not in some]
-    place = {k: number for number, k in enumerate(left)}
-    return [replace(shapes[k], parent=place.get(shapes[k].parent, -1)) for k in left]
-
-
-def _spot(places: Iterable[Point], features: Iterable[int], found: Assigned) -> None:
+def spot(places: Iterable[Point], features: Iterable[int], found: Assigned) -> None:
     """Have places spotted for features, each place once."""
     for x, y in places:
         found.spots.setdefault((round(x, 6), round(y, 6)), []).extend(features)
@@ -377,13 +278,14 @@ def _unknown_processes(
 def curves_of(feature: Hole | Slot, cross: float) -> tuple[Curve, ...]:
     """The closed contour of a hole or a slot, counter-clockwise; of a centre mark its cross."""
     if feature.kind == "mark":
-        return _cross((feature.x, feature.y), cross)
+        return cross_at((feature.x, feature.y), cross)
     if isinstance(feature, Hole):
         return (Arc((feature.x, feature.y), feature.diameter / 2, 0.0, 360.0),)
     return tuple(_slot_curves(feature))
 
 
-def _cross(at: Point, size: float) -> tuple[Line, Line]:
+def cross_at(at: Point, size: float) -> tuple[Line, Line]:
+    """The two lines that mark a centre."""
     (x, y), half = at, size / 2
     return Line((x - half, y), (x + half, y)), Line((x, y - half), (x, y + half))
 

@@ -82,7 +82,7 @@ def body_of(model: Model, element: Entity) -> Body:
     if len(items) != 1:
         raise Unreadable(f"a body of {len(items)} solids")
     base, removed = _item(model, items[0], IDENTITY)
-    for opening in features_of(element, "IfcRelVoidsElement"):
+    for opening in features_of(element, "openings"):
         frame, guid = relative_placement(model, element, opening), opening.guid
         if opening.values[6] is None:
             raise Unreadable(f"an opening {guid} without geometry")

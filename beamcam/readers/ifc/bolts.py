@@ -5,19 +5,19 @@ within the wall's outline, if the shank reaches through. The hole is wider than 
 clearance of the bolt's standard.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import acos, degrees
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Source
+from beamcam.errors import Diagnostic, Severity, Source
 from beamcam.model.part import Hole, Part, Slot
 from beamcam.model.request import Options
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.body import body_representation, mapping, pushed
 from beamcam.readers.ifc.entities import NOT_WELL_FORMED, Entity, Model, Unreadable
-from beamcam.readers.ifc.finish import Shaped, sorted_holes
+from beamcam.readers.ifc.finish import Shaped, in_order
 from beamcam.readers.ifc.section import Wall, walls_of
 from beamcam.readers.ifc.space import Frame, Vec, add, dot, scale, size, sub, unit
 from beamcam.solid.kernel import prism
@@ -48,32 +48,29 @@ def bolts_of(model: Model) -> tuple[list[Bolt], list[str]]:
 
     Those are nuts, washers and weld symbols, but also bolts of a form that is not understood.
     """
-    found: list[Bolt] = []
+    bolts: list[Bolt] = []
     without: list[str] = []
     for element in model.file.by_type("IfcMechanicalFastener"):
         try:
-            bolt = _bolt(model, element)
+            bolts.append(_bolt(model, element))
         except (Unreadable, *NOT_WELL_FORMED):
-            bolt = None
-        if bolt is None:
             without.append(element.guid)
-        else:
-            found.append(bolt)
-    return found, without
+    return bolts, without
 
 
-def _bolt(model: Model, element: Entity) -> Bolt | None:
+def _bolt(model: Model, element: Entity) -> Bolt:
+    """The bolt that a fastener is. Raises Unreadable, or for one that is not well formed."""
     frame = model.placement(element.ObjectPlacement)
     nominal = getattr(element, "NominalDiameter", None)
     items = body_representation(element).Items if element.Representation else ()
     axes = [axis for item in items for axis in _axes(model, item, frame)]
     if not axes:
-        return None
+        raise Unreadable("a fastener without a shank")
     # The shank is the longest piece; the head is wider and shorter.
     o, along, radius = max(axes, key=lambda axis: size(axis[1]))
     length, diameter = size(along), nominal * model.mm if nominal else 2 * radius
     if length <= 0 or diameter <= 0:
-        return None
+        raise Unreadable("a shank of no size")
     return Bolt(element.guid, o, unit(along), length, diameter)
 
 
@@ -124,131 +121,109 @@ def drill_bolt_holes(
     """
     bolts, without = bolts_of(model)
     parts: list[Part] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for element, part, shaped in members:
-        drilled: Part | None = part
+        said: list[Diagnostic] = []
         if bolts and walls_of(shaped.section) and not _holes_of(part):
-            drilled, remarks = _drilled(model, bolts, element, part, shaped, options, name)
-            said += remarks
-        if drilled is not None:
-            parts.append(drilled)
+            try:
+                world = model.placement(element.ObjectPlacement).times(shaped.frame)
+            except (Unreadable, *NOT_WELL_FORMED) as reason:
+                said = [rules.GEOMETRY.at(part.source, found=reason)]
+            else:
+                part, said = _drilled(bolts, world, part, shaped, options, name)
+        diagnostics += said
+        if all(d.severity is not Severity.ERROR for d in said):
+            parts.append(part)
     source = Source(name)
     if without:
-        some = ", ".join(without[:3]) + (", ..." if len(without) > 3 else "")
-        said.append(rules.BOLT_SHANK.at(source, found=len(without), which=some))
+        diagnostics.append(rules.BOLT_SHANK.at(source, found=len(without), which=_some(without)))
     if bolts or without:  # every fastener is in one of three numbers
         used = {hole.source.where for part in parts for hole in _holes_of(part)}
-        drilled_by = sum(b.guid in used for b in bolts)
-        counts = {"drilled": drilled_by, "idle": len(bolts) - drilled_by, "without": len(without)}
-        said.append(rules.BOLTS.at(source, found=len(bolts) + len(without), **counts))
-    return parts, said
+        drilled = sum(b.guid in used for b in bolts)
+        counts = {"drilled": drilled, "idle": len(bolts) - drilled, "without": len(without)}
+        diagnostics.append(rules.BOLTS.at(source, found=len(bolts) + len(without), **counts))
+    return parts, diagnostics
 
 
 def _holes_of(part: Part) -> list[Hole | Slot]:
     return [f for f in part.features if isinstance(f, (Hole, Slot))]
 
 
+def _some(texts: Sequence[str]) -> str:
+    return ", ".join((*texts[:3], *("...",) * (len(texts) > 3)))
+
+
 def _drilled(
-    model: Model,
-    bolts: Sequence[Bolt],
-    element: Entity,
-    part: Part,
-    shaped: Shaped,
-    options: Options,
-    name: str,
-) -> tuple[Part | None, list[Diagnostic]]:
-    """A part with the holes of the bolts that go through it, and remarks; None if it is refused."""
-    try:
-        world = model.placement(element.ObjectPlacement).times(shaped.frame)
-    except (Unreadable, *NOT_WELL_FORMED) as reason:
-        return None, [rules.GEOMETRY.at(part.source, found=reason)]
-    holes, skew = _through_member(bolts, world, part, shaped, options, name)
-    holes, in_air = _in_steel(holes, part)
+    bolts: Sequence[Bolt], world: Frame, part: Part, shaped: Shaped, options: Options, name: str
+) -> tuple[Part, list[Diagnostic]]:
+    """A part with the holes of the bolts that go through it, and remarks.
+
+    `world` is where its member's axes lie.
+    """
+    holes: list[Hole] = []
+    said: list[Diagnostic] = []
+    for bolt, wall, (x, q), lean in _crossings(bolts, world, part, shaped):
+        if lean > SQUARE_DEG:
+            texts = {"angle": f"{lean:.1f}", "face": wall.face}
+            said.append(rules.BOLT_SKEW.at(part.source, found=bolt.guid, **texts))
+            continue
+        diameter = round(hole_for(bolt.diameter, options.clearance), 6)
+        same = (h for h in holes if h.face == wall.face)
+        if all(max(abs(x - h.x), abs(q - h.y)) >= IN_LINE for h in same):
+            holes.append(Hole(wall.face, x, q, diameter, Source(name, where=bolt.guid)))
+    skew = [*map(rules.forced, said)] if options.force else said
+    drilled, in_air = _in_steel(holes, part)
     said = []
     for face in dict.fromkeys(h.face for h in in_air):
-        some = [f"x {h.x:.1f} y {h.y:.1f}" for h in in_air if h.face == face]
-        places = ", ".join(some[:3]) + (", ..." if len(some) > 3 else "")
-        said.append(rules.BOLT_AIR.at(part.source, found=len(some), face=face, places=places))
-    said += map(rules.forced, skew) if options.force else skew
-    if skew and not options.force:
-        return None, said
-    if holes:
-        drilled = sorted_holes(holes)
-        through = {h.source.where for h in holes}
-        sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in holes}))
-        counts = {"found": len(through), "made": len(drilled)}
+        places = [f"x {h.x:.1f} y {h.y:.1f}" for h in in_air if h.face == face]
+        texts = {"face": face, "places": _some(places)}
+        said.append(rules.BOLT_AIR.at(part.source, found=len(places), **texts))
+    said += skew
+    if drilled and (options.force or not skew):
+        through = {h.source.where for h in drilled}
+        sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in drilled}))
+        counts = {"found": len(through), "made": len(once := in_order(drilled))}
         said.append(rules.BOLT_HOLES.at(part.source, **counts, sizes=sizes))
-        part = replace(part, features=(*part.features, *drilled))
+        part = replace(part, features=(*part.features, *once))
     return part, said
 
 
-def _through_member(
-    bolts: Sequence[Bolt], world: Frame, part: Part, shaped: Shaped, options: Options, name: str
-) -> tuple[list[Hole], list[Diagnostic]]:
-    """The holes of bolts through a member whose axes lie in `world`, and which bolts lean."""
-    holes: list[Hole] = []
-    skew: list[Diagnostic] = []
+def _crossings(
+    bolts: Sequence[Bolt], world: Frame, part: Part, shaped: Shaped
+) -> Iterator[tuple[Bolt, Wall, tuple[float, float], float]]:
+    """The bolts that go through a wall, where they do (x and q), and how far they lean, degrees."""
+    sides = part.length, shaped.section.height, shaped.section.width
+    into = world.inverse()
     for bolt in bolts:
-        head = _near_head(bolt, world, part, shaped)
-        if head is None:
+        head, r = into.vector(sub(bolt.head, world.o)), bolt.diameter / 2
+        if any(not -bolt.length <= h <= s + bolt.length for h, s in zip(head, sides, strict=True)):
             continue
-        along = (dot(bolt.along, world.x), dot(bolt.along, world.y), dot(bolt.along, world.z))
+        along = into.vector(bolt.along)
         for wall in walls_of(shaped.section):
             lean = degrees(acos(min(1.0, abs(dot(along, wall.direction)))))
-            at = _crossing(head, along, bolt, wall, part) if lean < NEAR_DEG else None
-            if at is None:
+            if lean >= NEAR_DEG:
                 continue
-            if lean > SQUARE_DEG:
-                texts = {"angle": f"{lean:.1f}", "face": wall.face}
-                skew.append(rules.BOLT_SKEW.at(part.source, found=bolt.guid, **texts))
-                continue
-            diameter = round(hole_for(bolt.diameter, options.clearance), 6)
-            hole = Hole(wall.face, *at, diameter, Source(name, where=bolt.guid))
-            same = (h for h in holes if h.face == hole.face)
-            if all(max(abs(hole.x - h.x), abs(hole.y - h.y)) >= IN_LINE for h in same):
-                holes.append(hole)
-    return holes, skew
-
-
-def _near_head(bolt: Bolt, world: Frame, part: Part, shaped: Shaped) -> Vec | None:
-    """The head of a bolt in the coordinates of a member; None if it does not reach the member."""
-    off = sub(bolt.head, world.o)
-    sides = part.length, shaped.section.height, shaped.section.width
-    head = []
-    for axis, side in zip((world.x, world.y, world.z), sides, strict=True):
-        head.append(dot(off, axis))
-        if not -bolt.length <= head[-1] <= side + bolt.length:
-            return None
-    return head[0], head[1], head[2]
+            (_, c), (_, rate) = wall.split(head), wall.split(along)
+            near, far = sorted(((wall.low - c) / rate, (wall.high - c) / rate))
+            x, y, z = add(head, scale(along, (near + far) / 2))
+            q = wall.split((x, y, z))[0]
+            through = near >= -REACH and far <= bolt.length + REACH
+            if through and r < q < wall.width - r and r < x < part.length - r:
+                yield bolt, wall, (x, q), lean
 
 
 def _in_steel(holes: Sequence[Hole], part: Part) -> tuple[list[Hole], list[Hole]]:
     """The holes whose circles lie within what the cuts leave of their walls, and the others."""
+    steel: list[Hole] = []
+    air: list[Hole] = []
     if not holes:
-        return [], []
+        return steel, air
     from shapely import Point
 
     solid, walls = part_solid(part), solid_walls(part.profile)
-    steel: list[Hole] = []
-    air: list[Hole] = []
     for hole in holes:
         wall = walls[hole.face]
         circle = Point(hole.x, hole.y).buffer(hole.diameter / 2 + NEAR)
         bore = prism(circle, 0.0, wall.thickness, wall.frame)
         (air if (bore - solid).volume() > AIR else steel).append(hole)
     return steel, air
-
-
-def _crossing(
-    head: Vec, along: Vec, bolt: Bolt, wall: Wall, part: Part
-) -> tuple[float, float] | None:
-    """x and q where a shank goes through a wall; None if it does not go through."""
-    _, c0 = wall.split(head)
-    _, rate = wall.split(along)
-    near, far = sorted(((wall.low - c0) / rate, (wall.high - c0) / rate))
-    if near < -REACH or far > bolt.length + REACH:
-        return None
-    p = add(head, scale(along, (near + far) / 2))
-    q = wall.split(p)[0]
-    r = bolt.diameter / 2
-    return (p[0], q) if r < q < wall.width - r and r < p[0] < part.length - r else None

@@ -1,18 +1,19 @@
 """Does the rest of the file agree with what was read of a member?"""
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
 from math import log
 from typing import Any
 
 from msgspec import Struct
+from msgspec.structs import replace
 
-from beamcam.errors import Diagnostic, Severity, Source
+from beamcam.errors import Diagnostic, Rule, Severity, Source
 from beamcam.model.part import EndCuts, Part
 from beamcam.readers.ifc import kernel, rules
 from beamcam.readers.ifc.body import body_representation, relative_placement
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable, features_of
 from beamcam.readers.ifc.finish import Shaped, part_of
-from beamcam.readers.ifc.marks import CUTOUTS, LENGTHS, VOLUMES, WEIGHTS, Data
+from beamcam.readers.ifc.marks import Data
 from beamcam.readers.ifc.profiles import definition
 from beamcam.readers.ifc.same_solid import Fineness, differences
 from beamcam.readers.ifc.section import BareStock, area_by_measures, plain_stock
@@ -35,45 +36,38 @@ LENGTH_SAME = 0.1  #: mm
 FINE = Fineness(slack=0.13, facet_rad=kernel.ANGLE, chord=kernel.FINE_CHORD * 1e3)
 
 
-def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> tuple[Diagnostic, ...]:
+def check_data(part: Part, shaped: Shaped, data: Data, source: Source) -> Iterator[Diagnostic]:
     """Contradictions of length, weight or volume in the property sets to the geometry."""
-    said = []
-    length = data.number(*LENGTHS)
-    if length is not None:
-        where, value = length
-        extents = [part.length, shaped.gross, part.profile.height, part.profile.width]
-        if all(abs(value - e) > LENGTH_SLACK for e in extents) and part.profile.code != "B":
-            texts = {"found": f"{value:.2f}", "expected": f"{part.length:.2f}"}
-            said.append(rules.LENGTH.at(source, where=where, **texts))
-    weight = data.number(*WEIGHTS)
-    if weight is not None and weight[1] > SMALL_WEIGHT:
-        where, value = weight
-        expected = [v * STEEL for v in (shaped.volume, shaped.section.area * shaped.gross)]
-        off = min(abs(value - e) - SMALL_WEIGHT - WEIGHT_NEAR * e for e in expected)
-        far = min(abs(value - e) - SMALL_WEIGHT - WEIGHT_SLACK * e for e in expected)
-        rule = rules.WEIGHT if far > 0 else rules.WEIGHT_NEAR
-        if off > 0:
-            texts = {"found": f"{value:.2f}", "expected": f"{expected[0]:.2f}"}
-            said.append(rule.at(source, where=where, **texts))
-    stated = data.number(*VOLUMES)
-    if stated is not None:
-        where, value = stated
+
+    def contradiction(rule: Rule, stated: float, expected: float) -> Diagnostic:
+        texts = {"found": f"{stated:.2f}", "expected": f"{expected:.2f}"}
+        return rule.at(source, where=where, **texts)
+
+    where, length = data.number("length")
+    extents = [part.length, shaped.gross, part.profile.height, part.profile.width]
+    if length and part.profile.code != "B" and all(abs(length - e) > LENGTH_SLACK for e in extents):
+        yield contradiction(rules.LENGTH, length, part.length)
+    where, weight = data.number("weight")
+    if weight > SMALL_WEIGHT:
+        weights = [v * STEEL for v in (shaped.volume, shaped.section.area * shaped.gross)]
+        near, far = (
+            all(abs(weight - w) > SMALL_WEIGHT + share * w for w in weights)
+            for share in (WEIGHT_NEAR, WEIGHT_SLACK)
+        )
+        if near:
+            yield contradiction(rules.WEIGHT if far else rules.WEIGHT_NEAR, weight, weights[0])
+    where, stated = data.number("volume")
+    if stated:
         # Exporters write m3, mm3 or a cube of the file's own unit, whatever unit they declare: of
         # these the nearest counts. A figure of few digits is as good as its last one.
-        digits = repr(value).partition(".")[2]
+        digits = repr(stated).partition(".")[2]
         rounding = 0.5 * 0.1 ** len(digits) if "e" not in digits else 0.0
-        scale = min(CUBES, key=lambda by: abs(log(value * by / shaped.volume)))
-        off = abs(value * scale - shaped.volume)
-        if off > VOLUME_NEAR * shaped.volume + rounding * scale:
-            texts = {
-                "found": f"{value * scale / 1e3:.2f}", "expected": f"{shaped.volume / 1e3:.2f}",
-            }  # fmt: skip
-            said.append(rules.NET_VOLUME.at(source, where=where, **texts))
-    listed = data.has(CUTOUTS)
-    cut = any(True for _ in part.contours) or part.cuts != EndCuts()
-    if listed is not None and not cut:
-        said.append(rules.CUTOUT.at(source, where=listed))
-    return tuple(said)
+        cube = min(CUBES, key=lambda by: abs(log(stated * by / shaped.volume)))
+        off = abs(stated * cube - shaped.volume)
+        if off > VOLUME_NEAR * shaped.volume + rounding * cube:
+            yield contradiction(rules.NET_VOLUME, stated * cube / 1e3, shaped.volume / 1e3)
+    if data.cutouts is not None and not any(part.contours) and part.cuts == EndCuts():
+        yield rules.CUTOUT.at(source, where=data.cutouts)
 
 
 class Compared(Struct, frozen=True):
@@ -82,6 +76,21 @@ class Compared(Struct, frozen=True):
     said: tuple[Diagnostic, ...] = ()
     disputed: Diagnostic | None = None  #: unless the net weight is the part's and not the solid's
     volume: float = 0.0  #: mm3 of the solid; 0 where there is none
+
+    def against(self, shaped: Shaped, data: Data, source: Source) -> Iterator[Diagnostic]:
+        """What it has against a member of the form, whose data may say that the solid is wrong."""
+        for one in self.said:
+            yield replace(one, source=source)
+        if self.disputed is None:
+            return
+        where, weight = data.number("weight")
+        own = shaped.volume * STEEL
+        off = abs(weight - own)
+        if weight and off <= WITNESS_SLACK * own and off < abs(weight - self.volume * STEEL) / 3:
+            solid = rules.of_the_solid(self.disputed)
+            yield rules.KERNEL_DENIED.at(source, found=solid, witness=where)
+        else:
+            yield replace(self.disputed, source=source)
 
 
 def check_kernel(
@@ -100,8 +109,8 @@ def check_kernel(
     body = built.shell.moved(shaped.frame.inverse())
     low, high = extent(body, (1.0, 0.0, 0.0))
     if abs(high - low - shaped.length) > LENGTH_SAME:
-        lengths = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
-        fault = rules.KERNEL.at(source, found=lengths[0], expected=lengths[1])
+        found, expected = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
+        fault = rules.KERNEL.at(source, found=found, expected=expected)
         return Compared((), fault, built.volume)
     said = differences(shaped, body, stock, FINE, built.volume).said(source)
     if any(d.severity is Severity.ERROR for d in said):
@@ -167,21 +176,6 @@ def _built_stock(model: Model, element: Entity, frame: Frame) -> BareStock:
     return BareStock(across(body, (low + high) / 2), built.volume / (high - low))
 
 
-def settled(compared: Compared, shaped: Shaped, data: Data) -> tuple[Diagnostic, ...]:
-    """What the kernel has against a member, whose data may say that the solid is what is wrong."""
-    fault, weight = compared.disputed, data.number(*WEIGHTS)
-    if fault is None:
-        return compared.said
-    if weight is not None:
-        own = shaped.volume * STEEL
-        off = abs(weight[1] - own)
-        if off <= WITNESS_SLACK * own and off < abs(weight[1] - compared.volume * STEEL) / 3:
-            fault = rules.KERNEL_DENIED.at(
-                fault.source, found=rules.of_the_solid(fault), witness=weight[0]
-            )
-    return *compared.said, fault
-
-
 # --- form -----------------------------------------------------------------------------------------
 # What a file says of a member's geometry, as a key: members of one form are one solid.
 #
@@ -192,13 +186,16 @@ def settled(compared: Compared, shaped: Shaped, data: Data) -> tuple[Diagnostic,
 def form_of(model: Model, element: Entity) -> Hashable:
     """Key of an element's class, its solid and its openings, in its own coordinates.
 
-    Equal to the last digit or not equal. Raises Unreadable or RecursionError.
+    Equal to the last digit or not equal; the element itself where it cannot be told.
     """
-    openings = tuple(
-        (relative_placement(model, element, one), *_solids(model, one))
-        for one in features_of(element, "IfcRelVoidsElement")
-    )
-    return element.type.name, *_solids(model, element), openings
+    try:
+        openings = tuple(
+            (relative_placement(model, element, one), *_solids(model, one))
+            for one in features_of(element, "openings")
+        )
+        return element.type.name, *_solids(model, element), openings
+    except (Unreadable, RecursionError):
+        return element
 
 
 def _solids(model: Model, element: Entity) -> list[int]:

@@ -20,11 +20,6 @@ from beamcam.readers.ifc.space import IDENTITY, Frame, Vec, across, cross, dot, 
 # --- units ----------------------------------------------------------------------------------------
 # The units of a model: what its numbers are in metres, radians and kilograms.
 
-_PREFIXES = {
-    None: 1.0, "EXA": 1e18, "PETA": 1e15, "TERA": 1e12, "GIGA": 1e9, "MEGA": 1e6, "KILO": 1e3,
-    "HECTO": 1e2, "DECA": 1e1, "DECI": 1e-1, "CENTI": 1e-2, "MILLI": 1e-3, "MICRO": 1e-6,
-    "NANO": 1e-9, "PICO": 1e-12, "FEMTO": 1e-15, "ATTO": 1e-18,
-}  # fmt: skip
 _DEEPEST = 8  #: of units that are defined by others
 
 
@@ -47,9 +42,11 @@ def _scale(unit: Entity) -> float:
     by = 1.0
     for _ in range(_DEEPEST):
         if unit.is_a("IfcSIUnit"):
+            from ifcopenshell.util.unit import prefixes
+
             # The base of mass is the gram, so that a kilogram has a prefix.
             base = 1e-3 if unit.Name == "GRAM" else 1.0
-            return by * _PREFIXES[unit.Prefix] * base
+            return by * base * (1.0 if unit.Prefix is None else prefixes[unit.Prefix])
         factor = unit.ConversionFactor
         by *= float(factor.ValueComponent.value)
         unit = factor.UnitComponent
@@ -212,8 +209,11 @@ def open_model(file: File, data: bytes) -> Model:
 # #9=IFCRELDEFINESBYPROPERTIES('guid',#5,$,$,(#49,#50),#58);     #58 to #49 and to #50
 # #8=IFCRELAGGREGATES('guid',#5,$,$,#61,(#49,#50));              #61 to #49 and to #50
 
-#: The relations by what they tie to elements, and which of their values that is.
+#: The relations by what they tie to elements, and which of their values that is; features are
+#: openings and what is added.
 _CLASSES = {
+    "openings": (("IfcRelVoidsElement",), 5),
+    "projections": (("IfcRelProjectsElement",), 5),
     "definitions": (("IfcRelDefinesByProperties",), 5),
     "types": (("IfcRelDefinesByType",), 5),
     "materials": (("IfcRelAssociatesMaterial",), 5),
@@ -222,7 +222,7 @@ _CLASSES = {
 
 
 def tied(element: Entity, what: str) -> list[Any]:
-    """What relations tie to an element: its definitions, types, materials or wholes.
+    """What relations tie to an element: its definitions, types, materials, wholes or features.
 
     Raises LookupError for an element that is not in the file, Malformed or LookupError if some
     relation of the kind is not well formed.
@@ -231,31 +231,24 @@ def tied(element: Entity, what: str) -> list[Any]:
         raise LookupError(f"a reference to {element.name}, which is not in the file")
     known = element.file.tied.get(what)
     if known is None:
-        known = element.file.tied[what] = _tied(element.file, what)
+        known = defaultdict(list)
+        classes, place = _CLASSES[what]
+        for near, one in element.file.sides(classes, 9 - place, place):
+            for end in near if isinstance(near, tuple) else (near,):
+                if isinstance(end, Entity):
+                    known[end.number].append(one)
+        element.file.tied[what] = known
     return known.get(element.number, [])
 
 
-def features_of(element: Entity, relation: str) -> list[Entity]:
-    """The features that relations of a class give an element: its own, and those of its wholes.
+def features_of(element: Entity, what: str) -> list[Entity]:
+    """The openings or projections of an element: its own, and those of its wholes.
 
     An opening in an assembly goes through all that it is made of.
     """
-    related = element.file.related(relation)
-    if not related:
+    if not tied(element, what) and not element.file.tied[what]:  # as of most models
         return []
     hosts = [element]
     for host in hosts:
         hosts += [whole for whole in tied(host, "wholes") if whole not in hosts]
-    return [one.values[5] for host in hosts for one in related.get(host, ())]
-
-
-def _tied(file: File, what: str) -> dict[int, list[Any]]:
-    """As `tied`, by the numbers of all elements."""
-    classes, place = _CLASSES[what]
-    found: dict[int, list[Any]] = defaultdict(list)
-    for name in classes:
-        for near, one in file.sides(name, 9 - place, place):
-            for element in near if isinstance(near, tuple) else (near,):
-                if isinstance(element, Entity):
-                    found[element.number].append(one)
-    return dict(found)
+    return [feature for host in hosts for feature in tied(host, what)]

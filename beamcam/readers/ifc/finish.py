@@ -1,14 +1,12 @@
 """From walls and what is left of them to a part's features: both routes end here."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import hypot, pi
-from typing import TypeVar
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Source
-from beamcam.geometry.curves import Curve
 from beamcam.model.part import (
     MIRRORED_FACES,
     Bevel,
@@ -19,6 +17,7 @@ from beamcam.model.part import (
     Hole,
     Part,
     Slot,
+    moved_feature,
 )
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.ends import UNEXPLAINED, End, Level, bevels_of, end_of, reaches
@@ -66,19 +65,9 @@ def part_of(shaped: Shaped) -> Part:
     )  # fmt: skip
 
 
+Cut = Hole | Slot | Contour
 Levels = tuple[tuple[float, Shape], ...]  #: of a wall, from its lowest c to its highest
 Regions = dict[Wall, Levels]
-
-
-def cuts_of(start: End, end: End) -> EndCuts:
-    """The angles of both ends; what is square within tolerance is 0."""
-
-    def clean(angle: float) -> float:
-        return 0.0 if abs(angle) < SQUARE_DEG else angle
-
-    return EndCuts(
-        clean(start.web_deg), clean(end.web_deg), clean(start.flange_deg), clean(end.flange_deg)
-    )
 
 
 def reach(section: Section, start: End, end: End) -> tuple[float, float]:
@@ -87,37 +76,36 @@ def reach(section: Section, start: End, end: End) -> tuple[float, float]:
     return -max(reaches(start, corners)), max(reaches(end, corners))
 
 
-def end_planes(start: End, end: End, shift: float, source: Source) -> tuple[EndPlane, ...]:
-    """Ends that lean both ways, as planes: point and outward normal."""
-    found = []
-    for one in (start, end):
-        if one.a and one.b and min(abs(one.web_deg), abs(one.flange_deg)) > COMPOUND_DEG:
-            by = one.side / hypot(1.0, one.a, one.b)
-            normal = (by, -one.a * by, -one.b * by)
-            found.append(EndPlane((one.x(0.0, 0.0) - shift, 0.0, 0.0), normal, source))
-    return tuple(found)
-
-
 def sawn(
     section: Section,
     ends: tuple[End, End],
     span: tuple[float, float],
-    holes: Sequence[Hole | Slot],
+    features: Sequence[Cut],
     source: Source,
     gross: float,
+    volume: float | None = None,
 ) -> Shaped:
-    """A member with two plane ends and holes: all that most members have.
+    """The member between two plane ends, counted from its start.
 
-    `span` is its least and greatest x, as of `reach`.
+    `span` is its least and greatest x, as of `reach`, `volume` that of its steel where the features
+    are not all holes. An end that is square within tolerance has angles of 0, one that leans both
+    ways is a plane.
     """
-    (start, end), (x0, x1) = ends, span
-    features = (
-        *sorted_holes([shifted(h, -x0) for h in holes]),
-        *end_planes(start, end, x0, source),
-    )
-    middle = section.height / 2, section.width / 2
-    volume = section.area * (end.x(*middle) - start.x(*middle)) - hole_volume(section, holes)
-    return Shaped(section, x1 - x0, cuts_of(start, end), features, volume, gross, (), x0)
+    if volume is None:
+        middle = section.height / 2, section.width / 2
+        length = ends[1].x(*middle) - ends[0].x(*middle)
+        volume = section.area * length - hole_volume(section, features)
+    x0, x1 = span
+    web, flange = ([getattr(one, name) for one in ends] for name in ("web_deg", "flange_deg"))
+    cuts = EndCuts(*(0.0 if abs(angle) < SQUARE_DEG else angle for angle in (*web, *flange)))
+    planes: list[EndPlane] = []
+    for one in ends:
+        if one.a and one.b and min(abs(one.web_deg), abs(one.flange_deg)) > COMPOUND_DEG:
+            by = one.side / hypot(1.0, one.a, one.b)
+            normal = (by, -one.a * by, -one.b * by)
+            planes.append(EndPlane((one.x(0.0, 0.0) - x0, 0.0, 0.0), normal, source))
+    moved = in_order(features if x0 == 0.0 else [moved_feature(f, (-x0, 0.0)) for f in features])
+    return Shaped(section, x1 - x0, cuts, (*moved, *planes), volume, gross, x0=x0)
 
 
 def from_regions(
@@ -142,21 +130,18 @@ def from_regions(
     x0, x1 = span or (None, None)
     start, x0 = end_of(-1, planes, levels, corners, x0)
     end, x1 = end_of(1, planes, levels, corners, x1)
-    found: list[Hole | Slot | Contour] = list(holes)
+    features: list[Cut] = list(holes)
     remarks: list[str] = []
     for wall, row in regions.items():
-        found += _wall_features(section, wall, row, (start, end), circles, source, remarks)
-    moved = tuple(shifted(f, -x0) for f in found)
-    skew = end_planes(start, end, x0, source)
+        features += _wall_features(section, wall, row, (start, end), circles, source, remarks)
     flat = sum(w.width * w.thickness for w in regions)
     left = sum(
         w.thickness * sum(float(s.area) for _, s in row) / len(row) for w, row in regions.items()
     )
     # What is left of the walls, with the section's fillets in proportion.
     volume = left * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
-    features = (*sorted_features(moved), *skew)
-    cuts = cuts_of(start, end)
-    return Shaped(section, x1 - x0, cuts, features, volume, gross, tuple(remarks), x0)
+    member = sawn(section, (start, end), (x0, x1), features, source, gross, volume)
+    return replace(member, remarks=tuple(remarks))
 
 
 def _wall_features(
@@ -167,7 +152,7 @@ def _wall_features(
     circles: Circles,
     source: Source,
     remarks: list[str],
-) -> Iterator[Hole | Slot | Contour]:
+) -> Iterator[Cut]:
     pair = (row[0], row[-1])
     (_, low), (_, high) = pair
     differ = low.symmetric_difference(high)
@@ -230,28 +215,25 @@ def _alike(a: Shape, b: Shape) -> bool:
     return bool(a.symmetric_difference(b).buffer(-UNEXPLAINED).is_empty)
 
 
-def hole_volume(section: Section, holes: Sequence[Hole | Slot]) -> float:
+def hole_volume(section: Section, features: Sequence[Cut]) -> float:
     """Volume removed by holes, for the weight."""
     by_face = {w.face: w.thickness for w in walls_of(section)}
     total = 0.0
-    for hole in holes:
-        deep = hole.depth
-        if deep is None:
-            deep = by_face.get(hole.face, section.web_thickness)
+    for hole in features:
+        if isinstance(hole, Contour):
+            continue
         area = pi * hole.diameter * hole.diameter / 4
         if isinstance(hole, Slot):
             area += hole.diameter * (hole.length + hole.height) + hole.length * hole.height
-        total += area * deep
+        wall = by_face.get(hole.face, section.web_thickness)
+        total += area * (wall if hole.depth is None else hole.depth)
     return total
 
 
-Shifted = TypeVar("Shifted", bound=Hole | Slot | Contour)
-
 SAME = 0.01  #: mm between two features that are one, and degrees
-FACES = {"v": 0, "o": 1, "u": 2, "h": 3}  #: the order in which they are listed
 
 
-def opening(wall: Wall, chain: Chain, source: Source) -> Hole | Slot | Contour:
+def opening(wall: Wall, chain: Chain, source: Source) -> Cut:
     """A hole, a slot or an inner contour, by its outline."""
     shape = shape_of(chain)
     if isinstance(shape, Round):
@@ -262,16 +244,8 @@ def opening(wall: Wall, chain: Chain, source: Source) -> Hole | Slot | Contour:
 
 
 def slot(wall: Wall, shape: Slotted, source: Source, depth: float | None = None) -> Slot:
-    return Slot(
-        wall.face,
-        *shape.centre,
-        shape.diameter,
-        shape.length,
-        shape.height,
-        shape.angle,
-        source,
-        depth,
-    )
+    sizes = shape.diameter, shape.length, shape.height, shape.angle
+    return Slot(wall.face, *shape.centre, *sizes, source, depth)
 
 
 def contour(
@@ -291,53 +265,39 @@ def contour(
     return Contour(face, "outer" if outer else "inner", back, source, bevels=turned)
 
 
-def shifted(feature: Shifted, by: float) -> Shifted:
-    """A feature moved along the part."""
-    if by == 0.0:
-        return feature
-    if isinstance(feature, Contour):
-        matrix = ((1.0, 0.0, by), (0.0, 1.0, 0.0))
-        curves: tuple[Curve, ...] = tuple(c.transformed(matrix) for c in feature.curves)
-        return replace(feature, curves=curves)
-    return replace(feature, x=feature.x + by)
-
-
-def sorted_features(features: Sequence[Hole | Slot | Contour]) -> tuple[Hole | Slot | Contour, ...]:
+def in_order(features: Iterable[Cut]) -> list[Cut]:
     """Contours, then holes and slots, face by face along the part, each of these once."""
 
-    def place(f: Contour) -> tuple[object, ...]:
-        x, y = f.curves[0].start
-        return FACES[f.face], f.kind != "outer", round(x * 1000), round(y * 1000)
+    def place(f: Cut) -> tuple[object, ...]:
+        if isinstance(f, Contour):
+            later, (x, y) = f.kind != "outer", f.curves[0].start
+        else:
+            later, x, y = isinstance(f, Slot), f.x, f.y
+        contour = isinstance(f, Contour)
+        return not contour, "vouh".index(f.face), later, round(x * 1000), round(y * 1000)
 
-    contours = [f for f in features if isinstance(f, Contour)]
-    holes = [f for f in features if not isinstance(f, Contour)]
-    return (*sorted(contours, key=place), *sorted_holes(holes))
-
-
-def sorted_holes(holes: Sequence[Hole | Slot]) -> tuple[Hole | Slot, ...]:
-    """Holes and slots face by face along the part, each once."""
-
-    def place(f: Hole | Slot) -> tuple[object, ...]:
-        return FACES[f.face], isinstance(f, Slot), round(f.x * 1000), round(f.y * 1000)
-
-    once: list[Hole | Slot] = []
-    for hole in sorted(holes, key=place):
-        near = (k for k in reversed(once) if _same(hole, k) or abs(hole.x - k.x) > 2 * SAME)
-        if (known := next(near, None)) is None or not _same(hole, known):
-            once.append(hole)
-    return tuple(once)
+    once: list[Cut] = []
+    for feature in sorted(features, key=place):
+        if not _is_again(feature, once):
+            once.append(feature)
+    return once
 
 
-def _same(a: Hole | Slot, b: Hole | Slot) -> bool:
-    """Whether two features are one and the same, modelled twice."""
-    same = (
-        abs(a.x - b.x) < SAME
-        and abs(a.y - b.y) < SAME
-        and abs(a.diameter - b.diameter) < SAME
-        and a.face == b.face
-        and a.depth == b.depth
-        and type(a) is type(b)
-    )
-    if same and isinstance(a, Slot) and isinstance(b, Slot):
-        return abs(a.length - b.length) < SAME and abs(a.angle - b.angle) < SAME
-    return same
+def _is_again(feature: Cut, earlier: Sequence[Cut]) -> bool:
+    """Whether a hole or a slot is one of those before it, modelled twice."""
+    for one in reversed(earlier):
+        if isinstance(feature, Contour) or isinstance(one, Contour):
+            return False
+        if abs(feature.x - one.x) > 2 * SAME:
+            return False
+        same = (
+            abs(feature.x - one.x) < SAME
+            and abs(feature.y - one.y) < SAME
+            and abs(feature.diameter - one.diameter) < SAME
+            and (feature.face, feature.depth, type(feature)) == (one.face, one.depth, type(one))
+        )
+        if same and isinstance(feature, Slot) and isinstance(one, Slot):
+            same = abs(feature.length - one.length) < SAME and abs(feature.angle - one.angle) < SAME
+        if same:
+            return True
+    return False

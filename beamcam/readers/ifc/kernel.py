@@ -162,7 +162,7 @@ def _made(form: tuple[str, str], solid: Any) -> Any:
 
 def _solid(model: Model, element: Entity, asked: Mapping[str, Any] | None = None) -> Any:
     """The kernel's solid of an element, with settings of its own. Raises Unreadable."""
-    openings = features_of(element, "IfcRelVoidsElement")
+    openings = features_of(element, "openings")
     try:
         used = [one for each in (element, *openings) for one in each.below()]
     except RecursionError:
@@ -216,10 +216,8 @@ def _log() -> tuple[str, ...]:
 
 
 def load(model: Model) -> Any:
-    """The file as ifcopenshell has it open. Raises Unreadable if it does not open it."""
+    """The file as ifcopenshell has it open, with its geometry kernel at hand."""
     _kernel()
-    if model.file.opened is None:
-        raise Unreadable(f"a file that the kernel does not read ({model.file.why_not})")
     return model.file.opened
 
 

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable
+from typing import Any
 
 from msgspec import Struct, field
 
@@ -9,109 +10,102 @@ from beamcam.caches import cached
 from beamcam.model import section
 from beamcam.model.part import Profile
 from beamcam.readers.ifc.entities import Entity, Model, tied
-from beamcam.readers.ifc.text import Typed
 
 Value = str | float
 
 _SETS = re.compile(
     r"AISC|Tekla|Common$|^Qto_|Quantit|Fabrication|PieceIdent|SteelFab|Cutout", re.IGNORECASE
 )
-_MARKS = ("PieceMark", "Piece Mark", "Part Mark", "PartMark", "Part position", "Position number")
-_ASSEMBLY_MARKS = ("Assembly/Cast unit Mark", "Assembly mark", "AssemblyMark", "Assembly Mark")
+#: Names of properties and quantities by what they say of a member; of each row the first counts.
+_NAMES = {
+    "mark": ("PieceMark", "Piece Mark", "Part Mark", "PartMark", "Part position",
+             "Position number"),
+    "assembly": ("Assembly/Cast unit Mark", "Assembly mark", "AssemblyMark", "Assembly Mark"),
+    "profile": ("Profile", "ProfileName", "Profile name"),
+    "grade": ("Grade", "Material grade", "MaterialGrade"),
+    "length": ("Length", "NetLength"),
+    "weight": ("NetWeight", "Net weight", "Weight (net)"),
+    "volume": ("NetVolume", "Net volume", "Volume (net)"),
+    "reference": ("Reference",),
+    "phase": ("Phase",),
+}  # fmt: skip
+_WANTED = frozenset(name for names in _NAMES.values() for name in names)
 _NOT_STEEL = (
     ("concrete", re.compile(r"concrete|beton|b[ée]ton|hormig|\bC\d\d/\d\d|precast", re.IGNORECASE)),
     ("timber", re.compile(r"timber|wood|holz|glulam|lumber|\bGL\d\d|bois|plywood", re.IGNORECASE)),
     ("masonry", re.compile(r"masonry|brick|mauerwerk", re.IGNORECASE)),
 )
-_PROFILES = ("Profile", "ProfileName", "Profile name")
-_GRADES = ("Grade", "Material grade", "MaterialGrade")
-LENGTHS = ("Length", "NetLength")
-WEIGHTS = ("NetWeight", "Net weight", "Weight (net)")
-VOLUMES = ("NetVolume", "Net volume", "Volume (net)")
-CUTOUTS = "cutout"  #: in the name of a property set that lists copes and mitres
-#: The names of the properties that matter.
-_WANTED = frozenset((*_MARKS, *_ASSEMBLY_MARKS, *_PROFILES, *_GRADES, *LENGTHS, *WEIGHTS, *VOLUMES,
-                     "Reference", "Phase"))  # fmt: skip
+_CUTOUTS = "cutout"  #: in the name of a property set that lists copes and mitres
+#: The units of properties and quantities; others stand as they are.
+_UNITS = {
+    "IFCLENGTHMEASURE": "mm", "IFCPOSITIVELENGTHMEASURE": "mm", "IFCQUANTITYLENGTH": "mm",
+    "IFCMASSMEASURE": "kg", "IFCQUANTITYWEIGHT": "kg",
+}  # fmt: skip
 _GUID_TAG = re.compile(r"^(ID)?[0-9A-Fa-f]{8}-|^ID[0-9a-zA-Z]{6,}|^\d{5,}$")
 _GRADE = re.compile(r"\b(?:S ?\d{3}|A\d{2,3}|Q\d{3}|C\d{3})[A-Z0-9+]*")
 _PROFILE = re.compile(r"^[A-Za-z]{1,8}[ _.\-]?\d|^\d[\d./xX*]*[ ]?[A-Za-z]{1,4}")
 
 
 class Data(Struct, frozen=True, gc=False):
-    """The property sets of a member that matter here, by set and property."""
+    """The properties of a member that matter here, and of which set each is."""
 
-    sets: tuple[str, ...] = ()
     rows: dict[str, list[tuple[str, Value]]] = field(default_factory=dict)  #: set, value; by name
+    cutouts: str | None = None  #: the property set that lists copes and mitres
 
-    def text(self, *names: str) -> str:
-        """The first of the properties `names` that some set has and that is not empty."""
-        if self.rows.keys().isdisjoint(names):
-            return ""
-        for name in names:
+    def text(self, what: str) -> str:
+        """What the sets say of a row of `_NAMES`; empty if they say nothing."""
+        for name in _NAMES[what]:
             for _, value in self.rows.get(name, ()):
-                text = str(value).strip()
-                if text:
+                if text := str(value).strip():
                     return text
         return ""
 
-    def has(self, word: str) -> str | None:
-        """The name of a property set that has a word in it and that is not empty."""
-        return next((of for of in self.sets if word in of.lower()), None)
-
-    def number(self, *names: str) -> tuple[str, float] | None:
-        """The first property that is a number above 0, and its source."""
-        if self.rows.keys().isdisjoint(names):
-            return None
-        for name in names:
+    def number(self, what: str) -> tuple[str, float]:
+        """The source and the value, above 0, of a row of `_NAMES`; 0 if there is none."""
+        for name in _NAMES[what]:
             for of, value in self.rows.get(name, ()):
-                if isinstance(value, (int, float)) and value > 0:
-                    return f"{of}.{name}", float(value)
-        return None
+                if isinstance(value, float) and value > 0:
+                    return f"{of}.{name}", value
+        return "", 0.0
 
 
 def data_of(model: Model, element: Entity) -> Data:
-    """The property sets and quantities of an element."""
-    sets: list[str] = []
-    rows: dict[str, list[tuple[str, Value]]] = {}
+    """The properties and quantities of an element that matter here, in mm and kg."""
+    sets: dict[str, dict[str, Value]] = {}
     for definition in tied(element, "definitions"):
         of, values = model.once("set", definition, _set_of, model, definition)
-        if of not in sets and (values or CUTOUTS in of.lower()):
-            sets.append(of)
-            for key, value in values.items():
-                rows.setdefault(key, []).append((of, value))
-    return Data(tuple(sets), rows)
+        if values or _CUTOUTS in of.lower():
+            sets.setdefault(of, values)
+    rows: dict[str, list[tuple[str, Value]]] = {}
+    for of, values in sets.items():
+        for name, value in values.items():
+            rows.setdefault(name, []).append((of, value))
+    return Data(rows, next((of for of in sets if _CUTOUTS in of.lower()), None))
 
 
 def _set_of(model: Model, definition: Entity) -> tuple[str, dict[str, Value]]:
     """The name of a property set and those of its values that matter here."""
+    file = definition.file
     named = definition.is_a("IfcPropertySetDefinition")
-    name = definition.file.peek(definition, 2) or "" if named else ""
-    found: dict[str, Value] = {}
-    if _SETS.search(name) is None:
-        return name, found
-    if definition.is_a("IfcPropertySet"):
+    of = file.peek(definition, 2) or "" if named else ""
+    rows: list[tuple[str, str, Any]] = []
+    if _SETS.search(of) is None:
+        pass
+    elif definition.is_a("IfcPropertySet"):
         properties = definition.type.places["HasProperties"]
-        for one in definition.file.listed(definition, properties, _WANTED):
-            if one.is_a("IfcPropertySingleValue") and one.NominalValue is not None:
-                found[one.Name] = _value(model, one.NominalValue)
+        for one in file.listed(definition, properties, _WANTED):
+            if one.is_a("IfcPropertySingleValue") and (value := one.NominalValue) is not None:
+                rows.append((one.Name, value.kind, value.value))
     elif definition.is_a("IfcElementQuantity"):
-        for one in definition.Quantities:
-            if one.is_a("IfcQuantityLength"):
-                found[one.Name] = one.LengthValue * model.mm
-            elif one.is_a("IfcQuantityWeight"):
-                found[one.Name] = one.WeightValue * model.kilograms
-            elif one.is_a("IfcQuantityVolume"):
-                found[one.Name] = one.VolumeValue
-    return name, found
-
-
-def _value(model: Model, value: Typed) -> Value:
-    raw = value.value
-    if value.is_a("IfcLengthMeasure") or value.is_a("IfcPositiveLengthMeasure"):
-        return float(raw) * model.mm
-    if value.is_a("IfcMassMeasure"):
-        return float(raw) * model.kilograms
-    return float(raw) if isinstance(raw, (int, float)) and not isinstance(raw, bool) else str(raw)
+        rows += [(one.Name, one.type.name.upper(), one.values[3]) for one in definition.Quantities]
+    units = {"mm": model.mm, "kg": model.kilograms, "": 1.0}
+    values: dict[str, Value] = {}
+    for name, kind, raw in rows:
+        if isinstance(raw, (int, float)) and not isinstance(raw, bool):
+            values[name] = raw * units[_UNITS.get(kind, "")]
+        elif raw is not None:
+            values[name] = str(raw)
+    return of, values
 
 
 def mark_of(element: Entity, data: Data) -> str:
@@ -120,13 +114,13 @@ def mark_of(element: Entity, data: Data) -> str:
     Fabrication sets come first, then a Tag that is not a database key, a Reference that is not a
     section, and the Name.
     """
-    mark = data.text(*_MARKS)
+    mark = data.text("mark")
     if mark:
         return mark
     tag = (getattr(element, "Tag", None) or "").strip()
     if tag and not _GUID_TAG.search(tag) and tag != element.guid:
         return tag
-    reference = data.text("Reference")
+    reference = data.text("reference")
     plain = not _PROFILE.search(reference.replace("(?)", ""))
     if reference and (plain or re.fullmatch(r"[A-Za-z]{1,3}/?\d{1,5}(\(\?\))?", reference)):
         return reference
@@ -135,13 +129,9 @@ def mark_of(element: Entity, data: Data) -> str:
 
 def assembly_of(element: Entity, data: Data) -> str:
     """The mark of the assembly that an element is part of; empty if there is none."""
-    mark = data.text(*_ASSEMBLY_MARKS)
-    if mark:
-        return mark
-    for whole in tied(element, "wholes"):
-        if whole.is_a("IfcElementAssembly"):
-            return str(whole.Tag or whole.Name or whole.guid).strip()
-    return ""
+    wholes = (one for one in tied(element, "wholes") if one.is_a("IfcElementAssembly"))
+    marks = (str(one.Tag or one.Name or one.guid).strip() for one in wholes)
+    return data.text("assembly") or next(marks, "")
 
 
 def material_of(model: Model, element: Entity) -> str:
@@ -165,60 +155,45 @@ def _name_of(material: Entity) -> str:
 
 def not_steel(material: str) -> str | None:
     """Kind of a non-steel material: concrete, timber, masonry."""
-    for what, words in _NOT_STEEL:
-        if words.search(material):
-            return what
-    return None
+    return next((what for what, words in _NOT_STEEL if words.search(material)), None)
 
 
-def grade_of(material: str, data: Data) -> str:
-    """The steel grade: what follows the slash in Tekla's STEEL/S235JR."""
-    grade = data.text(*_GRADES)
-    if grade:
-        return grade
-    tekla = material.upper().startswith("STEEL/")
-    return material.rsplit("/", 1)[-1].strip() if tekla else material
+def grade_of(material: str, data: Data) -> tuple[str, str | None]:
+    """The steel grade, and that of the material where it is another one of the same family.
 
-
-def grades_apart(material: str, data: Data) -> tuple[str, str] | None:
-    """The steel of a material and that of a grade property, where they are two of one family.
-
-    S355 is no other steel than S355JR.
+    Of Tekla's STEEL/S235JR it is what follows the slash. S355 is no other steel than S355JR.
     """
-    grade = data.text(*_GRADES)
-    if not grade:
-        return None
-    (one, other) = (_GRADE.search(text.upper()) for text in (material, grade))
+    own = material.rsplit("/", 1)[-1].strip() if material.upper().startswith("STEEL/") else material
+    stated = data.text("grade")
+    if not stated:
+        return own, None
+    one, other = (_GRADE.search(text.upper()) for text in (material, stated))
     if one is None or other is None or one[0][0] != other[0][0]:
-        return None
-    apart = not (one[0].startswith(other[0]) or other[0].startswith(one[0]))
-    return (grade_of(material, Data()), grade) if apart else None
+        return stated, None
+    same = one[0].startswith(other[0]) or other[0].startswith(one[0])
+    return stated, None if same else own
 
 
-def profile_set_names(model: Model, element: Entity) -> tuple[str, ...]:
-    """The names of sections that the profile set of an element's material states."""
+def labels_of(model: Model, element: Entity, profile: Entity | None, data: Data) -> tuple[str, ...]:
+    """The file's label of the section, empty if it has none, and those of its material."""
+    own = (getattr(profile, "ProfileName", None) or "").strip()
+    texts = own, data.text("profile"), element.ObjectType, element.Description, element.Name
+    first = next(filter(None, (_section_name(text or "") for text in texts)), own)
     for material in tied(element, "materials"):
-        return model.once("profile set", material, _profile_names, material)
-    return ()
+        return first, *model.once("profile set", material, _profile_names, material)
+    return (first,)
 
 
 def _profile_names(material: Entity) -> tuple[str, ...]:
+    """The names of sections that a material's profile set states."""
     if material.is_a("IfcMaterialProfileSetUsage"):
         material = material.ForProfileSet
     if not material.is_a("IfcMaterialProfileSet"):
         return ()
-    found = [material.Name]
+    texts = [material.Name]
     for one in material.MaterialProfiles:
-        found += [one.Name, one.Profile and one.Profile.ProfileName]
-    return tuple(dict.fromkeys(filter(None, (_section_name(text or "") for text in found))))
-
-
-def label_of(element: Entity, profile: Entity | None, data: Data) -> str:
-    """The file's label of the section; empty if nothing looks like a section name."""
-    named = (getattr(profile, "ProfileName", None) or "").strip() if profile is not None else ""
-    others = (element.ObjectType or "", element.Description or "", element.Name or "")
-    candidates = (named, data.text(*_PROFILES), *others)
-    return next(filter(None, map(_section_name, candidates)), named)
+        texts += [one.Name, one.Profile and one.Profile.ProfileName]
+    return tuple(dict.fromkeys(filter(None, (_section_name(text or "") for text in texts))))
 
 
 @cached("ifc.section_name")
@@ -287,12 +262,9 @@ def _said_measures(label: str) -> tuple[float, ...]:
 
 
 def name_of(profile: Profile) -> str:
-    """The catalogue's name of a section, or one made of its measures."""
-    return section.name_of(profile) or measured_name(profile)
-
-
-def measured_name(profile: Profile) -> str:
-    """A name made of the measures: I300x150x7.1x10.7, PL10x200."""
+    """The catalogue's name of a section, or one of its measures: I300x150x7.1x10.7, PL10x200."""
+    if (known := section.name_of(profile)) is not None:
+        return known
     p = profile
     sizes = p.height, p.width, p.flange_thickness, p.web_thickness or 0
     h, b, t, w = (f"{v:.1f}".removesuffix(".0") for v in sizes)

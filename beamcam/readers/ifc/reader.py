@@ -1,7 +1,7 @@
 """From a model's bytes to parts: candidates, shares of members, bolts, ledger."""
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator, Set
+from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 from msgspec import Struct
@@ -13,9 +13,9 @@ from beamcam.model.part import Part, TextMark
 from beamcam.model.request import Options, Progress, Selection
 from beamcam.processes import Died, Pool
 from beamcam.readers.content import Reading
-from beamcam.readers.ifc import rules
+from beamcam.readers.ifc import member, rules
 from beamcam.readers.ifc.entities import Model
-from beamcam.readers.ifc.member import KernelNeeded, Members, Taken, class_names
+from beamcam.readers.ifc.member import KernelNeeded, Members, Taken
 from beamcam.readers.ifc.opening import open_file
 from beamcam.readers.ifc.text import Malformed
 from beamcam.system import start_method
@@ -63,46 +63,32 @@ def shares(
     todo = deque(range(i, min(i + size, count)) for i in range(0, count, size))
     most_s = (size + 4) * limits().member_s  # the kernel does not look at the clock
     pool = Pool[range, T](share, max(min(workers, len(todo)), 1), begin, most_s)
-    if not workers:
-        yield from _here(share, died, todo, pool)
-        return
     made: dict[int, tuple[int, T]] = {}
     place = 0
     try:
+        while place < count and not workers:
+            try:
+                yield share(range(place, place + 1))
+            except KernelNeeded:
+                pool.submit(range(place, place + 1))
+                while not (done := [*pool.wait()]):
+                    pass
+                ((_, result),) = done
+                yield died(place) if isinstance(result, Died) else result
+            place += 1
         while place < count:
             while todo and pool.has_room():
                 pool.submit(todo.popleft())
-            for stretch, found in pool.wait():
-                if not isinstance(found, Died):
-                    made[stretch.start] = stretch.stop, found
+            for stretch, result in pool.wait():
+                if not isinstance(result, Died):
+                    made[stretch.start] = stretch.stop, result
                 elif len(stretch) == 1:
                     made[stretch.start] = stretch.stop, died(stretch.start)
                 else:
                     todo.extendleft(range(i, i + 1) for i in stretch)
             while place in made:
-                place, found = made.pop(place)
-                yield found
-    finally:
-        pool.close()
-
-
-def _here(
-    share: Callable[[range], T],
-    died: Callable[[int], T],
-    todo: Iterable[range],
-    pool: Pool[range, T],
-) -> Iterator[T]:
-    """What `share` gives in this process, and of members that need the kernel in another."""
-    try:
-        for stretch in todo:
-            try:
-                yield share(stretch)
-            except KernelNeeded:
-                pool.submit(stretch)
-                while not (done := [*pool.wait()]):
-                    pass
-                ((_, found),) = done
-                yield died(stretch.start) if isinstance(found, Died) else found
+                place, result = made.pop(place)
+                yield result
     finally:
         pool.close()
 
@@ -117,13 +103,12 @@ def read_model(
     try:
         return _read(opened, name, selection, options, progress)
     except Malformed as fault:  # of a record that nobody looked at before
-        said = rules.SYNTAX.at(Source(name, fault.line), found=str(fault))
-        return Reading("ifc", (), (said,))
+        fatal = rules.SYNTAX.at(Source(name, fault.line), found=str(fault))
     except RecursionError:
-        found = "values too deep inside one another"
-        return Reading("ifc", (), (rules.SYNTAX.at(Source(name), found=found),))
+        fatal = rules.SYNTAX.at(Source(name), found="values too deep inside one another")
     finally:
         opened.file.close()
+    return Reading("ifc", (), (fatal,))
 
 
 def _read(
@@ -140,22 +125,20 @@ def _read(
     for share in shares(*each, members.build_here):
         taken.add(share)
         if progress is not None:
-            progress(taken.ledger.total, len(elements))
+            progress(taken.verdicts.total(), len(elements))
     parts = [part for _, part, _ in taken.members]
     if options.bolts and parts:
         from beamcam.readers.ifc.bolts import drill_bolt_holes
 
         shapes = [(elements[place], part, shaped) for place, part, shaped in taken.members]
-        parts, said = drill_bolt_holes(model, shapes, options, name)
-        taken.said += said
-        skew = len(shapes) - len(parts)
-        taken.ledger.read -= skew
-        taken.ledger.refused += skew
-    others = _others(model, {element.is_a() for element in elements})
-    said = [*taken.said, *_account(taken, len(elements), selection, name, others)]
+        parts, remarks = drill_bolt_holes(model, shapes, options, name)
+        taken.said += remarks
+        taken.verdicts["refused"] += len(shapes) - len(parts)
+        taken.verdicts["read"] = len(parts)
+    diagnostics = *taken.said, *_account(members, taken)
     if options.letter:
         parts = [lettered(part) for part in parts]
-    return Reading("ifc", tuple(parts), tuple(said))
+    return Reading("ifc", tuple(parts), diagnostics)
 
 
 LETTER_X, LETTER_HEIGHT = 100.0, 10.0  #: mm, of a mark that a model gives no place
@@ -171,56 +154,40 @@ def lettered(part: Part) -> Part:
     return replace(part, features=(*part.features, text))
 
 
-def _others(model: Model, read: Set[str]) -> Counter[str]:
-    """Number of elements of classes that are not read, without openings and assemblies."""
-    every, *parts = map(
-        model.file.counts, ("IfcElement", "IfcFeatureElement", "IfcElementAssembly")
+def _account(members: Members, taken: Taken) -> Iterator[Diagnostic]:
+    """Selections without a match, members left out, and the ledger, which has to balance."""
+    source, verdicts = Source(members.name), taken.verdicts
+    for kind, chosen in member.KINDS.items():
+        there = taken.seen.get(kind, set())
+        names = {name for one in there for name in member.names_of(kind, one)}
+        for value in sorted(getattr(members.selection, chosen)):
+            if (member.plain_class(value) if kind == "class" else value) not in names:
+                some = ", ".join(sorted(filter(None, there))[:5]) or "none"
+                yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
+    for what in sorted({what for what, _ in taken.left_out}):
+        left = Counter({kind: n for (of, kind), n in taken.left_out.items() if of == what})
+        yield rules.LEFT_OUT.at(source, found=left.total(), what=what, classes=_told(left))
+    others, *parts = map(
+        members.model.file.counts, ("IfcElement", "IfcFeatureElement", "IfcElementAssembly")
     )
     for counts in parts:
-        every -= counts
-    return Counter({name: count for name, count in every.items() if name not in read})
+        others -= counts
+    for kind in {element.is_a() for element in members.elements}:
+        del others[kind]
+    if others:
+        yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_told(others))
+    if verdicts.total() != len(members.elements):
+        raise AssertionError("the ledger of the model does not balance")
+    numbers = {verdict: verdicts[verdict] for verdict in member.VERDICTS}
+    if numbers["left_out"] == verdicts.total():
+        yield rules.NO_MEMBERS.at(source)
+    yield rules.LEDGER.at(source, found=verdicts.total(), **numbers)
 
 
 def _told(counts: Counter[str]) -> str:
     """IfcBeam 3, IfcColumn 1"""
     rows = sorted(counts.items(), key=lambda row: (-row[1], row[0]))
     return ", ".join(f"{kind} {count}" for kind, count in rows)
-
-
-def _account(
-    taken: Taken, total: int, chosen: Selection, name: str, others: Counter[str]
-) -> Iterator[Diagnostic]:
-    """Selections without a match, members left out, and the ledger, which has to balance."""
-    source, ledger = Source(name), taken.ledger
-    for kind, wanted in (
-        ("class", chosen.classes), ("mark", chosen.marks), ("guid", chosen.guids),
-        ("assembly", chosen.assemblies),
-    ):  # fmt: skip
-        there = taken.seen.get(kind, set())
-        names = {name for one in there for name in class_names(one)} if kind == "class" else there
-        for value in sorted(wanted):
-            if (value.lower().removeprefix("ifc") if kind == "class" else value) not in names:
-                some = ", ".join(sorted(filter(None, there))[:5]) or "none"
-                yield rules.NOT_FOUND.at(source, kind=kind, found=value, expected=some)
-    kinds: dict[str, Counter[str]] = {}
-    for (what, kind), count in sorted(ledger.left_out.items()):
-        kinds.setdefault(what, Counter())[kind] += count
-    for what, counts in sorted(kinds.items()):
-        yield rules.LEFT_OUT.at(source, found=counts.total(), what=what, classes=_told(counts))
-    if others:
-        yield rules.OTHER_CLASSES.at(source, found=others.total(), classes=_told(others))
-    if ledger.total != total:
-        raise AssertionError("the ledger of the model does not balance")
-    if not ledger.read and not ledger.refused and not ledger.unselected:
-        yield rules.NO_MEMBERS.at(source)
-    yield rules.LEDGER.at(
-        source,
-        found=total,
-        read=ledger.read,
-        refused=ledger.refused,
-        left_out=sum(ledger.left_out.values()),
-        unselected=ledger.unselected,
-    )
 
 
 # --- quantities -----------------------------------------------------------------------------------

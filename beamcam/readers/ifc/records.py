@@ -6,8 +6,8 @@ what the kernel is given in place of what it cannot build never shows here.
 """
 
 import re
-from collections import Counter, defaultdict
-from collections.abc import Callable, Container, Iterator, Set
+from collections import Counter
+from collections.abc import Callable, Container, Iterable, Iterator, Set
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +16,6 @@ from msgspec import Struct
 from beamcam.caches import cached
 from beamcam.readers.ifc.text import (
     Malformed,
-    Record,
     Typed,
     Values,
     escaped,
@@ -29,7 +28,7 @@ from beamcam.system import interrupts_waiting
 
 _SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')[^']*", re.IGNORECASE)
 _POINTS = frozenset(("IfcCartesianPoint", "IfcDirection"))
-_PLACEMENTS = {"IfcAxis2Placement2D": 2, "IfcAxis2Placement3D": 3}  #: and how many values they have
+_PLACEMENTS = frozenset(("IfcAxis2Placement2D", "IfcAxis2Placement3D"))
 _PLAIN = (str, float, int, type(None))  #: what ifcopenshell's values and ours have in common
 
 
@@ -73,7 +72,7 @@ class Entity(Struct, eq=False, gc=False):
     def __getattr__(self, name: str) -> Any:
         # Called for what has no value yet: the slot that is filled late, and attributes.
         if name == "values":
-            self.values = self.file.values(self)
+            self.values = self.file.values(self.type, self.held)
             return self.values
         place = self.type.places.get(name)
         if place is not None:
@@ -142,60 +141,32 @@ class File:
         """Raises Malformed if the text is not a STEP file."""
         self.schema = schema  #: IFC2X3, IFC4 or IFC4X3
         text = _SCHEMA.sub(rf"\g<1>{identifier_of(schema)}", plain(text), count=1)
-        looked = look_over(text)
-        self._names = looked.names
+        self._names, doubtful = look_over(text)
         self._types: dict[str, EntityType] = {}
         self._things: dict[int, Any] = {}  #: what stands for each record that was met
-        self._related: dict[str, dict[Entity, list[Entity]]] = {}
-        self.tied: dict[str, dict[int, list[Any]]] = {}  #: by numbers; see relations.py
+        self.tied: dict[str, dict[int, list[Any]]] = {}  #: see entities.py
         #: Value of an instance by its place, without its wrapper's checks; so since 0.9.
         instances = parser().entity_instance
         self._read = getattr(instances, "get_argument", instances.__getitem__)
         self._instance: Any = instances
-        self.opened: Any = None  #: the file of ifcopenshell; None if it does not open it
-        self.why_not = ""  #: what it says then
-        #: The records as they are written, where ifcopenshell does not read all of them so.
-        self._written: dict[int, Record] | None = None
-        if self._open(text, looked.doubtful):
-            self._meet_points()
-        else:
-            self._written = {record.number: record for record in records(text)}
-
-    def _open(self, text: str, doubtful: bool) -> bool:
-        """Whether ifcopenshell reads the text as it is written."""
         parser().get_log()  # what others left there
         try:
-            self.opened = parser().file.from_string(escaped(text))
-            names = self.opened.entity_names()
+            self.opened: Any = parser().file.from_string(escaped(text))
         except Exception as fault:  # the parser's own errors have no class of their own
-            self.why_not = str(fault)
-            return False
-        said = str(parser().get_log()).strip()
-        return not doubtful and not said and len(names) == len(self._names)
+            raise Malformed(str(fault)) from fault
+        remarks, count = str(parser().get_log()).strip(), len(self.opened.entity_names())
+        doubtful |= bool(remarks) or count != len(self._names)
+        #: The records as they are written, where ifcopenshell does not read all of them so.
+        self._written = {one.number: one for one in records(text)} if doubtful else None
 
     def close(self) -> None:
         """Let go of all entities, they of the file and of one another: the collector knows none."""
-        self._related, self.tied = {}, {}
+        self.tied = {}
         for thing in self._things.values():
             if isinstance(thing, Entity):
                 thing.values = ()  # which may lead back to it
         self._things = {}
         self.opened = None
-
-    def _meet_points(self) -> None:
-        """Read all points, directions and placements at once, most of a file's records."""
-        read, things = self._read, self._things
-        for kind in _POINTS:
-            for instance in self.opened.by_type(kind):
-                numbers = read(instance, 0)
-                if numbers and type(numbers) is tuple and type(numbers[0]) is float:
-                    things[instance.id()] = numbers
-        for kind, count in _PLACEMENTS.items():
-            for instance in self.opened.by_type(kind):
-                values = [read(instance, place) for place in range(count)]
-                met = [(type(v) is self._instance and things.get(v.id())) or None for v in values]
-                if all(one is not None or v is None for one, v in zip(met, values, strict=True)):
-                    things[instance.id()] = tuple(met)
 
     def entity(self, number: int) -> Any:
         """What stands for a number among values; a missing entity fails when it is looked at."""
@@ -205,7 +176,7 @@ class File:
             return self._met(number, self.opened.by_id(number))
         record = self._written.get(number)
         if record is None:
-            made = Missing(self, number, _NO_TYPE, None)
+            made = Missing(self, number, EntityType("", frozenset(), {}), None)
             del made.type, made.held, made.values
             return made
         return self._met(number, record)
@@ -214,18 +185,20 @@ class File:
         """What stands for a record that was not met before: an entity, or its numbers."""
         kind = held.kind if self._written is not None else held.is_a()
         known = self._types.get(kind) or self._type(kind)
-        made: Any = Entity(self, number, known, held)
-        del made.values
-        if known.name in _PLACEMENTS:
-            made = made.values
-        elif known.name in _POINTS:
-            values = made.values
+        thing: Any
+        if known.name in _POINTS:
+            values = self.values(known, held)
             try:
-                made = tuple(map(float, values[0]))
+                thing = tuple(map(float, values[0]))
             except (IndexError, TypeError, ValueError):
                 raise Malformed(f"#{number} without numbers") from None
-        self._things[number] = made
-        return made
+        elif known.name in _PLACEMENTS:
+            thing = self.values(known, held)
+        else:
+            thing = Entity(self, number, known, held)
+            del thing.values
+        self._things[number] = thing
+        return thing
 
     def _type(self, kind: str) -> EntityType:
         """What the schema says of a class, or else what IFC4 does."""
@@ -233,21 +206,21 @@ class File:
         known = self._types[kind] = known or EntityType(kind, frozenset((kind,)), {})
         return known
 
-    def values(self, entity: Entity) -> Values:
-        """The values of an entity. Raises Malformed."""
+    def values(self, known: EntityType, held: Any) -> Values:
+        """The values of an instance or a record. Raises Malformed."""
         if self._written is not None:
-            return values_of(entity.held.inner, self.entity)
-        read, held, instances, things = self._read, entity.held, self._instance, self._things
-        found = []
-        for place in range(len(entity.type.places)):
+            return values_of(held.inner, self.entity)
+        read, instances, things = self._read, self._instance, self._things
+        values = []
+        for place in range(len(known.places)):
             value = read(held, place)
             if type(value) is instances and (number := value.id()):
                 thing = things.get(number)
                 value = self._met(number, value) if thing is None else thing
             elif not isinstance(value, _PLAIN):
                 value = self._value(value)
-            found.append(value)
-        return tuple(found)
+            values.append(value)
+        return tuple(values)
 
     def _value(self, value: Any) -> Any:
         """A list of ifcopenshell's, or an instance, as one of ours."""
@@ -261,14 +234,17 @@ class File:
         thing = self._things.get(number)
         return self._met(number, value) if thing is None else thing
 
-    def sides(self, relation: str, *places: int) -> Iterator[tuple[Any, ...]]:
-        """Some values of each relation of a class, in the order of the file."""
-        for one in self._of(relation):
-            if self._written is not None:
-                values = self.entity(one.number).values
-                yield tuple(values[place] for place in places)
+    def sides(self, relations: Iterable[str], near: int, far: int) -> Iterator[tuple[Any, Any]]:
+        """Two values of each relation of some classes, in the order of the file.
+
+        The far one is None where a relation is cut short, so that only what is near it suffers.
+        """
+        for one in (one for relation in relations for one in self._of(relation)):
+            if self._written is None:
+                yield self._value(self._read(one, near)), self._value(self._read(one, far))
             else:
-                yield tuple(self._value(self._read(one, place)) for place in places)
+                values = self.entity(one.number).values
+                yield values[near], values[far] if far < len(values) else None
 
     def peek(self, entity: Entity, place: int) -> Any:
         """One of an entity's values, without a look at the others."""
@@ -282,11 +258,10 @@ class File:
         The others, of which there are many, are not made.
         """
         if self._written is not None:
+            quoted = tuple(f"'{name}'" for name in names)
             for one in entity.values[place]:
-                if isinstance(one, Entity) and not isinstance(one, Missing):
-                    first = one.held.inner.lstrip()
-                    if first[:1] == "'" and first[1:].partition("'")[0] in names:
-                        yield one
+                if type(one) is Entity and one.held.inner.lstrip().startswith(quoted):
+                    yield one
             return
         for one in self._read(entity.held, place) or ():
             if self._read(one, 0) in names:
@@ -316,18 +291,6 @@ class File:
     def _order(self) -> Callable[[int], int]:
         """The place of a record in the file, by its number."""
         return {int(number): place for place, number in enumerate(self._names)}.__getitem__
-
-    def related(self, name: str) -> dict[Entity, list[Entity]]:
-        """The relations of a class to a feature each, by the elements that have the features."""
-        known = self._related.get(name)
-        if known is None:
-            known = self._related[name] = defaultdict(list)
-            for relation in self.by_type(name):
-                known[relation.values[4]].append(relation)
-        return known
-
-
-_NO_TYPE = EntityType("", frozenset(), {})
 
 
 @cached("ifc.parser")

@@ -6,8 +6,6 @@ from beamcam.errors import Diagnostic, Severity, error, note, warning
 
 # fmt: off
 
-_E, _W, _N = Severity.ERROR, Severity.WARNING, Severity.NOTE
-
 SYNTAX = error("ifc-syntax",
     "found no IFC model ({found}); expected one STEP file with a DATA section",
     "The file is cut short, or is a pointer or an archive of none or several instead of the model.")
@@ -118,12 +116,8 @@ LEANING = warning("ifc-leaning-edge",
 VOLUME = warning("ifc-volume",
     "found a volume of {found} cm3 in the model; expected {expected} cm3 by what was read",
     "The difference is spread over the member, so that no place can be named.")
-VOLUME_OFF = replace(
-    VOLUME,
-    severity=_E,
-    code="ifc-volume-off",
-    reason="The difference is above 0.5 %. --force takes the member as read.",
-)
+VOLUME_OFF = error("ifc-volume-off", VOLUME.message,
+    "The difference is above 0.5 %. --force takes the member as read.")
 PROJECTION = error("ifc-projection",
     "found {found} projections, steel that is added to the member; expected none, for they are not "
     "read",
@@ -149,14 +143,6 @@ BOLTS = note("ifc-bolts",
 BOLT_SKEW = error("ifc-bolt-skew",
     "found a bolt {found} at {angle} degrees to face {face}; expected it square to the face",
     "A drill comes square to the face; where the bolt is meant to go cannot be guessed.")
-
-RULES = (
-    SYNTAX, SCHEMA, NO_MEMBERS, NOT_FOUND, LEDGER, LEFT_OUT, OTHER_CLASSES, CURVED, TAPERED,
-    GEOMETRY, SECTION, ODD_CUT, OUTLINE, PROFILE_NAME, GRADE, LENGTH, WEIGHT, WEIGHT_NEAR,
-    NET_VOLUME, CUTOUT, KERNEL, KERNEL_LOG, KERNEL_DIED, KERNEL_DENIED, FITTED, UNEXPLAINED,
-    SECTION_AREA, KINKED, ROOT_FILLET, ROOT_CUT, LIPS, LEANING, VOLUME, VOLUME_OFF, PIECES,
-    BOLT_HOLES, BOLT_AIR, BOLT_SHANK, BOLTS, BOLT_SKEW, PROJECTION,
-)  # fmt: skip
 
 
 def of_the_solid(said: Diagnostic) -> str:

@@ -16,10 +16,10 @@ from typing import Any
 from msgspec import Struct
 
 _SECTION = re.compile(r"\bDATA\s*(?:\([^;]*\)\s*)?;")
+_END = r"\s*+(?P<end>ENDSEC\s*;)?"
 _RECORDS = re.compile(
-    r"(?:\s*+#\d{1,18}+\s*+=\s*+\w++\s*+\((?:[^;)]++|\)(?!\s*+;))*+\)\s*+;)*+\s*+", re.ASCII
+    rf"(?:\s*+#\d{{1,18}}+\s*+=\s*+\w++\s*+\((?:[^;)]++|\)(?!\s*+;))*+\)\s*+;)*+{_END}", re.ASCII
 )
-_END = re.compile(r"ENDSEC\s*;")
 _AFTER = re.compile(r"[^#;]*+#")  # a record that is in no section
 _NAME = re.compile(r"(?<![(,])#(\d++)\s*+=")
 _REFERENCE = re.compile(r"#(\d++)")
@@ -46,7 +46,7 @@ def _listed(deep: int) -> str:
 _EACH = rf"(?:[$*]|{_VALUE}\s*+(?:{_listed(2)})?+|{_listed(2)})\s*+"
 #: Records whose values ifcopenshell does not pass over: it does not ask for commas between them.
 _SOUND = re.compile(
-    rf"(?:\s*+#\d{{1,9}}+\s*+=\s*+\w++\s*+\(\s*+(?:{_EACH}(?:,\s*+{_EACH})*+)?+\)\s*+;)*+\s*+",
+    rf"(?:\s*+#\d{{1,9}}+\s*+=\s*+\w++\s*+\(\s*+(?:{_EACH}(?:,\s*+{_EACH})*+)?+\)\s*+;)*+{_END}",
     re.ASCII,
 )
 
@@ -65,14 +65,6 @@ class Record(Struct, frozen=True, gc=False):
     number: int
     kind: str  #: its class
     inner: str  #: what is between its brackets
-    start: int  #: its place in the text
-
-
-class Looked(Struct, frozen=True):
-    """What the text of a file holds."""
-
-    names: list[str]  #: the numbers of its records, in their order
-    doubtful: bool  #: whether it has references to no record, or values of another form
 
 
 def plain(text: str) -> str:
@@ -108,15 +100,17 @@ def escaped(text: str) -> str:
     """A plain text with escapes for the letters that are not ASCII; ifcopenshell drops them."""
     if text.isascii():
         return text
-
-    def hexed(found: re.Match[str]) -> str:
-        return f"\\X4\\{found[0].encode('utf-32-be').hex().upper()}\\X0\\"
-
-    return _LETTERS.sub(hexed, text)
+    return _LETTERS.sub(
+        lambda found: f"\\X4\\{found[0].encode('utf-32-be').hex().upper()}\\X0\\", text
+    )
 
 
-def look_over(text: str) -> Looked:
-    """The records of a plain text. Raises Malformed for what is none, and for a number again."""
+def look_over(text: str) -> tuple[list[str], bool]:
+    """The numbers of a plain text's records, and whether they are to be doubted.
+
+    They are where some refer to no record or have values of another form. Raises Malformed for what
+    is no record, and for a number again.
+    """
     try:
         return _looked("''".join(text.split("'")[::2]), text)
     except Malformed:
@@ -125,22 +119,20 @@ def look_over(text: str) -> Looked:
         raise
 
 
-def _looked(bare: str, text: str) -> Looked:
+def _looked(bare: str, text: str) -> tuple[list[str], bool]:
     """As `look_over`, of a text without what is in its strings."""
     section = _SECTION.search(bare)
     first = at = section.end() if section is not None else len(bare)
     sound = True
     while section is not None:
-        at = _past(_SOUND, bare, section.end())
-        if (end := _END.match(bare, at)) is None:
-            sound = False
-            at = _past(_RECORDS, bare, section.end())
-            end = _END.match(bare, at)
-        if end is None and at == len(bare):
-            raise Malformed("a DATA section without an end", _line(text, first))
-        if end is None:
+        found = _SOUND.match(bare, section.end())
+        if found is None or found["end"] is None:
+            sound, found = False, _RECORDS.match(bare, section.end())
+        at = section.end() if found is None else found.end()
+        if found is None or found["end"] is None:
+            if at == len(bare):
+                raise Malformed("a DATA section without an end", _line(text, first))
             raise _no_record(text, at)
-        at = end.end()
         section = _SECTION.search(bare, at)
         if outside := _AFTER.match(bare, at, section.start() if section else len(bare)):
             raise _no_record(text, outside.end() - 1)
@@ -151,17 +143,11 @@ def _looked(bare: str, text: str) -> Looked:
     there = set(names)
     if len(there) < len(names):
         met: set[int] = set()
-        for found in _NAME.finditer(bare, first):
-            if int(found[1]) in met:
-                raise Malformed(f"record #{int(found[1])} twice", _line(text, found.start()))
-            met.add(int(found[1]))
-    return Looked(names, not sound or len(asked) > len(there))
-
-
-def _past(pattern: re.Pattern[str], bare: str, at: int) -> int:
-    """The place behind what a pattern, which may be nothing, takes."""
-    found = pattern.match(bare, at)
-    return at if found is None else found.end()
+        for name in _NAME.finditer(bare, first):
+            if int(name[1]) in met:
+                raise Malformed(f"record #{int(name[1])} twice", _line(text, name.start()))
+            met.add(int(name[1]))
+    return names, not sound or len(asked) > len(there)
 
 
 def _no_record(text: str, at: int) -> Malformed:
@@ -171,7 +157,7 @@ def _no_record(text: str, at: int) -> Malformed:
 def records(text: str) -> Iterator[Record]:
     """The records of a plain text that was looked over."""
     for found in _RECORD.finditer(text):
-        yield Record(int(found[1]), found[2], found[3], found.start())
+        yield Record(int(found[1]), found[2], found[3])
 
 
 def _line(text: str, at: int) -> int:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from beamcam.checks.sheets.need import rows_on
+from beamcam.checks.sheets.chart_rows import rows_on
 from beamcam.errors import PlanError
 from beamcam.machine import load, shipped
 from beamcam.machine.torch import is_row_for, material_of, material_said

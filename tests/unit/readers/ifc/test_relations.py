@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beamcam.readers.ifc.entities import tied
+from beamcam.readers.ifc.entities import features_of, tied
 from beamcam.readers.ifc.records import Entity, File
 
 ELEMENTS = "".join(f"#{i}=IFCBEAM('g{i}',$,$,$,$,$,$,$);\n" for i in range(1, 6))
@@ -77,3 +77,19 @@ def test_a_relation_that_is_cut_short_is_no_relation() -> None:
     file = file_of("#100=IFCRELDEFINESBYPROPERTIES('g',$,$);\n")
     with pytest.raises(LookupError):
         tied(element(file, "#1"), "definitions")
+
+
+def test_openings_of_which_one_cannot_be_told_are_none_for_any_member() -> None:
+    """An index of those before it would leave holes out of all but the first member."""
+    rows = "#100=IFCRELVOIDSELEMENT('g',$,$,$,#1,#3);\n#101=IFCRELVOIDSELEMENT('g',$,$,$);\n"
+    file = file_of(f"{rows}#102=IFCRELVOIDSELEMENT('g',$,$,$,#2,#4);\n")
+    for name in ("#1", "#2", "#2"):
+        with pytest.raises(LookupError):
+            features_of(element(file, name), "openings")
+
+
+def test_an_opening_that_is_not_named_is_none_of_its_host_alone() -> None:
+    rows = "#100=IFCRELVOIDSELEMENT('g',$,$,$,#1,#3);\n#101=IFCRELVOIDSELEMENT('g',$,$,$,#2);\n"
+    file = file_of(rows)
+    assert features_of(element(file, "#1"), "openings") == [file.entity(3)]
+    assert features_of(element(file, "#2"), "openings") == [None]

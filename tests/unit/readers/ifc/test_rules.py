@@ -6,12 +6,13 @@ from collections.abc import Callable
 
 import pytest
 
-from beamcam.errors import Severity
-from beamcam.readers.ifc import Options, Selection, looks_like, read
-from beamcam.readers.ifc.rules import RULES
+from beamcam.errors import Rule, Severity
+from beamcam.readers.ifc import Options, Selection, looks_like, read, rules
 from tests.property.ifc_cuts import SIZES, Bar, Box, model_of
 from tests.unit.readers.ifc.models import ORIGIN, Small
 from tests.unit.readers.ifc.test_wholes import with_a_projection
+
+RULES = [value for value in vars(rules).values() if isinstance(value, Rule)]
 
 
 def plain() -> Small:

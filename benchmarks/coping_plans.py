@@ -1,0 +1,305 @@
+"""Ways to make the plan of a coper wrong, by what a planner could get wrong."""
+
+import random
+from collections.abc import Callable
+from math import radians, tan
+
+from msgspec.structs import replace
+
+from beamcam.machine import Machine
+from beamcam.model.plan import CopeCut, CopePlan
+from beamcam.model.surface import around
+
+OfPlan = Callable[[CopePlan, random.Random], CopePlan | None]
+
+
+def _changed(plan: CopePlan, chance: random.Random, change: Callable[[CopeCut], CopeCut | None],
+             fits: Callable[[CopeCut], bool] = lambda cut: True) -> CopePlan | None:  # fmt: skip
+    """The plan with one of its cuts changed."""
+    which = [k for k, cut in enumerate(plan.operations) if fits(cut)]
+    if not which:
+        return None
+    k = chance.choice(which)
+    other = change(plan.operations[k])
+    if other is None:
+        return None
+    return replace(plan, operations=(*plan.operations[:k], other, *plan.operations[k + 1 :]))
+
+
+def _placed(change: Callable[[float, float], tuple[float, float]]) -> OfPlan:
+    def of_plan(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+        return _changed(
+            plan, chance, lambda cut: replace(cut, path=tuple(change(*p) for p in cut.path))
+        )
+
+    return of_plan
+
+
+def mirrored_along(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut at the other end of the part."""
+    length = plan.pieces[0].part.length
+    return _placed(lambda x, y: (length - x, y))(plan, chance)
+
+
+def mirrored_across(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A hole whose y counts from the other edge."""
+
+    def off_middle(cut: CopeCut) -> bool:
+        ys = [y for _, y in cut.path[cut.lead :]]
+        wide = plan.profile.face_width(cut.face)
+        return cut.kind == "inner" and abs(min(ys) + max(ys) - wide) > 1.0
+
+    def change(cut: CopeCut) -> CopeCut:
+        wide = plan.profile.face_width(cut.face)
+        return replace(cut, path=tuple((x, wide - y) for x, y in cut.path))
+
+    return _changed(plan, chance, change, off_middle)
+
+
+def on_the_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut whose kerf lies on the side of the part."""
+    from shapely import LineString, Polygon
+
+    def change(cut: CopeCut) -> CopeCut | None:
+        way, kerf = cut.path[cut.lead :], cut.row.kerf
+        if cut.kind == "inner":
+            ring = Polygon(way).buffer(kerf).exterior.coords
+            return replace(cut, path=tuple(ring), lead=0)
+        pierce, start = cut.path[0], cut.path[1]
+        side = 1.0 if LineString(way).parallel_offset(1.0, "left").distance(
+            LineString([pierce, start]).interpolate(0.0)
+        ) > LineString(way).parallel_offset(1.0, "right").distance(
+            LineString([pierce, start]).interpolate(0.0)
+        ) else -1.0  # fmt: skip
+        moved = LineString(way).offset_curve(side * kerf)
+        longest = max(getattr(moved, "geoms", (moved,)), key=lambda one: one.length)
+        return replace(cut, path=(pierce, *longest.coords))
+
+    return _changed(plan, chance, change)
+
+
+def left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut that is missing; a second pass that is, is told as manual work."""
+    k = chance.choice([k for k, cut in enumerate(plan.operations) if not cut.bevel])
+    return replace(plan, operations=(*plan.operations[:k], *plan.operations[k + 1 :]))
+
+
+def face_left_out(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A wall without its cuts."""
+    face = chance.choice(sorted({cut.face for cut in plan.operations}))
+    return replace(plan, operations=tuple(c for c in plan.operations if c.face != face))
+
+
+def on_other_face(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut of one flange on the other one, where that differs from its own cuts."""
+
+    def change(cut: CopeCut) -> CopeCut | None:
+        other = "u" if cut.face == "o" else "o"
+        same = [c for c in plan.operations if c.face == other and c.path == cut.path]
+        return None if same else replace(cut, face=other)
+
+    return _changed(plan, chance, change, lambda c: c.face != "v" and plan.profile.code not in "LT")
+
+
+def too_short(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut that ends too early; where a second pass goes along it, that may take what it left."""
+    again = {(cut.face, cut.kind) for cut in plan.operations if cut.b_deg}
+    return _changed(
+        plan, chance, lambda cut: replace(cut, path=_shortened(cut.path, 9.0)),
+        lambda cut: len(cut.path) > 2 and (bool(cut.b_deg) or (cut.face, cut.kind) not in again),
+    )  # fmt: skip
+
+
+def _shortened(path: tuple[tuple[float, float], ...], by: float) -> tuple[tuple[float, float], ...]:
+    points = list(path)
+    while len(points) > 1:
+        (xa, ya), (xb, yb) = points[-2:]
+        long = ((xb - xa) ** 2 + (yb - ya) ** 2) ** 0.5
+        if long > by:
+            share = (long - by) / long
+            points[-1] = xa + share * (xb - xa), ya + share * (yb - ya)
+            return tuple(points)
+        by -= long
+        points.pop()
+    return tuple(points)
+
+
+def twice(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut-out that is cut twice."""
+    k = chance.randrange(len(plan.operations))
+    cut = plan.operations[k]
+    return replace(plan, operations=(*plan.operations[:k], cut, *plan.operations[k:]))
+
+
+def reordered(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut of the far end before all others."""
+    far = [cut for cut in plan.operations if cut.kind == "far"]
+    rest = [cut for cut in plan.operations if cut is not far[0]]
+    return replace(plan, operations=(far[0], *rest)) if rest[0].kind != "far" else None
+
+
+def pierced_in_part(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A lead on the other side of its contour."""
+
+    def change(cut: CopeCut) -> CopeCut:
+        (xa, ya), (xb, yb) = cut.path[:2]
+        return replace(cut, path=((2 * xb - xa, 2 * yb - ya), *cut.path[1:]))
+
+    return _changed(plan, chance, change, lambda cut: cut.kind == "inner" or cut.face == "v")
+
+
+def other_row(machine: Machine) -> OfPlan:
+    """A cut with the row of another thickness."""
+
+    def of_plan(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+        rows = machine.coper.rows if machine.coper else ()
+        return _changed(
+            plan, chance,
+            lambda cut: replace(cut, row=chance.choice([r for r in rows if r != cut.row])),
+        )  # fmt: skip
+
+    return of_plan
+
+
+def bulge(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A place of a path 1 mm into the part."""
+
+    def change(cut: CopeCut) -> CopeCut:
+        k = chance.randrange(cut.lead + 1, len(cut.path) - 1)
+        (xa, ya), (xb, yb) = cut.path[k - 1], cut.path[k + 1]
+        long = ((xb - xa) ** 2 + (yb - ya) ** 2) ** 0.5 or 1.0
+        x, y = cut.path[k]
+        moved = x - (yb - ya) / long, y + (xb - xa) / long  # the part lies on the left
+        return replace(cut, path=(*cut.path[:k], moved, *cut.path[k + 1 :]))
+
+    return _changed(
+        plan, chance, change,
+        lambda cut: cut.kind == "inner" and len(cut.path) > cut.lead + 4,
+    )  # fmt: skip
+
+
+def extra(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut somewhere in the scrap before the part."""
+    cut = plan.operations[0]
+    return replace(plan, operations=(
+        replace(cut, path=((-20.0, 60.0), (-20.0, 40.0), (-20.0, 61.0))), *plan.operations
+    ))  # fmt: skip
+
+
+def mirrored_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut-out of a tube whose arc counts the other way round."""
+    turn = around(plan.profile).turn
+
+    def is_same(cut: CopeCut) -> bool:
+        us = [u for _, u in cut.path[cut.lead :]]
+        return abs((min(us) + max(us) + turn / 2) % turn - turn / 2) < 1.0
+
+    return _changed(
+        plan, chance,
+        lambda cut: replace(cut, path=tuple((x, -u) for x, u in cut.path)),
+        lambda cut: cut.kind == "inner" and not is_same(cut),
+    )  # fmt: skip
+
+
+def elsewhere_round(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A cut-out of a tube a quarter of a turn on."""
+    turn = around(plan.profile).turn
+    return _changed(
+        plan, chance,
+        lambda cut: replace(cut, path=tuple((x, u + turn / 4) for x, u in cut.path)),
+        lambda cut: cut.kind == "inner",
+    )  # fmt: skip
+
+
+def other_corners(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A rectangular tube with corners of another radius."""
+    profile = plan.profile
+    if profile.code != "M":
+        return None
+    return replace(
+        plan, profile=replace(profile, radius=profile.radius * chance.choice((0.8, 1.2)))
+    )
+
+
+def ends_before_the_seam(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """An end of a tube that is not cut all round."""
+    return _changed(
+        plan, chance, lambda cut: replace(cut, path=_shortened(cut.path, 6.0)),
+        lambda cut: cut.kind != "inner",
+    )  # fmt: skip
+
+
+def is_tilted(cut: CopeCut) -> bool:
+    return bool(cut.b_deg)
+
+
+#: Ways to make the tilt of a cut wrong.
+TILTS: dict[str, OfPlan] = {
+    "B the other way": lambda p, c: _changed(
+        p, c, lambda cut: replace(cut, b_deg=-cut.b_deg), is_tilted
+    ),
+    "B dropped": lambda p, c: _changed(p, c, lambda cut: replace(cut, b_deg=0.0), is_tilted),
+    "B of another angle": lambda p, c: _changed(
+        p, c, lambda cut: replace(cut, b_deg=cut.b_deg + c.choice((-3.0, 3.0))), is_tilted
+    ),
+    "B at all ends the other way": lambda p, c: replace(
+        p, operations=tuple(replace(cut, b_deg=-cut.b_deg) for cut in p.operations)
+    ) if any(map(is_tilted, p.operations)) else None,
+}  # fmt: skip
+
+
+def wrong_land(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel whose land is another one by 1 mm."""
+
+    def change(cut: CopeCut) -> CopeCut:
+        off = chance.choice((-1.0, 1.0)) * tan(radians(abs(cut.b_deg)))
+        return replace(cut, path=(cut.path[0], *((x + off, y) for x, y in cut.path[1:])))
+
+    return _changed(plan, chance, change, lambda cut: cut.bevel)
+
+
+def bevel_first(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel before the square cut along its edge."""
+    which = [k for k, cut in enumerate(plan.operations) if cut.bevel]
+    if not which:
+        return None
+    k = chance.choice(which)
+    cut = plan.operations[k]
+    rest = [one for one in plan.operations if one is not cut]
+    at = next(j for j, one in enumerate(rest) if (one.kind, one.face) == (cut.kind, cut.face))
+    return replace(plan, operations=(*rest[:at], cut, *rest[at:]))
+
+
+def bevel_last(plan: CopePlan, chance: random.Random) -> CopePlan | None:
+    """A bevel of the far end of a piece that is parted."""
+    which = [cut for cut in plan.operations if cut.bevel and cut.kind == "far"]
+    if not which:
+        return None
+    cut = chance.choice(which)
+    rest = [one for one in plan.operations if one is not cut]
+    return replace(plan, operations=(*rest, cut)) if plan.operations[-1] is not cut else None
+
+
+def plan_faults(machine: Machine) -> dict[str, OfPlan]:
+    """Ways to make a plan wrong."""
+    of_all: dict[str, OfPlan] = {
+        "moved along": _placed(lambda x, y: (x + 0.6, y)),
+        "moved across": lambda p, c: _changed(
+            p, c, lambda cut: replace(cut, path=tuple((x, y + 0.6) for x, y in cut.path)),
+            lambda cut: cut.kind == "inner",
+        ),
+        "mirrored along": mirrored_along, "cut left out": left_out, "too short": too_short,
+        "order": reordered, "twice": twice, "kerf on the part": on_the_part,
+        "other row": other_row(machine), "bulge": bulge, "extra": extra,
+    }  # fmt: skip
+    if machine.coper is not None and machine.coper.turns == "bar":
+        return of_all | {
+            "mirrored round": mirrored_round, "elsewhere round": elsewhere_round,
+            "ends before the seam": ends_before_the_seam, "other corners": other_corners,
+        }  # fmt: skip
+    return of_all | {
+        "mirrored across": mirrored_across, "face left out": face_left_out,
+        "other face": on_other_face, "pierced in the part": pierced_in_part,
+        **TILTS, "wrong land": wrong_land, "passes in the wrong order": bevel_first,
+        "bevel behind the parting": bevel_last,
+    }  # fmt: skip
