@@ -148,7 +148,7 @@ def _item(model: Model, item: Entity, frame: Frame) -> tuple[Swept | Shell, list
         return _item(model, source[0], inner)
     if "IfcCsgSolid" in kinds:
         return _item(model, item.TreeRootExpression, frame)
-    if is_faceted(model, item):
+    if not FACETED.isdisjoint(item.type.kinds):
         return shell_of(model, item, frame), []
     raise Unreadable(f"a solid by {item.type.name}")
 
@@ -203,19 +203,13 @@ def _is_straight(item: Entity) -> bool:
 
 # --- cutters --------------------------------------------------------------------------------------
 
-_FACETED = frozenset((
+FACETED = frozenset((
     "IfcFacetedBrep", "IfcTessellatedFaceSet", "IfcFaceBasedSurfaceModel",
     "IfcShellBasedSurfaceModel",
 ))  # fmt: skip
 FAR = 1e6  #: mm; how far the prism of a bounded half-space reaches
 UPRIGHT = (0.0, 0.0, 1.0)
 OFF_SQUARE = 2e-3  #: tangent of the angle by which a hole may be pushed off square
-
-
-def is_faceted(model: Model, item: Entity) -> bool:
-    """Whether a solid is given by its faces."""
-    faces = _FACETED if model.file.schema != "IFC2X3" else _FACETED - {"IfcTessellatedFaceSet"}
-    return not faces.isdisjoint(item.type.kinds)
 
 
 def mapping(model: Model, item: Entity, frame: Frame) -> tuple[Frame, tuple[Entity, ...]]:
@@ -264,7 +258,7 @@ def solid_cutters(model: Model, item: Entity, frame: Frame, where: str | None) -
         return [Bounded(one, other, where) for one in first for other in second]
     if kind in ("IfcRightCircularCylinder", "IfcBlock"):
         return (_primitive(model, item, frame, where),)
-    if is_faceted(model, item):
+    if not FACETED.isdisjoint(item.type.kinds):
         return (shell_of(model, item, frame, where),)
     raise Unreadable(f"a cut by {kind}")
 

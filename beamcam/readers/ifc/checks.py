@@ -164,8 +164,7 @@ def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | No
         return shaped.stock
     if section.code == "B" and abs(section.area - section.height * section.width) < 0.01:
         return plain_stock(section)
-    if profile is None:
-        return _built_stock(model, element, shaped.frame)
+    assert profile is not None  # a shell shows its section
     key = definition(profile), section
     return model.once("stock", key, _built_stock, model, element, shaped.frame)
 

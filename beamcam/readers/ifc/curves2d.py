@@ -1,11 +1,11 @@
 """The curves of profiles and of cuts' outlines, exact: lines and arcs in mm."""
 
 import itertools
-from collections.abc import Sequence
 from math import atan2, degrees, hypot, pi
 from typing import Any
 
 from beamcam.geometry.arc_fitting import fit_chains
+from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, BSpline, Curve, Line, Point
 from beamcam.geometry.plane import Box
 from beamcam.readers.ifc.entities import Entity, Model, Unreadable
@@ -36,22 +36,7 @@ def box_around(chain: Chain) -> Box:
 
 def points_chain(points: list[Point]) -> Chain:
     """The polygon of `points`, closed."""
-    ring = [p for i, p in enumerate(points) if i == 0 or _apart(p, points[i - 1])]
-    while len(ring) > 1 and not _apart(ring[0], ring[-1]):
-        ring.pop()
-    return tuple(Line(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True))
-
-
-def with_sides(arcs: Sequence[Arc]) -> Chain:
-    """The closed chain of arcs and of the straight sides between them, those of length 0 left out.
-
-    It begins with the side before the first arc.
-    """
-    out: list[Curve] = []
-    for i, arc in enumerate(arcs):
-        side = Line(arcs[i - 1].end, arc.start)
-        out += [side, arc] if side.length > 1e-9 else [arc]
-    return tuple(out)
+    return tuple(_polyline([*points, points[0]]))
 
 
 def _apart(a: Point, b: Point) -> bool:
@@ -124,23 +109,10 @@ def _indexed(model: Model, entity: Entity) -> list[Curve]:
     for segment in entity.Segments:
         run = [points[i - 1] for i in segment.value]
         if segment.is_a("IfcArcIndex"):
-            chain.append(arc_by_points(run[0], run[1], run[2]))
+            chain.append(arc_by_points(run[0], run[1], run[2]) or Line(run[0], run[2]))
         else:
             chain += _polyline(run)
     return chain
-
-
-def arc_by_points(a: Point, b: Point, c: Point) -> Curve:
-    """The arc from `a` through `b` to `c`; a line where they lie on one."""
-    bx, by, cx, cy = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
-    d = 2 * (bx * cy - by * cx)
-    if abs(d) < 1e-9 * max(hypot(bx, by), hypot(cx, cy), 1e-9) ** 2:
-        return Line(a, c)
-    ux = (cy * (bx * bx + by * by) - by * (cx * cx + cy * cy)) / d
-    uy = (bx * (cx * cx + cy * cy) - cx * (bx * bx + by * by)) / d
-    start, end = atan2(-uy, -ux), atan2(cy - uy, cx - ux)
-    turn = (end - start) % (2 * pi) if d > 0 else -((start - end) % (2 * pi))
-    return Arc((a[0] + ux, a[1] + uy), hypot(ux, uy), degrees(start), degrees(turn))
 
 
 def _trimmed(model: Model, entity: Entity) -> Curve:

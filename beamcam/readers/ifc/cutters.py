@@ -4,22 +4,23 @@ Every cutter stands in the member's coordinates (x along it, Y, Z) and tells its
 wall: the region of the plane c = const that it removes.
 """
 
-from math import sqrt
+from math import copysign, sqrt
 from typing import Any
 
 from msgspec import Struct
 
 from beamcam.caches import cached
-from beamcam.geometry.curves import Point, unit_vector
+from beamcam.geometry.curves import Line, Point, unit_vector
 from beamcam.readers.ifc.curves2d import box_around
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import FAR, Circles, Shape, half_plane, polygon_of, rectangle
 from beamcam.readers.ifc.section import Wall
-from beamcam.readers.ifc.shell import Shell
-from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, unit
+from beamcam.readers.ifc.shell import ALONG, Shell
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, sub, unit
 
 Box3 = tuple[Vec, Vec]
+MIN_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is not an end
 LEVEL = 1e-6  #: sine below which a direction counts as lying in a plane
 EVERYWHERE: Box3 = ((-1e9, -1e9, -1e9), (1e9, 1e9, 1e9))
 
@@ -93,8 +94,23 @@ class Prism(Struct, frozen=True, gc=False):
         s, t = shape.centre
         return self.frame.o if s == 0.0 == t else self.frame.point((s, t, 0.0))
 
-    def moved(self, by: Frame) -> "Prism":
-        return Prism(by.times(self.frame), self.outline, self.where, self.shape)
+    @property
+    def sides(self) -> list[HalfSpace]:
+        """The planes of its flat sides and ends; normals point into it."""
+        f, outer = self.frame, self.outline.outer
+        normal = cross(f.x, f.y)
+        x0, y0, x1, y1 = box_around(outer)
+        middle = f.point(((x0 + x1) / 2, (y0 + y1) / 2, 0.5))
+        rows = [(f.o, normal), (add(f.o, f.z), normal)]
+        for curve in outer:
+            if isinstance(curve, Line):
+                a, b = f.point((*curve.start, 0.0)), f.point((*curve.end, 0.0))
+                rows.append((a, cross(sub(b, a), f.z)))
+        return [
+            HalfSpace(a, unit(scale(n, copysign(1.0, dot(n, sub(middle, a))))), self.where)
+            for a, n in rows
+            if size(n) > 1e-9
+        ]
 
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The prism's section by the wall's plane at `c`."""
@@ -173,9 +189,6 @@ class Bounded(Struct, frozen=True):
         high = (min(b[0], d[0]), min(b[1], d[1]), min(b[2], d[2]))
         return low, high
 
-    def moved(self, by: Frame) -> "Bounded":
-        return Bounded(self.first.moved(by), self.second.moved(by), self.where)
-
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         return self.first.slice(wall, c, circles).intersection(self.second.slice(wall, c, circles))
 
@@ -191,9 +204,6 @@ class Less(Struct, frozen=True):
     def box(self) -> Box3:
         return self.first.box
 
-    def moved(self, by: Frame) -> "Less":
-        return Less(self.first.moved(by), tuple(t.moved(by) for t in self.taken), self.where)
-
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         shape = self.first.slice(wall, c, circles)
         for one in self.taken:
@@ -202,6 +212,22 @@ class Less(Struct, frozen=True):
 
 
 Cutter = HalfSpace | Prism | Bounded | Less | Shell  #: a solid that is subtracted
+
+
+def planes_of(cutter: Cutter) -> list[HalfSpace]:
+    """The planes that a cutter leaves a member in, where they may be an end of it."""
+    match cutter:
+        case HalfSpace():
+            found = [cutter]
+        case Prism():
+            found = cutter.sides
+        case Bounded():
+            found = [*planes_of(cutter.first), *planes_of(cutter.second)]
+        case Less():
+            found = [plane for one in (cutter.first, *cutter.taken) for plane in planes_of(one)]
+        case Shell():
+            found = [HalfSpace(p, n) for p, n in cutter.planes_across(ALONG, MIN_LEAN)]
+    return [plane for plane in found if abs(plane.normal[0]) > MIN_LEAN]
 
 
 @cached("ifc.spread")

@@ -7,12 +7,13 @@ planes or cuts form an end, the plane that holds most of the end's height and wi
 what it does not explain stays in the contours.
 """
 
-from collections.abc import Sequence
-from itertools import pairwise, repeat
-from math import atan, atan2, degrees, hypot
+from collections.abc import Iterable, Sequence
+from itertools import repeat
+from math import atan, atan2, degrees
 from operator import sub
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Bevel
@@ -21,11 +22,13 @@ from beamcam.readers.ifc.cutters import HalfSpace
 from beamcam.readers.ifc.region import Shape, half_plane, pieces_of
 from beamcam.readers.ifc.section import Wall
 
-MIN_LEAN = 0.17  #: of a normal along the member; a plane nearer to the axis is not an end
 MIN_EDGE = 1.0  #: mm across the member of an edge that counts for an end
-SAME_SLOPE = 2e-4
 SAME_REACH = 1e-4  #: mm by which one plane may be before the sole one
-SAME_PLANE = 0.3  #: mm
+REACHED = 0.01  #: mm by which an end's plane may miss the end of the member
+LEVEL_REACH = 0.08  #: mm that the outer levels of a wall lie inside it, at most
+UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
+SQUARE = 0.9  #: share of what a square end holds by which a plane of a face is taken before it
+FILM = 0.05  #: mm before a plane in which the walls that end at it are seen
 
 
 class End(Struct, frozen=True, gc=False):
@@ -94,102 +97,45 @@ def reaches(end: End, corners: Sequence[Point]) -> list[float]:
     return [a * y + b * z + c for y, z in corners]
 
 
-class _Edge(Struct, frozen=True, gc=False):
-    """A piece of a wall's border that faces an end."""
-
-    wall: Wall
-    level: float  #: c
-    x: float  #: of its middle
-    q: float
-    slope: float  #: dx / dq
-    weight: float  #: how much of q it takes
-
-
 Level = tuple[Wall, float, Shape]  #: a wall, c, and its region there
 
 
-def fitted_end(side: int, levels: Sequence[Level]) -> End | None:
-    """The plane that most of an end lies in; None where no edge faces that way."""
-    edges = [e for wall, c, shape in levels for e in _facing(side, wall, c, shape)]
-    web = [e for e in edges if e.wall.normal == "z"]
-    flange = [e for e in edges if e.wall.normal == "y"]
-    if not edges:
-        return None
-    candidates = [
-        _through(side, edges, a, b)
-        for a in (_chief_slope(web), 0.0)
-        for b in (_chief_slope(flange), _lean(web), 0.0)
-        if a is not None and b is not None
-    ]
-    return max(candidates, key=lambda found: round(found[1], 1))[0]
+def end_of(
+    side: int,
+    planes: Iterable[End],
+    levels: Sequence[Level],
+    corners: Sequence[Point],
+    x: float | None = None,
+) -> tuple[End, float]:
+    """The plane that most of an end lies in, and the x in which the member ends there.
+
+    That is one of `planes` which reaches the end of the member at one of its section's corners, and
+    leaves no wall beyond it: a shoulder of copes is not an end. Without one the end is square. `x`
+    is where the member ends, if that is known better than from `levels`.
+    """
+    bounds = [p.bounds for _, _, s in levels for p in pieces_of(s)]
+    outermost = max(b[2] for b in bounds) if side > 0 else min(b[0] for b in bounds)
+    # A level lies a little inside its wall, and a leaning end reaches further at the surface.
+    last, inside = (outermost, LEVEL_REACH) if x is None else (x, 0.0)
+    best, best_x = End(side, 0.0, 0.0, last), last
+    most = SQUARE * _weight(best, levels)
+    for one in planes:
+        plane = replace(one, side=side)
+        reached = side * max(reaches(plane, corners))
+        if abs(reached - last) >= inside * (abs(one.a) + abs(one.b)) + REACHED:
+            continue
+        over = (s.intersection(plane.removed(wall, c)) for wall, c, s in levels)
+        weight = _weight(plane, levels)
+        if weight > most and all(shape.buffer(-UNEXPLAINED).is_empty for shape in over):
+            best, best_x, most = plane, reached, weight
+    return best, best_x if x is None else x
 
 
-def _facing(side: int, wall: Wall, c: float, shape: Shape) -> list[_Edge]:
-    """The border edges of a region that nothing hides from an observer beyond the end."""
-    raw: list[tuple[float, float, float, float]] = []
-    for piece in pieces_of(shape):
-        points = [(float(x), float(y)) for x, y in piece.exterior.coords]
-        if not piece.exterior.is_ccw:
-            points.reverse()
-        for (x0, q0), (x1, q1) in pairwise(points):
-            # Counter-clockwise, the outward normal is (dq, -dx).
-            if side * (q1 - q0) > 0.1 * hypot(x1 - x0, q1 - q0):
-                raw.append((x0, q0, x1, q1))
-    found = []
-    for x0, q0, x1, q1 in raw:
-        x, middle, wide = (x0 + x1) / 2, (q0 + q1) / 2, abs(q1 - q0)
-        hidden = (
-            min(a, b) < middle < max(a, b)
-            and side * (u + (middle - a) * (v - u) / (b - a)) > side * x + 0.01
-            for u, a, v, b in raw
-        )
-        if wide >= MIN_EDGE and not any(hidden):
-            found.append(_Edge(wall, c, x, middle, (x1 - x0) / (q1 - q0), wide))
-    return found
-
-
-def _chief_slope(edges: Sequence[_Edge]) -> float | None:
-    """The slope that most of the edges' width has; None where there are no edges."""
-    return _chief([(e.slope, e.weight) for e in edges], SAME_SLOPE)[0] if edges else None
-
-
-def _chief(rows: Sequence[tuple[float, float]], near: float) -> tuple[float, float]:
-    """The first value about which most of the weight lies, and that weight."""
-    best = (rows[0][0], 0.0)
-    for value, _ in rows:
-        weight = sum(w for v, w in rows if abs(v - value) < near)
-        if weight > best[1] + 1e-6:
-            best = (value, weight)
-    return best
-
-
-def _lean(edges: Sequence[_Edge]) -> float | None:
-    """How an end leans through the thickness of the webs, by edges at two levels of one wall."""
-    chief = _chief_slope(edges)
-    if chief is None:
-        return None
-    along = [e for e in edges if abs(e.slope - chief) < SAME_SLOPE]
-    levels = sorted({e.level for e in along if e.wall == along[0].wall})
-    if len(levels) < 2:
-        return None
-    first, last = (
-        max((e for e in along if e.level == at), key=lambda e: e.weight)
-        for at in (levels[0], levels[-1])
-    )
-    rise = (last.x - chief * last.q) - (first.x - chief * first.q)
-    lean = rise / (levels[-1] - levels[0])
-    return lean if abs(lean) > 1e-3 else None
-
-
-def _through(side: int, edges: Sequence[_Edge], a: float, b: float) -> tuple[End, float]:
-    """The plane of slopes a and b that most of the edges lie in, and how much that is."""
-    heights = []
-    for edge in edges:
-        y, z = (edge.level, edge.q) if edge.wall.normal == "y" else (edge.q, edge.level)
-        fits = abs(edge.slope - (b if edge.wall.normal == "y" else a)) < SAME_SLOPE
-        heights.append((edge.x - a * y - b * z, edge.weight if fits else 0.0))
-    c, weight = _chief(heights, SAME_PLANE)
-    return End(side, a, b, c), weight
+def _weight(end: End, levels: Sequence[Level]) -> float:
+    """mm across the walls in which they end at a plane."""
+    film = replace(end, c=end.c - end.side * FILM)
+    areas = (float(s.intersection(film.removed(wall, c)).area) for wall, c, s in levels)
+    return sum(areas) / FILM
 
 
 # --- bevels ---------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from beamcam.model.part import (
     moved_feature,
 )
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.ends import End, Level, bevels_of, fitted_end, reaches
+from beamcam.readers.ifc.ends import UNEXPLAINED, End, Level, bevels_of, end_of, reaches
 from beamcam.readers.ifc.entities import Unreadable
 from beamcam.readers.ifc.outline import Round, Slotted, shape_of
 from beamcam.readers.ifc.region import Circles, Shape, chains_of, cleaned, pieces_of, rectangle
@@ -30,9 +30,6 @@ from beamcam.readers.ifc.space import IDENTITY, Frame
 SQUARE_DEG = 0.005  #: an end that is less off square is square
 COMPOUND_DEG = 0.05  #: web and flange angle above which an end needs a plane of its own
 MOST_BEVELS = 12  #: on a face; more are a wall that varies along a mesh
-REACHED = 0.01  #: mm by which an end's plane may miss the end of the member
-LEVEL_REACH = 0.08  #: mm that the outer levels of a wall lie inside it, at most
-UNEXPLAINED = 0.05  #: mm, the width of what no end plane explains
 
 
 class Shaped(Struct, frozen=True, gc=False):
@@ -118,24 +115,21 @@ def from_regions(
     circles: Circles,
     source: Source,
     gross: float,
-    sole: tuple[End | None, End | None] = (None, None),
+    planes: Sequence[End],
     span: tuple[float, float] | None = None,
 ) -> Shaped:
     """The member whose walls are `regions`, at two levels each, with `holes` beside.
 
-    `sole` are the single planes that the stock ends in where there is one; the cuts decide whether
-    they are still the ends. An end is the plane that most of it lies in, or square where that plane
-    does not reach the end of the member: a shoulder of copes is not an end. `span` is the member's
-    least and greatest x where they are known. Raises Unreadable if nothing is left.
+    `planes` are those that the member's ends may lie in, `span` its least and greatest x where they
+    are known. Raises Unreadable if nothing is left.
     """
-    every: list[Level] = [(w, c, s) for w, row in regions.items() for c, s in row]
-    levels: list[Level] = [(w, *row[i]) for w, row in regions.items() for i in (0, -1)]
+    levels: list[Level] = [(w, c, s) for w, row in regions.items() for c, s in row]
     if not any(pieces_of(s) for _, _, s in levels):
         raise Unreadable("cuts that leave nothing")
-    # A round end has no plane: it is square where it ends, and its contour says the rest.
-    start, end = (fitted_end(side, levels) or End(side, 0.0, 0.0, 0.0) for side in (-1, 1))
-    x0, x1 = span or _extents(every, section, (sole[0] or start, sole[1] or end))
-    start, end = _reaching(start, every, section, x0), _reaching(end, every, section, x1)
+    corners = corner_points(section)
+    x0, x1 = span or (None, None)
+    start, x0 = end_of(-1, planes, levels, corners, x0)
+    end, x1 = end_of(1, planes, levels, corners, x1)
     features: list[Cut] = list(holes)
     remarks: list[str] = []
     for wall, row in regions.items():
@@ -148,34 +142,6 @@ def from_regions(
     volume = left * (section.area / flat if flat else 1.0) - hole_volume(section, holes)
     member = sawn(section, (start, end), (x0, x1), features, source, gross, volume)
     return replace(member, remarks=tuple(remarks))
-
-
-def _extents(
-    levels: Sequence[Level], section: Section, ends: tuple[End, End]
-) -> tuple[float, float]:
-    """The member's minimum and maximum x; exact where an end is one plane."""
-    bounds = [p.bounds for _, _, s in levels for p in pieces_of(s)]
-    found = min(b[0] for b in bounds), max(b[2] for b in bounds)
-    corners = corner_points(section)
-    x0, x1 = (
-        # A level lies a little inside its wall, and a leaning end reaches further at the surface.
-        reached if abs(reached - x) < LEVEL_REACH * (abs(end.a) + abs(end.b)) + REACHED else x
-        for end, x in zip(ends, found, strict=True)
-        for reached in (end.side * max(reaches(end, corners)),)
-    )
-    return x0, x1
-
-
-def _reaching(end: End, levels: Sequence[Level], section: Section, x: float) -> End:
-    """An end whose plane reaches x and leaves all walls behind it, or else the square one at x."""
-    reached = end.side * max(reaches(end, corner_points(section)))
-    square = End(end.side, 0.0, 0.0, x)
-    if abs(reached - x) >= REACHED:
-        return square
-    if end.a == 0.0 == end.b:
-        return end
-    over = (s.intersection(end.removed(wall, c)) for wall, c, s in levels)
-    return end if all(shape.buffer(-UNEXPLAINED).is_empty for shape in over) else square
 
 
 def _wall_features(

@@ -7,31 +7,31 @@
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
 
 from beamcam.errors import Diagnostic, Severity, Source
-from beamcam.model.part import Contour, Hole, Slot
+from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc import rules
 from beamcam.readers.ifc.checks import section_said
-from beamcam.readers.ifc.cutters import Cutter
-from beamcam.readers.ifc.ends import End
+from beamcam.readers.ifc.cutters import planes_of
+from beamcam.readers.ifc.ends import End, of_plane
 from beamcam.readers.ifc.entities import Bent, Entity, Model, OddSection, Unreadable
 from beamcam.readers.ifc.finish import Regions, Shaped, from_regions, opening, reach, sawn
 from beamcam.readers.ifc.kernel import ANGLE, CHORD, build_both
+from beamcam.readers.ifc.outline import with_arcs
 from beamcam.readers.ifc.profiles import Outline
 from beamcam.readers.ifc.region import (
-    Circle,
+    FAR,
     Circles,
     Shape,
-    arcs_of,
+    chain_of_ring,
+    chains_of,
     circles_in,
     cleaned,
     pieces_of,
-    ring_arcs,
     with_circles,
 )
 from beamcam.readers.ifc.rolled import (
@@ -60,8 +60,7 @@ from beamcam.readers.ifc.space import Frame, cross, scale
 from beamcam.readers.ifc.stock import box_of, plate_stock
 
 PRISMATIC = 0.01  #: share by which a plate's volume may differ from outline times thickness
-ALIKE = 6  #: decimals of a mm, from which on two rings of a hole are one
-SAME_HOLE = 0.02  #: mm between a hole at one level and at the other
+SAME_HOLE = 2  #: decimals of a mm in which a hole lies alike at both levels
 LEVEL_IN = 0.1  #: share of a wall's thickness: nearer to its surface edges may be round
 STEEPEST = 4.0  #: mm along a level of a wall for each mm that facets lie off its round edge
 STRAIGHT = 1e-3  #: mm that a corner of a region may lie off the line between its neighbours
@@ -84,24 +83,20 @@ def read_kernel(model: Model, element: Entity, source: Source) -> Shaped:
     errors = [line for line in built.log if "[error]" in line.lower()]
     if errors:
         raise Unreadable(f"an error of the geometry kernel ({errors[0][:160]})")
-    return replace(read_shell(built.shell, (), source, built.volume), fitted=built.others)
+    return replace(read_shell(built.shell, source, built.volume), fitted=built.others)
 
 
-def read_shell(
-    shell: Shell, cutters: Sequence[Cutter], source: Source, volume: float | None = None
-) -> Shaped:
+def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Shaped:
     """The member of a shell, checked against it. Raises Unreadable, which says what was found.
 
     `volume` is that of the solid in mm3 where the shell only stands for it.
     """
     best: Shaped | None = None
     fault: Unreadable | None = None
-    for found in _readings(shell, cutters, source):
+    for found in _readings(shell, source):
         if isinstance(found, Unreadable):
             fault = fault or found
             continue
-        if cutters:  # which the shell does not show
-            return found
         try:
             said = _unexplained(found, shell, source, volume)
         except Unreadable as reason:
@@ -124,11 +119,9 @@ def _denied(found: Shaped) -> bool:
     return any(d.severity is Severity.ERROR for d in found.said)
 
 
-def _readings(
-    shell: Shell, cutters: Sequence[Cutter], source: Source
-) -> Iterator[Shaped | Unreadable]:
+def _readings(shell: Shell, source: Source) -> Iterator[Shaped | Unreadable]:
     """The members that a shell may be, the likeliest first; or why it is none."""
-    found = _plate(shell, cutters, source)
+    found = _plate(shell, source)
     if found is not None:
         yield found
     along = longest_direction(shell)
@@ -145,7 +138,7 @@ def _readings(
         if length < least.get(section.code, 0.0):
             continue
         try:
-            made = _member(shell, cutters, stock, source)
+            made = _member(shell, stock, source)
         except Unreadable as reason:
             yield reason
         else:
@@ -191,14 +184,10 @@ def _not_explained(theirs: float, explained: float) -> OddSection:
     )
 
 
-def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Source) -> Shaped:
-    inverse = stock.frame.inverse()
-    local = shell.moved(inverse)
-    taken = [c.moved(inverse) for c in cutters]
+def _member(shell: Shell, stock: Rolled, source: Source) -> Shaped:
+    local = shell.moved(stock.frame.inverse())
     walls, flat = walls_of(stock.section), stock.section.is_plain_flat
     if not walls:
-        if taken:
-            raise OddSection("cuts in a faceted round or special section")
         return _round(local, stock, source)
     circles = Circles()
     regions: Regions = {}
@@ -210,62 +199,43 @@ def _member(shell: Shell, cutters: Sequence[Cutter], stock: Rolled, source: Sour
             shares = (edge, *BETWEEN, 1 - edge)
         cs = [wall.low + share * wall.thickness for share in shares]
         raw = [local.raw_slice(wall, c) for c in cs]
-        if not taken:
-            drilled, raw = _drilled(raw, wall, local.circles(wall), source)
-            holes += drilled
+        drilled, raw = _drilled(raw, wall, local.circles(wall), source)
+        holes += drilled
         levels: list[tuple[float, Shape]] = []
         for c, shape in zip(cs, raw, strict=True):
-            shape = with_circles(shape, circles, local.circles(wall))
-            for one in taken:
-                shape = shape.difference(one.slice(wall, c, circles))
-            shape = cleaned(shape)
+            shape = cleaned(with_circles(shape, circles, local.circles(wall)))
             if not flat:
                 shape = _full_width(shape, wall, c, stock)
             levels.append((c, shape))
         regions[wall] = tuple(levels)
     # The levels lie inside the walls; only the shell itself knows how far the tips reach.
-    span = None if taken else (stock.x0, stock.x1)
+    span, planes = (stock.x0, stock.x1), map(of_plane, planes_of(local))
     gross = stock.x1 - stock.x0
-    return from_regions(stock.section, regions, holes, circles, source, gross, span=span)
+    return from_regions(stock.section, regions, holes, circles, source, gross, [*planes], span)
 
 
 def _drilled(
-    levels: Sequence[Shape], wall: Wall, exact: Sequence[Circle], source: Source
+    levels: Sequence[Shape], wall: Wall, exact: Circles, source: Source
 ) -> tuple[list[Hole | Slot], list[Shape]]:
     """The round and slotted hollows that both levels of a wall show; the levels without them."""
-    from shapely import MultiPolygon, Polygon, get_coordinates
+    from shapely import MultiPolygon, Polygon
 
-    told: dict[bytes, Contour | Hole | Slot | None] = {}  # most are alike at both levels
-    seen: list[list[tuple[Hole | Slot, tuple[float, ...]]]] = []
-    for shape in levels:
-        rows = []
-        for piece in pieces_of(shape):
-            for ring in piece.interiors:
-                key = (get_coordinates(ring).round(ALIKE) + 0.0).tobytes()
-                if key not in told:
-                    chain = ring_arcs(ring, exact)
-                    told[key] = opening(wall, chain, source) if chain else None
-                made = told[key]
-                if isinstance(made, (Hole, Slot)):
-                    rows.append((made, ring.bounds))
-        seen.append(rows)
-    holes: list[Hole | Slot] = []
-    filled: set[tuple[float, ...]] = set()
-    for low, ring in seen[0]:
-        for high, other in seen[-1]:
-            apart = max(abs(low.x - high.x), abs(low.y - high.y), abs(low.diameter - high.diameter))
-            if type(low) is type(high) and apart < SAME_HOLE:
-                holes.append(low)
-                filled |= {ring, other}
-                break
-    kept = []
-    for shape in levels:
-        pieces = [
-            Polygon(p.exterior, [r for r in p.interiors if r.bounds not in filled])
-            for p in pieces_of(shape)
-        ]
-        kept.append(MultiPolygon(pieces))
-    return holes, kept
+    def place(ring: Any) -> tuple[float, ...]:
+        return tuple(round(value, SAME_HOLE) for value in ring.bounds)
+
+    pieces = [pieces_of(shape) for shape in levels]
+    rings = [{place(r): r for piece in row for r in piece.interiors} for row in pieces]
+    holes: dict[tuple[float, ...], Hole | Slot] = {}
+    for at, ring in rings[0].items():
+        chain = with_arcs(chain_of_ring(ring, exact)) if at in rings[-1] else ()
+        made = opening(wall, chain, source) if chain else None
+        if isinstance(made, (Hole, Slot)):
+            holes[at] = made
+    kept = [
+        [Polygon(p.exterior, [r for r in p.interiors if place(r) not in holes]) for p in row]
+        for row in pieces
+    ]
+    return [*holes.values()], [MultiPolygon(row) for row in kept]
 
 
 def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
@@ -273,35 +243,30 @@ def _full_width(shape: Shape, wall: Wall, c: float, stock: Rolled) -> Shape:
 
     A level a little inside a tube's wall, or near the toe of an angle, is narrower than the wall.
     """
-    from shapely import MultiPolygon, Polygon, get_coordinates
+    from shapely import LineString, MultiPolygon, Polygon, get_coordinates
 
-    at = 0 if wall.normal == "y" else 1
-    crossed = [
-        a[1 - at] + (c - a[at]) / (b[at] - a[at]) * (b[1 - at] - a[1 - at])
-        for a, b in pairwise((stock.outline[-1], *stock.outline))
-        if (a[at] > c) != (b[at] > c)
-    ]
+    lines = LineString([wall.point(0.0, q, c)[1:] for q in (-FAR, FAR)])
+    crossed = [wall.split((0.0, *p))[0] for p in get_coordinates(stock.shape.intersection(lines))]
     if len(crossed) < 2:
         return shape
     low, high, near = min(crossed), max(crossed), EDGE + STEEPEST * stock.rise
     found: list[Any] = []
     for piece in pieces_of(shape):
-        points = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1]
-        x, q = points.T
+        x, q = get_coordinates(piece.exterior.simplify(STRAIGHT))[:-1].T
         to = np.select([abs(q - low) < near, abs(q - high) < near], [0.0, wall.width], q)
-        moved = np.column_stack((x, to))
-        for i in np.flatnonzero(to != q).tolist():
+        moved, done = x.copy(), to == q
+        for way in (-1, 1):
             # It moves along the end or the cut that comes to the long edge there.
-            for j in (i - 1, (i + 1) % len(q)):
-                if to[j] != to[i] and abs(q[j] - q[i]) > EDGE:
-                    moved[i, 0] += (x[i] - x[j]) / (q[i] - q[j]) * (to[i] - q[i])
-                    break
-        made = Polygon(moved, piece.interiors)
+            run, rise = x - np.roll(x, way), q - np.roll(q, way)
+            leads = ~done & (to != np.roll(to, way)) & (abs(rise) > EDGE)
+            moved[leads] += (run / np.where(leads, rise, 1.0) * (to - q))[leads]
+            done |= leads
+        made = Polygon(np.column_stack((moved, to)), piece.interiors)
         found += pieces_of(made if made.is_valid else made.buffer(0))
     return MultiPolygon(found)
 
 
-def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | None:
+def _plate(shell: Shell, source: Source) -> Shaped | None:
     """The plate that a shell is, if it is one."""
     normal = broadest_normal(shell)
     low, high = extent(shell, normal)
@@ -322,11 +287,10 @@ def _plate(shell: Shell, cutters: Sequence[Cutter], source: Source) -> Shaped | 
         other = section(shell, scale(normal, low + share * thickness), normal, u, v)
         if float(shape.symmetric_difference(other).area) > PRISMATIC * area:
             return None
-    outline = Outline(*arcs_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
+    outline = Outline(*chains_of(pieces_of(shape)[0], circles_in(shell.cylinders, normal, u, v)))
     lies = Frame(scale(normal, low), u, v, normal)
     stock = plate_stock(box_of(outline), lies, scale(normal, thickness), thickness)
-    inverse = stock.frame.inverse()
-    return in_place(cut(stock, [c.moved(inverse) for c in cutters], source), stock.frame)
+    return in_place(cut(stock, (), source), stock.frame)
 
 
 def _round(local: Shell, stock: Rolled, source: Source) -> Shaped:

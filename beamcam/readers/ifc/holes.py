@@ -1,6 +1,5 @@
 """Round and slotted cutters that pierce walls squarely: holes, one for each wall."""
 
-from collections.abc import Sequence
 from math import atan2, cos, degrees, pi, radians, sin, sqrt
 
 from msgspec import Struct
@@ -13,7 +12,7 @@ from beamcam.readers.ifc.ends import End, Trim
 from beamcam.readers.ifc.entities import OddCut, Unreadable
 from beamcam.readers.ifc.finish import slot
 from beamcam.readers.ifc.outline import Round, Slotted
-from beamcam.readers.ifc.section import Section, Wall
+from beamcam.readers.ifc.section import Section, Wall, walls_of
 from beamcam.readers.ifc.space import dot, scale, size, unit
 
 SQUARE = 2e-3  #: sine of the angle by which a hole may be off square, a tenth of a degree
@@ -27,10 +26,9 @@ Span = tuple[float, float]
 
 
 class Drilled(Struct, frozen=True, gc=False):
-    """Stock of holes: the walls of a section between two ends."""
+    """Stock of holes: a section between two ends."""
 
     section: Section
-    walls: Sequence[Wall]
     start: Trim
     end: Trim
 
@@ -49,13 +47,14 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
     clear = low[0] > NEAR - start.least and high[0] < end.least - NEAR  # of all planes
     if into.section.code in ("RO", "RU"):
         return _radial(cutter, cutter.shape, into.section, place) if clear else None
-    if not into.walls:
+    walls = walls_of(into.section)
+    if not walls:
         return None  # a special section has no face that a hole could be on
     # The first planes are the stock's own, square ends.
     if high[0] <= start.planes[0].c or low[0] >= end.planes[0].c:
         return []
     found: list[Hole | Slot] = []
-    for wall in into.walls:
+    for wall in walls:
         q, c = (2, 1) if wall.normal == "y" else (1, 2)
         c0, c1, q0, q1 = low[c], high[c], low[q], high[q]
         if (
@@ -87,7 +86,7 @@ def pierce(cutter: Cutter, box: Box3, into: Drilled, source: Source) -> list[Hol
 def _within_another(wall: Wall, box: Box3, into: Drilled) -> bool:
     """Whether what a hole takes of a wall belongs to another one too, square to it."""
     section = into.section
-    for other in into.walls:
+    for other in walls_of(section):
         c, whole = (1, section.height) if other.normal == "y" else (2, section.width)
         low, high = max(box[0][c], 0.0), min(box[1][c], whole)
         if other.normal != wall.normal and (

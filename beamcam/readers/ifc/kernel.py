@@ -1,5 +1,6 @@
 """Geometry kernel results for an element: a fine shell in mm, its surfaces, and the log."""
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -35,11 +36,7 @@ def broken_reference(file: Any, root: Any) -> str | None:
         name = one.is_a()
         if name not in known:
             entity = schema.declaration_by_name(name).as_entity()
-            every = (
-                ()
-                if entity is None
-                else zip(entity.all_attributes(), entity.derived(), strict=True)
-            )
+            every = zip(entity.all_attributes(), entity.derived(), strict=True) if entity else ()
             rows = [
                 (place, attribute, _kinds(attribute.type_of_attribute()))
                 for place, (attribute, derived) in enumerate(every)
@@ -61,18 +58,9 @@ Kinds = tuple[tuple[str, ...], bool]
 
 
 def _kinds(kind: Any) -> Kinds:
-    if (many := getattr(kind, "as_aggregation_type", lambda: None)()) is not None:
-        return _kinds(many.type_of_element())
-    if (named := getattr(kind, "as_named_type", lambda: None)()) is not None:
-        kind = named.declared_type()
-    if getattr(kind, "as_entity", lambda: None)() is not None:
-        return (kind.name(),), True
-    if (select := getattr(kind, "as_select_type", lambda: None)()) is not None:
-        found = [_kinds(one) for one in select.select_list()]
-        return sum((classes for classes, _ in found), ()), all(pure for _, pure in found)
-    if (typed := getattr(kind, "as_type_declaration", lambda: None)()) is not None:
-        return _kinds(typed.declared_type())
-    return (), False
+    """Those of a type as ifcopenshell writes it: <list [2:?] of <entity IfcCartesianPoint>>."""
+    text = str(kind)
+    return tuple(re.findall(r"<entity (\w+)>", text)), not re.search("<(type|enumeration) ", text)
 
 
 def _fault(value: Any, kinds: Kinds) -> str | None:

@@ -40,7 +40,6 @@ from beamcam.readers.ifc.kernel import load
 from beamcam.readers.ifc.opening import elements_of, open_file
 from beamcam.readers.ifc.semantic import read_swept
 from beamcam.readers.ifc.shell import Shell
-from beamcam.readers.ifc.space import IDENTITY
 
 SOLID_STEEL = 160.0  #: mm; a solid rectangle thicker than this without a material is not steel
 
@@ -242,19 +241,21 @@ class Members(Struct):
         """The member by its definition. Raises Unreadable."""
         if isinstance(body.base, Swept):
             return read_swept(self.model, member.element, body, member.source)
+        if body.removed:
+            raise Unreadable("cuts in a body that is given by its faces")
         form = form_of(self.model, member.element)
         # A model has most of its accessories many times.
-        shaped = self.model.once("shell", form, self._shell, member, body, body.base)
+        shaped = self.model.once("shell", form, self._shell, member, body.base)
         if isinstance(shaped, Unreadable):
             raise shaped.with_traceback(None)
         return shaped.at(member.source)
 
-    def _shell(self, member: Member, body: Body, base: Shell) -> Shaped | Unreadable:
+    def _shell(self, member: Member, base: Shell) -> Shaped | Unreadable:
         try:
-            return read_shell(base, body.cutters(self.model, IDENTITY), member.source)
+            return read_shell(base, member.source)
         except Unreadable as reason:
             # A closed shell of planar faces is all that the kernel would have.
-            reason.final |= not body.removed and base.volume is not None
+            reason.final |= base.volume is not None
             return reason
 
     def _by_kernel(self, member: Member, reason: Unreadable) -> Shaped:
@@ -319,7 +320,7 @@ class Members(Struct):
         A shell that is taken as it stands was held against its own faces.
         """
         solid, source = Compared(), Source(self.name)
-        if isinstance(body.base, Swept) or body.removed:
+        if isinstance(body.base, Swept):
             solid = check_kernel(self.model, element, shaped, profile, source)
         if profile is None:
             return solid

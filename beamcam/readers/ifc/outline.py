@@ -4,12 +4,14 @@ Exporters write arcs as polygons whose vertices lie on the circle; `with_arcs` t
 back to arcs before anything is measured.
 """
 
-from math import atan2, degrees, hypot, pi, radians, sin, tan
+from math import atan2, degrees, dist, hypot, pi, radians, sin, tan
 
 from msgspec import Struct
 
+from beamcam.geometry.conics import arc_by_points
 from beamcam.geometry.curves import Arc, Curve, Line, Point
-from beamcam.readers.ifc.curves2d import Chain, arc_by_points
+from beamcam.geometry.plane import cross, dot
+from beamcam.readers.ifc.curves2d import Chain
 
 MIN_CORNERS = 12  #: of a polygon that stands for a circle; fewer are meant as they are
 MIN_RUN = 3  #: chords of a polygon that stand for an arc
@@ -104,12 +106,10 @@ def _join(a: Curve, b: Curve) -> Curve | None:
                 return None
         return Line(a.start, b.end)
     if isinstance(a, Arc) and isinstance(b, Arc):
-        apart = hypot(a.centre[0] - b.centre[0], a.centre[1] - b.centre[1])
-        same_way = a.sweep_deg * b.sweep_deg > 0
-        if apart < 1e-3 and abs(a.radius - b.radius) < 1e-3 and same_way:
-            sweep = a.sweep_deg + b.sweep_deg
-            if abs(sweep) <= 360.0 + 1e-6:
-                return Arc(a.centre, a.radius, a.start_deg, max(-360.0, min(360.0, sweep)))
+        same = dist(a.centre, b.centre) < 1e-3 and abs(a.radius - b.radius) < 1e-3
+        sweep = a.sweep_deg + b.sweep_deg
+        if same and a.sweep_deg * b.sweep_deg > 0 and abs(sweep) <= 360.0 + 1e-6:
+            return Arc(a.centre, a.radius, a.start_deg, max(-360.0, min(360.0, sweep)))
     return None
 
 
@@ -120,7 +120,7 @@ def turn(a: Curve, b: Curve) -> float:
 
 def angle_between(a: Point, b: Point) -> float:
     """Angle from one direction to another in radians, from -pi to pi."""
-    return atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+    return atan2(cross(a, b), dot(a, b))
 
 
 def _alike(a: Curve, b: Curve, least: float, most: float) -> bool:
@@ -140,7 +140,7 @@ def _regular(lines: Chain) -> Chain | None:
     points = [c.start for c in lines]
     n = len(points)
     third = arc_by_points(points[0], points[n // 3], points[2 * n // 3])
-    if not isinstance(third, Arc) or not all(_on(third, p) for p in points):
+    if third is None or not all(_on(third, p) for p in points):
         return None
     if max(c.length for c in lines) > 2 * third.radius * sin(pi / MIN_CORNERS) + ON_CIRCLE:
         return None
@@ -150,15 +150,13 @@ def _regular(lines: Chain) -> Chain | None:
 
 
 def _on(arc: Arc, p: Point) -> bool:
-    return abs(hypot(p[0] - arc.centre[0], p[1] - arc.centre[1]) - arc.radius) < ON_CIRCLE
+    return abs(dist(p, arc.centre) - arc.radius) < ON_CIRCLE
 
 
 def _arc_of(run: list[Curve]) -> Arc | None:
     middle = run[len(run) // 2].start
     arc = arc_by_points(run[0].start, middle, run[-1].end)
-    if isinstance(arc, Arc) and all(_on(arc, c.start) for c in run):
-        return arc
-    return None
+    return arc if arc is not None and all(_on(arc, c.start) for c in run) else None
 
 
 def shape_of(chain: Chain) -> Round | Slotted | None:
@@ -172,10 +170,7 @@ def shape_of(chain: Chain) -> Round | Slotted | None:
     if any(abs(a.radius - first.radius) > ON_CIRCLE for a in arcs):
         return None
     if not lines:
-        same = all(
-            hypot(a.centre[0] - first.centre[0], a.centre[1] - first.centre[1]) < ON_CIRCLE
-            for a in arcs
-        )
+        same = all(dist(a.centre, first.centre) < ON_CIRCLE for a in arcs)
         full = abs(abs(sum(a.sweep_deg for a in arcs)) - 360.0) < 0.5
         return Round(first.centre, 2 * first.radius) if same and full else None
     sweep = {2: 180.0, 4: 90.0}.get(len(arcs))
@@ -268,8 +263,7 @@ def _rounded(before: Line, after: Line) -> Point | Arc | None:
     long = hypot(wx, wy)
     middle = (x + wx / long * deep, y + wy / long * deep)
     start, end = (x - ux * reach, y - uy * reach), (x + vx * reach, y + vy * reach)
-    arc = arc_by_points(start, middle, end)
-    return arc if isinstance(arc, Arc) else at
+    return arc_by_points(start, middle, end) or at
 
 
 def corners_of(curves: Chain) -> tuple[Corner, ...] | None:
@@ -329,15 +323,10 @@ def _meet(a: _Side, b: _Side) -> Point | None:
 
 
 def _oriented(points: list[Point], radii: list[float]) -> list[Corner]:
-    before, after = [points[-1], *points[:-1]], [*points[1:], points[0]]
-    bends = [
-        (x - ax) * (by - y) - (y - ay) * (bx - x)
-        for (ax, ay), (x, y), (bx, by) in zip(before, points, after, strict=True)
-    ]
-    area = sum(ax * y - ay * x for (ax, ay), (x, y) in zip(before, points, strict=True))
-    if area < 0:
-        found = [Corner(p, r, b > 0) for p, r, b in zip(points, radii, bends, strict=True)]
-        return found[::-1]
+    if sum(map(cross, points, [*points[1:], points[0]])) < 0:
+        points, radii = points[::-1], radii[::-1]
+    ways = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([points[-1], *points], points, strict=False)]
+    bends = map(cross, ways, [*ways[1:], ways[0]])
     return [Corner(p, r, b < 0) for p, r, b in zip(points, radii, bends, strict=True)]
 
 

@@ -2,20 +2,20 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import atan2, degrees, hypot, pi
 from typing import Any
 
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Arc, Line, Point
-from beamcam.geometry.plane import MAX_COORDINATE, Matrix, mapped, mapped_vector
+from beamcam.geometry.conics import arc_between
+from beamcam.geometry.curves import Arc, Curve, Line, Point, signed_area
+from beamcam.geometry.plane import MAX_COORDINATE, cross, normalized
 from beamcam.model.part import ProfileCode
 from beamcam.model.section import section_fault
 from beamcam.readers.ifc.classify import classify
-from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain, with_sides
+from beamcam.readers.ifc.curves2d import Chain, chain_of, points_chain
 from beamcam.readers.ifc.entities import Entity, Model, OddSection, Unreadable
-from beamcam.readers.ifc.section import Section, area_by_measures, placed, walls_of
+from beamcam.readers.ifc.section import FORMS, Section, area_by_measures, placed
 from beamcam.readers.ifc.space import IDENTITY, Frame
 
 Sizes = tuple[float, float, float, float, float]  #: height, width, flange, web and radius
@@ -68,8 +68,6 @@ def _section(model: Model, entity: Entity) -> Section:
 
 
 def _stated_section(model: Model, entity: Entity) -> Section:
-    if entity.is_a("IfcDerivedProfileDef"):
-        return _mapped(section_of(model, entity.ParentProfile), _operator(model, entity))
     if entity.is_a() in MEASURES:
         return _measured(model, entity)
     outline = outline_of(model, entity)
@@ -121,41 +119,37 @@ def _outline(model: Model, entity: Entity) -> Outline:
         radii = [0.0, 0.0, number(*FILLETS), number("TopFlangeFilletRadius", *FILLETS), 0.0, 0.0]
         half = [(b0, -h), (b0, t0 - h), (w, t0 - h), (w, h - t1), (b1, h - t1), (b1, h)]
         outer = rounded_chain(half + [(-x, y) for x, y in half[::-1]], radii + radii[::-1])
-    elif entity.is_a() in MEASURES and not entity.is_a("IfcCShapeProfileDef"):
-        return Outline(_sharp(section_of(model, entity)))
+    elif entity.is_a() in MEASURES:
+        return Outline(_drawn(section_of(model, entity), number("Girth")))
     else:
         raise Unreadable(f"a profile by {entity.is_a()}")
     frame = model.axes(entity.Position)
     return Outline(_moved(outer, frame), tuple(_moved(c, frame) for c in hollow))
 
 
-def _sharp(section: Section) -> Chain:
-    """The outline of a section's walls, without its fillets."""
-    from shapely import box, union_all
-
-    walls = union_all([
-        box(w.low, 0.0, w.high, w.width) if w.normal == "y" else box(0.0, w.low, w.width, w.high)
-        for w in walls_of(section)
-    ])  # fmt: skip
-    (ox, oy), (yx, yy), (zx, zy) = section.origin, section.y, section.z
-    return points_chain([
-        (ox + y * yx + z * zx, oy + y * yy + z * zy) for y, z in walls.exterior.coords[:-1]
-    ])  # fmt: skip
+def _drawn(section: Section, lip: float) -> Chain:
+    """The outline of a section with its fillets; of a C all of whose bends are round."""
+    s, form, (ox, oy), (yx, yy), (zx, zy) = (
+        section, FORMS[section.code], section.origin, section.y, section.z,
+    )  # fmt: skip
+    points = form.drawn(s.height, s.width, s.flange_thickness, s.web_thickness, lip)
+    outside = s.radius + s.web_thickness if s.code == "C" else 0.0
+    radii = [
+        s.radius if inner else outside * (set(at) <= set("0bh"))
+        for at, inner in zip(form.corners, form.reflex, strict=True)
+    ]
+    matrix = (zx, yx, ox), (zy, yy, oy)
+    return tuple(c.transformed(matrix) for c in rounded_chain(points, radii))
 
 
 def rounded_box(x: float, y: float, radius: float) -> Chain:
     """A rectangle about the origin with round corners; a circle or a slot where nothing is left."""
-    r = min(radius, x / 2, y / 2)
+    x, y = x / 2, y / 2
+    r, corners = min(radius, x, y), [(-x, -y), (x, -y), (x, y), (-x, y)]
     if r <= 0:
-        return points_chain([(-x / 2, -y / 2), (x / 2, -y / 2), (x / 2, y / 2), (-x / 2, y / 2)])
-    a, b = x / 2 - r, y / 2 - r
-    arcs = [
-        Arc((a, -b), r, -90.0, 90.0),
-        Arc((a, b), r, 0.0, 90.0),
-        Arc((-a, b), r, 90.0, 90.0),
-        Arc((-a, -b), r, 180.0, 90.0),
-    ]
-    return with_sides(arcs)
+        return points_chain(corners)
+    first, *rest = rounded_chain(corners, [r] * 4)
+    return (*rest, first)
 
 
 def _circle(radius: float) -> Chain:
@@ -167,12 +161,8 @@ def _circle(radius: float) -> Chain:
 def _moved(chain: Chain, by: Frame) -> Chain:
     if by is IDENTITY:
         return chain
-    matrix = _matrix(by)
+    matrix = (by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1])
     return tuple(c.transformed(matrix) for c in chain)
-
-
-def _matrix(by: Frame) -> Matrix:
-    return (by.x[0], by.y[0], by.o[0]), (by.x[1], by.y[1], by.o[1])
 
 
 def _operator(model: Model, entity: Entity) -> Frame:
@@ -180,27 +170,6 @@ def _operator(model: Model, entity: Entity) -> Frame:
     if entity.is_a("IfcMirroredProfileDef"):
         return Frame(x=(-1.0, 0.0, 0.0))
     return model.operator(entity.Operator)
-
-
-def _mapped(section: Section, by: Frame) -> Section:
-    """A section under a map that keeps its form."""
-    x, y = hypot(by.x[0], by.x[1]), hypot(by.y[0], by.y[1])
-    if abs(x - y) > 1e-6 or abs(by.x[0] * by.y[0] + by.x[1] * by.y[1]) > 1e-6 or x == 0:
-        raise Unreadable("a derived profile that is stretched unevenly")
-
-    matrix = _matrix(by)
-
-    def direction(v: Point) -> Point:
-        mapped = mapped_vector(matrix, v)
-        return mapped[0] / x, mapped[1] / x
-
-    return replace(
-        section.scaled(x),
-        origin=mapped(matrix, section.origin),
-        y=direction(section.y),
-        z=direction(section.z),
-        outline=_moved(section.outline, by),
-    ).right_way()
 
 
 def _measured(model: Model, entity: Entity) -> Section:
@@ -214,7 +183,7 @@ def _measured(model: Model, entity: Entity) -> Section:
         code, (h, b or h if code == "L" else b, tf, tw, r), model.axes(entity.Position)
     )
     if code == "C":
-        return replace(found, area=found.area + _lips(number("Girth"), tw, r))
+        found = replace(found, area=abs(signed_area(_drawn(found, number("Girth")))))
     return found
 
 
@@ -239,42 +208,17 @@ def _number(entity: Entity, mm: float, *names: str) -> float:
     return float(next((value for value in stated if value is not None), 0.0)) * mm
 
 
-def _lips(girth: float, wall: float, radius: float) -> float:
-    """Area that the lips of a cold formed channel add to its sharp area, with all its bends.
-
-    Each of its four bends is round outside too: the inner fillet is in the sharp area already for
-    two of them.
-    """
-    corner = 1 - pi / 4
-    bends = 4 * corner * (radius * radius - (radius + wall) ** 2)
-    return 2 * max(0.0, girth - wall) * wall + bends - 2 * corner * radius * radius
-
-
-def _reflex(corners: Sequence[Point], i: int) -> bool:
-    """Whether a corner of a polygon that runs counter-clockwise points inwards."""
-    (ax, ay), (bx, by), (cx, cy) = corners[i - 1], corners[i], corners[(i + 1) % len(corners)]
-    return (bx - ax) * (cy - by) - (by - ay) * (cx - bx) < 0
-
-
 def rounded_chain(corners: Sequence[Point], radii: Sequence[float]) -> Chain:
     """A polygon of right angles with each corner rounded by its radius, or sharp where it is 0."""
-    n = len(corners)
-    out: list[Any] = []
-    ends: list[tuple[Point, Point]] = []
-    for i, (p, r) in enumerate(zip(corners, radii, strict=True)):
-        before, after = corners[i - 1], corners[(i + 1) % n]
-        u, v = (_towards(p, before), _towards(p, after))
-        ends.append(((p[0] + u[0] * r, p[1] + u[1] * r), (p[0] + v[0] * r, p[1] + v[1] * r)))
-    for i, ((enter, leave), r) in enumerate(zip(ends, radii, strict=True)):
+    before, after = [corners[-1], *corners[:-1]], [*corners[1:], corners[0]]
+    out: list[Curve] = []
+    for p, a, b, r, s in zip(corners, before, after, radii, [*radii[1:], radii[0]], strict=True):
+        u, v = (normalized((q[0] - p[0], q[1] - p[1])) for q in (a, b))
+        enter, leave = (p[0] + u[0] * r, p[1] + u[1] * r), (p[0] + v[0] * r, p[1] + v[1] * r)
         if r > 0:
-            p = corners[i]
             centre = (enter[0] + leave[0] - p[0], enter[1] + leave[1] - p[1])
-            start = degrees(atan2(enter[1] - centre[1], enter[0] - centre[0]))
-            out.append(Arc(centre, r, start, -90.0 if _reflex(corners, i) else 90.0))
-        out.append(Line(leave, ends[(i + 1) % n][0]))
+            out.append(arc_between(enter, leave, centre, -cross(u, v)))
+        side = Line(leave, (b[0] - v[0] * s, b[1] - v[1] * s))
+        if side.length > 1e-9:
+            out.append(side)
     return tuple(out)
-
-
-def _towards(a: Point, b: Point) -> Point:
-    by = hypot(b[0] - a[0], b[1] - a[1])
-    return (b[0] - a[0]) / by, (b[1] - a[1]) / by

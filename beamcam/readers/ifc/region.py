@@ -1,13 +1,14 @@
 """Regions of a plane: cut and joined as fine polygons, given back as lines and arcs.
 
 Arcs become polygons whose sagitta is SAGITTA; every circle is remembered, and after cutting the
-edges that lie on it become arcs again, with the centre and radius that came in.
+edges that lie on it become arcs again, with the centre and radius that came in. Likewise facets of
+a solid whose cylinders are known.
 """
 
 from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
-from math import acos, atan2, ceil, degrees, hypot, pi, radians
+from math import acos, ceil, dist, hypot, radians
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from beamcam.budget import check_member
 from beamcam.geometry.curves import Arc, Curve, Line, Point
+from beamcam.geometry.plane import cross
 from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.curves2d import Chain
 from beamcam.readers.ifc.entities import Unreadable
@@ -27,21 +29,33 @@ MOST_POINTS = 20_000  #: of an arc's polygon; a whole circle of 40 m
 ON_CIRCLE = 2e-3
 ELLIPSE_POINTS = 180  #: on a stretch of an ellipse, which only a skew cut leaves
 FAR = 1e10  #: mm; beyond where a plane that is tilted by rounding alone crosses a wall's plane
+SAME = 1e-6  #: mm between equal circles of a solid, and between a circle and a corner that is on it
+UPRIGHT = 1e-9  #: by which the axis of a circle's cylinder may be off the plane's normal, squared
+FACET_RAD = 0.5  #: that a facet spans at most, twice the angle that the kernel is asked for
+SAME_POINT = 1e-5
+SHORTEST = 0.05  #: mm of an arc
+GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
+MIN_CELL = 1e-3  #: mm2
 TINY_AREA = 0.01  #: mm2 of a scrap that cutting leaves
 
 Shape = Any  #: a shapely polygon or a collection of them
+Circle = tuple[Point, float]
+Segments = NDArray[np.float64]  #: (n, 2, 2): start and end, each by its two coordinates
 
 
 class Circles(Struct):
-    """The circles that arcs of a member's regions lie on."""
+    """Circles that curves of a region lie on: those of arcs that became polygons, or of facets.
 
-    known: list[tuple[Point, float]] = field(default_factory=list)
+    The corners of a solid's facets lie on its surfaces, so that a chord both of whose ends are on a
+    cylinder is that cylinder's arc, with its exact radius.
+    """
 
-    def add(self, centre: Point, radius: float) -> None:
-        for (x, y), r in self.known:
-            if abs(r - radius) < 1e-4 and hypot(x - centre[0], y - centre[1]) < 1e-4:
-                return
-        self.known.append((centre, radius))
+    known: list[Circle] = field(default_factory=list)
+    facets: bool = False  #: of a solid of the kernel, as wide as a mesh has them
+
+    def add(self, centre: Point, radius: float, off: float = 1e-4) -> None:
+        if not any(abs(r - radius) < off and dist(o, centre) < off for o, r in self.known):
+            self.known.append((centre, radius))
 
 
 def points_of(chain: Chain, circles: Circles) -> list[Point]:
@@ -81,16 +95,9 @@ def half_plane(a: float, b: float, d: float) -> Shape:
     by = hypot(a, b)
     nx, ny = a / by, b / by
     ox, oy = nx * d / by, ny * d / by
-    tx, ty = -ny * FAR, nx * FAR
     ux, uy = nx * FAR, ny * FAR
-    return Polygon(
-        [
-            (ox - tx, oy - ty),
-            (ox - tx + ux, oy - ty + uy),
-            (ox + tx + ux, oy + ty + uy),
-            (ox + tx, oy + ty),
-        ]
-    )
+    return Polygon([(ox + uy, oy - ux), (ox + uy + ux, oy - ux + uy),
+                    (ox - uy + ux, oy + ux + uy), (ox - uy, oy + ux)])  # fmt: skip
 
 
 def rectangle(x0: float, y0: float, x1: float, y1: float) -> Shape:
@@ -117,123 +124,76 @@ def cleaned(shape: Shape) -> Shape:
 def chain_of_ring(ring: Any, circles: Circles) -> Chain:
     """The lines and arcs of a ring, counter-clockwise."""
     coordinates = [(float(x), float(y)) for x, y in ring.coords][:-1]
-    points = [p for i, p in enumerate(coordinates) if _apart(p, coordinates[i - 1])]
-    n = len(points)
-    if n < 3:
+    points = [p for i, p in enumerate(coordinates) if dist(p, coordinates[i - 1]) > SAME_POINT]
+    if len(points) < 3:
         return ()
-    area = sum(points[i - 1][0] * points[i][1] - points[i - 1][1] * points[i][0] for i in range(n))
-    if area < 0:
+    if sum(map(cross, points, [*points[1:], points[0]])) < 0:
         points.reverse()
+    lines = tuple(Line(p, q) for p, q in zip(points, [*points[1:], points[0]], strict=True))
+    return on_circles(lines, circles)
+
+
+def on_circles(chain: Chain, circles: Circles) -> Chain:
+    """A closed chain of lines with arcs where it follows circles, its corners kept."""
+    if circles.facets or not circles.known:
+        chain = joined(chain)  # a facet's corners are on its circle, and no points between them
     if not circles.known:
-        return joined(tuple(Line(p, points[(i + 1) % n]) for i, p in enumerate(points)))
-    on = [_circle_of(points[i], points[(i + 1) % n], circles) for i in range(n)]
-    start = next((i for i in range(n) if on[i] is None or on[i] != on[i - 1]), None)
-    if start is None and on[0] is not None:
-        centre, radius = circles.known[on[0]]
-        return (Arc(centre, radius, 0.0, 360.0),)
+        return chain
+    centres = np.array([centre for centre, _ in circles.known])
+    radii = np.array([radius for _, radius in circles.known])
+    a, b = (
+        np.array(ends)[:, None] - centres
+        for ends in zip(*((c.start, c.end) for c in chain), strict=True)
+    )
+    off = np.maximum(*(np.abs(np.hypot(e[..., 0], e[..., 1]) - radii) for e in (a, b)))
+    turns = np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2))
+    fits = (
+        (off < (SAME if circles.facets else ON_CIRCLE))
+        & (np.abs(turns) > 0)
+        & (np.abs(turns) < FACET_RAD)
+    )
+    if not circles.facets:  # of which chords are as fine as those of `points_of`
+        fits &= radii * (1 - np.cos(turns / 2)) < 2 * ON_CIRCLE
+    which = np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
+    first = int(np.argmax((which < 0) | (which != np.roll(which, 1))))
     out: list[Curve] = []
-    order = [(i + (start or 0)) % n for i in range(n)]
-    for kind, run in groupby(order, key=on.__getitem__):
-        edges = [(points[i], points[(i + 1) % n]) for i in run]
-        if kind is None:
-            out += [Line(a, b) for a, b in edges]
-        else:
-            (a, then), (_, b) = edges[0], edges[-1]
-            out.append(_arc(circles.known[kind], a, then, b))
+    for k, run in groupby(np.roll(np.arange(len(chain)), -first).tolist(), key=which.__getitem__):
+        lines = [*run]
+        i, j = lines[0], lines[-1]
+        if k < 0:
+            out += [chain[one] for one in lines]
+            continue
+        start, sweep = np.arctan2(a[i, k, 1], a[i, k, 0]), turns[lines, k].sum()
+        arc = Arc(*circles.known[k], *np.degrees((start, sweep)).clip(-360.0, 360.0).tolist())
+        # What is too short to tell from a chord is one.
+        out.append(arc if arc.length > SHORTEST else Line(chain[i].start, chain[j].end))
     return joined(tuple(out))
 
 
-def _apart(a: Point, b: Point) -> bool:
-    return hypot(a[0] - b[0], a[1] - b[1]) > 1e-5
-
-
-def _circle_of(a: Point, b: Point, circles: Circles) -> int | None:
-    """The circle that an edge is a chord of."""
-    mx, my = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-    for i, ((x, y), r) in enumerate(circles.known):
-        if (
-            abs(hypot(a[0] - x, a[1] - y) - r) < ON_CIRCLE
-            and abs(hypot(b[0] - x, b[1] - y) - r) < ON_CIRCLE
-            and abs(hypot(mx - x, my - y) - r) < 2 * ON_CIRCLE
-            and hypot(a[0] - b[0], a[1] - b[1]) <= 2 * r
-        ):
-            return i
-    return None
-
-
-def _arc(circle: tuple[Point, float], a: Point, then: Point, b: Point) -> Curve:
-    (x, y), r = circle
-    start = atan2(a[1] - y, a[0] - x)
-    way = (a[0] - x) * (then[1] - y) - (a[1] - y) * (then[0] - x)
-    end = atan2(b[1] - y, b[0] - x)
-    turn = (end - start) % (2 * pi) if way > 0 else -((start - end) % (2 * pi))
-    if abs(turn) * r < 0.05:  # too short to tell from a chord
-        return Line(a, b)
-    return Arc((x, y), r, degrees(start), degrees(turn))
-
-
 def chains_of(polygon: Any, circles: Circles) -> tuple[Chain, tuple[Chain, ...]]:
-    """The border of a polygon and its hollows, with arcs, each counter-clockwise."""
-    outer = with_arcs(chain_of_ring(polygon.exterior, circles))
-    inner = tuple(with_arcs(chain_of_ring(r, circles)) for r in polygon.interiors)
+    """The border of a polygon and its hollows, counter-clockwise, with arcs, also fitted ones."""
+    outer, *inner = (
+        with_arcs(chain_of_ring(ring, circles)) for ring in (polygon.exterior, *polygon.interiors)
+    )
     return outer, tuple(c for c in inner if c)
 
 
-# --- exact ----------------------------------------------------------------------------------------
-# Arcs of a section as the solid has them, not as a circle laid through its facets.
-#
-# The corners of a solid's facets lie on its surfaces, so that a chord both of whose ends are on a
-# cylinder is that cylinder's arc.
+def with_circles(shape: Shape, circles: Circles, exact: Circles) -> Shape:
+    """The region with arcs where its polygon follows circles; `circles` remembers them."""
+    from shapely import union_all
 
-SAME = 1e-6  #: mm between equal circles, and between a circle and a corner that is on it
-UPRIGHT = 1e-9  #: by which the axis of a circle's cylinder may be off the plane's normal, squared
-FACET_RAD = 0.5  #: that a facet spans at most, twice the angle that the kernel is asked for
-
-Circle = tuple[Point, float]
+    chains = [chains_of(p, exact) for p in getattr(shape, "geoms", (shape,)) if not p.is_empty]
+    out = [polygon_of(outer, inner, circles) for outer, inner in chains if outer]
+    return union_all(out) if out else shape
 
 
-def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> tuple[Circle, ...]:
-    """Centre (in u and v) and radius of the cylinders that run along a normal, each once."""
-    found: list[Circle] = []
+def circles_in(cylinders: Sequence[Cylinder], normal: Vec, u: Vec, v: Vec) -> Circles:
+    """The circles (in u and v) of the cylinders that run along a normal, each once."""
+    found = Circles(facets=True)
     for one in cylinders:
-        if 1.0 - dot(one.axis, normal) ** 2 > UPRIGHT:
-            continue
-        x, y = dot(one.frame.o, u), dot(one.frame.o, v)
-        if not any(
-            abs(r - one.radius) < SAME and hypot(x - p, y - q) < SAME for (p, q), r in found
-        ):
-            found.append(((x, y), one.radius))
-    return tuple(found)
-
-
-def with_exact_arcs(chain: Chain, circles: Sequence[Circle]) -> Chain:
-    """The chain with each facet of a known circle as the circle's arc, its corners kept."""
-    return joined(tuple(_exact(curve, circles) for curve in chain)) if circles else chain
-
-
-def _exact(curve: Curve, circles: Sequence[Circle]) -> Curve:
-    if not isinstance(curve, Line):
-        return curve
-    for centre, radius in circles:
-        start, end = _angle(centre, radius, curve.start), _angle(centre, radius, curve.end)
-        if start is None or end is None:
-            continue
-        turn = (end - start + pi) % (2 * pi) - pi
-        if 0.0 < abs(turn) < FACET_RAD:
-            return Arc(centre, radius, degrees(start), degrees(turn))
-    return curve
-
-
-def _angle(centre: Point, radius: float, p: Point) -> float | None:
-    """The angle in radians at which a point is on a circle; None where it is not."""
-    x, y = p[0] - centre[0], p[1] - centre[1]
-    return atan2(y, x) if abs(hypot(x, y) - radius) < SAME else None
-
-
-GRID = 1e-3  #: mm of the grid that section lines are joined on; cracks are narrower
-MIN_CELL = 1e-3  #: mm2
-
-Segments = NDArray[np.float64]  #: (n, 2, 2): start and end, each by its two coordinates
+        if 1.0 - dot(one.axis, normal) ** 2 <= UPRIGHT:
+            found.add((dot(one.frame.o, u), dot(one.frame.o, v)), one.radius, SAME)
+    return found
 
 
 def region_within(segments: Segments) -> Shape:
@@ -271,28 +231,3 @@ def _within(segments: Segments, point: Any) -> bool:
     crossed = segments[(segments[:, 0, 1] > y) != (segments[:, 1, 1] > y)]
     (ax, ay), (bx, by) = crossed[:, 0].T, crossed[:, 1].T
     return bool(np.count_nonzero(ax + (y - ay) * (bx - ax) / (by - ay) > x) % 2)
-
-
-def with_circles(shape: Shape, circles: Circles, exact: Sequence[Circle] = ()) -> Shape:
-    """The region with arcs where its polygon follows circles; `circles` remembers them."""
-    from shapely import union_all
-
-    out = []
-    for piece in getattr(shape, "geoms", (shape,)):
-        if piece.is_empty:
-            continue
-        outer, inner = arcs_of(piece, exact)
-        if outer:
-            out.append(polygon_of(outer, inner, circles))
-    return union_all(out) if out else shape
-
-
-def arcs_of(piece: Any, exact: Sequence[Circle]) -> tuple[Chain, tuple[Chain, ...]]:
-    """The border of a polygon and its hollows, with the arcs of `exact` circles and fitted ones."""
-    hollows = tuple(ring_arcs(ring, exact) for ring in piece.interiors)
-    return ring_arcs(piece.exterior, exact), tuple(c for c in hollows if c)
-
-
-def ring_arcs(ring: Any, exact: Sequence[Circle]) -> Chain:
-    """The lines and arcs of a polygon's ring, those of `exact` circles and fitted ones."""
-    return with_arcs(with_exact_arcs(chain_of_ring(ring, Circles()), exact))

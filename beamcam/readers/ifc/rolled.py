@@ -7,19 +7,18 @@ import numpy as np
 from msgspec import Struct
 from msgspec.structs import replace
 
-from beamcam.geometry.curves import Arc, Point
+from beamcam.geometry.curves import Arc
 from beamcam.readers.ifc.classify import classify
 from beamcam.readers.ifc.curves2d import Chain
-from beamcam.readers.ifc.ends import MIN_LEAN
+from beamcam.readers.ifc.cutters import MIN_LEAN
 from beamcam.readers.ifc.outline import sharpened, with_arcs
 from beamcam.readers.ifc.region import (
     Circles,
     Segments,
-    arcs_of,
     chain_of_ring,
+    chains_of,
     circles_in,
     pieces_of,
-    points_of,
     polygon_of,
     region_within,
 )
@@ -34,7 +33,7 @@ from beamcam.readers.ifc.shell import (
     segments,
     vec,
 )
-from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, unit
+from beamcam.readers.ifc.space import Frame, Vec, across, add, cross, dot, scale, size, sub, unit
 
 STATIONS = (0.5, 0.31, 0.69, 0.17, 0.83, 0.08, 0.92, 0.42, 0.58, 0.03, 0.97)
 FLAT = 0.6  #: share of its box that a flat bar with bevelled edges fills
@@ -52,7 +51,7 @@ SAME = 1e-9  #: mm between the lines of one section at two stations, from roundi
 
 
 Rough = tuple[float, Any]  #: mm between arcs and facets, and the region in which facets lie
-Best = tuple[float, Section, Chain, Any, Any]
+Best = tuple[Section, Any, Any]  #: a section, its region with its arcs, and with its facets
 
 
 class Rolled(Struct, frozen=True):
@@ -62,7 +61,7 @@ class Rolled(Struct, frozen=True):
     frame: Frame
     x0: float
     x1: float
-    outline: tuple[Point, ...]  #: (Y, Z) of the section's border
+    shape: Any  #: the section's region in (Y, Z), with its arcs
     stock: BareStock
     rise: float = 0.0  #: mm between its roundings and facets that run slantwise
 
@@ -100,20 +99,20 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
         if len(pieces) != 1:
             continue
         circles = circles_in(shell.cylinders, axis, u, v)
-        outer, inner = arcs_of(pieces[0], circles)
+        outer, inner = chains_of(pieces[0], circles)
         told = _told(outer, inner, pieces[0]) if outer else None
         if told is not None and told.code == "SO":
             box = (*extent(shell, u), *extent(shell, v))
             last = told.area
             areas.append(last)
-            if special is None or told.area > special[0] * SAME_AREA:
-                special = told.area, told, outer, pieces[0], pieces[0]
+            if special is None or told.area > special[0].area * SAME_AREA:
+                special = told, pieces[0], pieces[0]
             told = _flat(pieces[0]) if _reaches(pieces[0], box) else None
         if told is None or (told.code == "B" and told.width > 200):
             continue
-        if best is None or told.area > best[0] * SAME_AREA:
-            exact = polygon_of(outer, inner, Circles()) if circles else pieces[0]
-            best = (told.area, told, outer, exact, pieces[0])
+        if best is None or told.area > best[0].area * SAME_AREA:
+            exact = polygon_of(outer, inner, Circles()) if circles.known else pieces[0]
+            best = told, exact, pieces[0]
     slanted = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
     if slanted and not shell.cylinders:
         for side in (-1, 1):
@@ -122,7 +121,7 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
                 best, rough = skinned
                 break
     if best is None and special is not None:
-        alike = sum(area * SAME_AREA >= special[0] for area in areas)
+        alike = sum(area * SAME_AREA >= special[0].area for area in areas)
         best = special if alike > len(STATIONS) // 2 else None
     return None if best is None else _as_rolled(shell, best, rough, u, v)
 
@@ -131,31 +130,24 @@ def _as_rolled(shell: Shell, best: Best, rough: Rough | None, u: Vec, v: Vec) ->
     """The stock of the best section that stations along a shell show, in axes u and v."""
     from shapely import transform
 
-    found = best[1]
-    o = add(scale(u, found.origin[0]), scale(v, found.origin[1]))
-    y = add(scale(u, found.y[0]), scale(v, found.y[1]))
-    z = add(scale(u, found.z[0]), scale(v, found.z[1]))
-    x = cross(y, z)
-    frame = Frame(o, x, y, z)
-    x0, x1 = extent(shell, x)
-    (ox, oy), sy, sz = found.origin, found.y, found.z
-    border = tuple(
-        ((p - ox) * sy[0] + (q - oy) * sy[1], (p - ox) * sz[0] + (q - oy) * sz[1])
-        for p, q in points_of(best[2], Circles())
-    )
+    found, exact, drawn = best
+    o, y, z = (add(scale(u, p), scale(v, q)) for p, q in (found.origin, found.y, found.z))
+    frame = Frame(o, cross(y, z), y, z)
+    x0, x1 = extent(shell, frame.x)
 
     def turned(points: Any) -> Any:
         off = points - np.array(found.origin)
         return np.column_stack((off @ np.array(found.y), off @ np.array(found.z)))
 
+    shape = transform(exact, turned)
     if found.is_plain_flat:  # its edges may be bevelled all along
         found = replace(found, area=found.height * found.width)
-        return Rolled(found, frame, x0, x1, border, plain_stock(found))
-    shown = BareStock(transform(best[4], turned), float(best[3].area))
+        return Rolled(found, frame, x0, x1, shape, plain_stock(found))
+    shown = BareStock(transform(drawn, turned), float(exact.area))
     rise = 0.0
     if rough is not None:
         rise, shown = rough[0], replace(shown, rough=transform(rough[1], turned))
-    return Rolled(found, frame, x0, x1, border, shown, rise)
+    return Rolled(found, frame, x0, x1, shape, shown, rise)
 
 
 def _same(lines: Segments, others: Segments) -> bool:
@@ -217,35 +209,36 @@ def _end_section(
         bands += [Polygon([*outside[k : k + 2], *inside[k : k + 2][::-1]]) for k in range(count)]
     shape = polygon_of(outer, tuple(inner), Circles())
     told = replace(told, area=float(shape.area))
-    return (told.area, told, outer, shape, shape), (most, union_all(bands))
+    return (told, shape, shape), (most, union_all(bands))
 
 
 def round_axis(shell: Shell, along: Vec) -> Vec | None:
     """The axis of a round bar or tube near a direction, through the corners of its skin; or None.
 
-    Where facets run slantwise, as only triangles do, no edge shows it: by least squares (Gauss and
-    Newton), in six steps.
+    Where facets run slantwise, as only triangles do, no edge shows it: what lies by the line from
+    the middle of one end to that of the other is the skin, and by least squares a cylinder,
+
+        (x - p - a z)^2 + (y - q - b z)^2 = r^2,  linear in p, q, a, b and what they make with r.
     """
     if len(shell.points) != 3 * shell.count:
         return None
-    u = across(along)
-    v = cross(along, u)
-    x, y, z = (c - c.mean() for c in (coordinates(shell.points, way) for way in (u, v, along)))
-    x, y = (c - (c.min() + c.max()) / 2 for c in (x, y))
-    far = np.hypot(x, y)
-    skin = far > SKIN * far.max()
-    x, y, z = x[skin], y[skin], z[skin]
-    found = np.array([0.0, 0.0, 0.0, 0.0, float(far.max())])  # centre, slopes, radius
-    off = np.full(1, np.inf)
-    for _ in range(6):
-        dx, dy = x - found[0] - found[2] * z, y - found[1] - found[3] * z
-        r = np.hypot(dx, dy)
-        off = r - found[4]
-        slopes = np.column_stack((dx / r, dy / r, dx * z / r, dy * z / r, np.ones(len(r))))
-        found += np.linalg.lstsq(slopes, off, rcond=None)[0]
-    if np.abs(off).max() > ON_ARC:
+    middles = shell.points.reshape(-1, 3, 3).mean(axis=1)
+    ends = [end_faces(shell, along, side) for side in (-1, 1)]
+    if not all(map(len, ends)):
         return None
-    return unit(add(along, add(scale(u, float(found[2])), scale(v, float(found[3])))))
+    start, end = (vec(np.average(middles[e], axis=0, weights=shell.areas[e])) for e in ends)
+    axis = unit(sub(end, start))
+    u = across(axis)
+    v = cross(axis, u)
+    x, y, z = (coordinates(shell.points - start, way) for way in (u, v, axis))
+    far = np.hypot(x, y)
+    x, y, z = (c[far > SKIN * far.max()] for c in (x, y, z))
+    z /= (long := size(sub(end, start)))
+    rows = np.column_stack((2 * x, 2 * y, 2 * x * z, 2 * y * z, np.ones(len(z)), z, z * z))
+    p, q, a, b, *_ = np.linalg.lstsq(rows, x * x + y * y, rcond=None)[0].tolist()
+    if np.ptp(np.hypot(x - p - a * z, y - q - b * z)) > 2 * ON_ARC:
+        return None
+    return unit(add(axis, add(scale(u, a / long), scale(v, b / long))))
 
 
 def end_faces(shell: Shell, axis: Vec, side: int) -> Places:

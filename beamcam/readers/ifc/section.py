@@ -19,6 +19,7 @@ from msgspec.structs import replace
 
 from beamcam.caches import cached
 from beamcam.geometry.curves import Arc, Point, signed_area
+from beamcam.geometry.plane import cross
 from beamcam.model.part import Face, Profile, ProfileCode, SectionPoint
 from beamcam.model.section import corners
 from beamcam.readers.ifc.curves2d import Chain, box_around
@@ -128,19 +129,68 @@ def plain_stock(section: Section) -> BareStock:
     return BareStock(box(0.0, 0.0, height, thickness), height * thickness)
 
 
+Names = tuple[tuple[str, str], ...]
+
+
+class Form(Struct, frozen=True):
+    """A kind of section by the names of where its surfaces lie, and its outline without fillets.
+
+    Along Z those are 0, the greatest (b), both sides of a web (0 and w, W and b, or a and A in the
+    middle); along Y 0, the greatest (h), the inner sides of flanges (t and T), both sides of a stem
+    (s and S) and the ends of lips (g and G).
+    """
+
+    corners: Names  #: each by its names along Z and Y, counter-clockwise as drawn
+    upright: tuple[int, int]  #: the corners between which Y runs
+    webs: Names  #: the one behind v, then that behind h
+    flanges: Names
+    #: Where flanges are measured that slope, from root (0) to tip (1); None midway of the width.
+    share: float | None
+    reflex: tuple[bool, ...] = ()  #: whether each corner is an inner one
+
+    def levels(
+        self, h: float, b: float, tf: float, tw: float, lip: float = 0.0
+    ) -> tuple[dict[str, float], dict[str, float]]:
+        """Where the surfaces of a section of height, width, flange, web and lip lie, by Z and Y."""
+        across = {"0": 0.0, "b": b, "w": tw, "W": b - tw, "a": (b - tw) / 2, "A": (b + tw) / 2}
+        up = {"0": 0.0, "h": h, "t": tf, "T": h - tf, "s": (h - tf) / 2, "S": (h + tf) / 2}
+        return across, up | {"g": lip, "G": h - lip}
+
+    def drawn(self, *sizes: float) -> list[Point]:
+        """(Z, Y) of the corners for height, width, flange, web and lip."""
+        across, up = self.levels(*sizes)
+        return [(across[z], up[y]) for z, y in self.corners]
+
+
+def _form(
+    corners: str, upright: tuple[int, int], webs: str, flanges: str, share: float | None = 0.0
+) -> Form:
+    def names(text: str) -> Names:
+        return tuple((pair[0], pair[1]) for pair in text.split())
+
+    form = Form(names(corners), upright, names(webs), names(flanges), share)
+    p = form.drawn(9.0, 7.0, 1.0, 1.0, 2.0)
+    sides = [(b[0] - a[0], b[1] - a[1]) for a, b in zip([p[-1], *p], p, strict=False)]
+    bends = map(cross, sides, [*sides[1:], sides[0]])
+    return replace(form, reflex=tuple(bend < 0 for bend in bends))
+
+
+FORMS: dict[ProfileCode, Form] = {
+    "I": _form("00 b0 bt At AT bT bh 0h 0T aT at 0t", (3, 4), "aA", "Th 0t", 0.5),
+    "U": _form("00 b0 bt wt wT bT bh 0h", (0, 7), "0w", "Th 0t", None),
+    "C": _form("00 b0 bg Wg Wt wt wT WT WG bG bh 0h", (0, 11), "0w", "Th 0t"),
+    "L": _form("00 b0 bt wt wh 0h", (0, 5), "0w", "0t"),
+    "T": _form("00 w0 ws bs bS wS wh 0h", (0, 7), "0w", "sS", 1.0),
+    "B": _form("00 b0 bh 0h", (0, 3), "0b", ""),
+    "M": _form("00 b0 bh 0h", (0, 3), "Wb 0w", "Th 0t"),
+}
+
+
 def area_by_measures(
     code: ProfileCode, h: float, b: float, tf: float, tw: float, r: float
 ) -> float:
     """Area of a section in mm2; fillets add (1 - pi/4) r2 each, rounded corners take as much."""
     corner = (1 - pi / 4) * r * r
-    if code == "I":
-        return 2 * b * tf + (h - 2 * tf) * tw + 4 * corner
-    if code in ("U", "C"):
-        return 2 * b * tf + (h - 2 * tf) * tw + 2 * corner
-    if code == "L":
-        return h * tw + (b - tw) * tf + corner
-    if code == "T":
-        return h * tw + (b - tw) * tf + 2 * corner
     if code == "M":
         inner = max(0.0, r - tw)
         return h * b - (h - 2 * tf) * (b - 2 * tw) - 4 * (corner - (1 - pi / 4) * inner * inner)
@@ -148,7 +198,10 @@ def area_by_measures(
         return pi * (h - tw) * tw
     if code == "RU":
         return pi * h * h / 4
-    return h * b - 4 * corner
+    form = FORMS["U" if code == "C" else code]  # no measure gives the lips
+    p = form.drawn(h, b, tf, tw)
+    area = sum(cross(a, b) for a, b in zip(p, [*p[1:], p[0]], strict=True)) / 2
+    return area + corner * (form.reflex.count(True) or -4)
 
 
 def placed(
@@ -219,33 +272,19 @@ class Wall(Struct, frozen=True, gc=False):
 @cached("ifc.walls")
 def walls_of(section: Section) -> tuple[Wall, ...]:
     """The walls of a section; none of a round or special one."""
-    h, b, tf, tw = section.height, section.width, section.flange_thickness, section.web_thickness
-    top = Wall("o", "y", h - tf, h, b, True)
-    bottom = Wall("u", "y", 0.0, tf, b, False)
-    match section.code:
-        case "I":
-            return (Wall("v", "z", (b - tw) / 2, (b + tw) / 2, h, True), top, bottom)
-        case "U" | "C":
-            return (Wall("v", "z", 0.0, tw, h, True), top, bottom)
-        case "L":
-            return (Wall("v", "z", 0.0, tw, h, True), bottom)
-        case "T":
-            stem = Wall("o", "y", (h - tf) / 2, (h + tf) / 2, b, True)
-            return (Wall("v", "z", 0.0, tw, h, True), stem)
-        case "M":
-            front, back = Wall("v", "z", b - tw, b, h, True), Wall("h", "z", 0.0, tw, h, False)
-            return (front, back, top, bottom)
-        case "B":
-            return (Wall("v", "z", 0.0, b, h, True),)
-    return ()
+    form, h, b = FORMS.get(section.code), section.height, section.width
+    if form is None:
+        return ()
+    z, y = form.levels(h, b, section.flange_thickness, section.web_thickness)
+    return (
+        *(Wall("v", "z", z[low], z[high], h, True) for low, high in form.webs[:1]),
+        *(Wall("h", "z", z[low], z[high], h, False) for low, high in form.webs[1:]),
+        *(Wall("o", "y", y[low], y[high], b, True) for low, high in form.flanges if low != "0"),
+        *(Wall("u", "y", y[low], y[high], b, False) for low, high in form.flanges if low == "0"),
+    )
 
 
 @cached("ifc.corners")
 def corner_points(section: Section) -> tuple[tuple[float, float], ...]:
     """(Y, Z) of the outermost points of a section, in which the end cuts reach furthest."""
-    found = list(corners(section.profile(""), section.points))
-    for wall in () if section.code in ("M", "C") else walls_of(section):
-        for q in (0.0, wall.width):
-            for c in (wall.low, wall.high):
-                found.append((c, q) if wall.normal == "y" else (q, c))
-    return tuple(dict.fromkeys(found))
+    return corners(section.profile(""), section.points)

@@ -6,7 +6,7 @@
 4. What is left is cut out of the walls it touches, exactly, and shows as contours.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
 
@@ -14,15 +14,15 @@ from beamcam.errors import Source
 from beamcam.geometry.curves import Line, Point
 from beamcam.model.part import Hole, Slot
 from beamcam.readers.ifc.body import Body, Swept
-from beamcam.readers.ifc.curves2d import box_around
-from beamcam.readers.ifc.cutters import Bounded, Box3, Cutter, HalfSpace, Prism
-from beamcam.readers.ifc.ends import MIN_LEAN, End, of_plane, trim
+from beamcam.readers.ifc.curves2d import Chain
+from beamcam.readers.ifc.cutters import MIN_LEAN, Bounded, Box3, Cutter, HalfSpace, Prism, planes_of
+from beamcam.readers.ifc.ends import End, of_plane, trim
 from beamcam.readers.ifc.entities import Entity, Model, OddCut, Unreadable
 from beamcam.readers.ifc.finish import Levels, Regions, Shaped, from_regions, sawn
 from beamcam.readers.ifc.holes import Drilled, pierce
 from beamcam.readers.ifc.region import Circles, Shape, polygon_of, rectangle
 from beamcam.readers.ifc.section import Wall, corner_points, walls_of
-from beamcam.readers.ifc.space import Frame, add, cross, dot, scale, size, sub, unit
+from beamcam.readers.ifc.space import Frame, add, dot, scale, sub
 from beamcam.readers.ifc.stock import Stock, stock_of
 
 # --- trimming -------------------------------------------------------------------------------------
@@ -40,31 +40,13 @@ def end_plane(cutter: Cutter, stock: Stock, corners: Sequence[Point]) -> HalfSpa
             return None
         planes, prism = (cutter.first,), cutter.second
     elif isinstance(cutter, Prism) and cutter.shape is None:
-        planes, prism = _sides(cutter), cutter
+        planes, prism = cutter.sides, cutter
     for plane in planes:
         if abs(plane.normal[0]) > MIN_LEAN and (
             prism is None or _takes_all(prism, plane, stock, corners)
         ):
             return plane
     return None
-
-
-def _sides(cutter: Prism) -> list[HalfSpace]:
-    """The planes of a prism's flat sides and ends; normals point into the prism."""
-    f = cutter.frame
-    x0, y0, x1, y1 = box_around(cutter.outline.outer)
-    middle = f.point(((x0 + x1) / 2, (y0 + y1) / 2, 0.5))
-    sides = [(o, cross(f.x, f.y)) for o in (f.o, add(f.o, f.z))]
-    for curve in cutter.outline.outer:
-        if isinstance(curve, Line):
-            a, b = f.point((*curve.start, 0.0)), f.point((*curve.end, 0.0))
-            sides.append((a, cross(sub(b, a), f.z)))
-    planes = []
-    for at, normal in sides:
-        if size(normal) >= 1e-9:
-            way = 1.0 if dot(normal, sub(middle, at)) > 0 else -1.0
-            planes.append(HalfSpace(at, scale(unit(normal), way), cutter.where))
-    return planes
 
 
 def _takes_all(cutter: Prism, plane: HalfSpace, stock: Stock, corners: Sequence[Point]) -> bool:
@@ -134,7 +116,7 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         raise Unreadable("end cuts that leave nothing")
     holes: list[Hole | Slot] = []
     general: list[Boxed] = []
-    into = Drilled(section, walls, start, end)
+    into = Drilled(section, start, end)
     for cutter, box in rest:
         pierced = pierce(cutter, box, into, source)
         if pierced is None:
@@ -150,7 +132,17 @@ def cut(stock: Stock, cutters: Sequence[Cutter], source: Source) -> Shaped:
         raise OddCut(f"cuts other than saw cuts and holes in a section of code {section.code}")
     circles = Circles()
     regions = _left_of_walls(stock, (*starts, *ends), general, circles)
-    return from_regions(section, regions, holes, circles, source, gross, (start.sole, end.sole))
+    planes = [*start.planes, *end.planes, *_sides(stock.outline)]
+    planes += [of_plane(plane) for cutter, _ in general for plane in planes_of(cutter)]
+    return from_regions(section, regions, holes, circles, source, gross, planes)
+
+
+def _sides(outline: Chain) -> Iterator[End]:
+    """The planes of a plate's straight sides that its ends may be."""
+    for side in outline:
+        dx, dy = side.end[0] - side.start[0], side.end[1] - side.start[1]
+        if isinstance(side, Line) and abs(dy) > MIN_LEAN * side.length:
+            yield End(1, dx / dy, 0.0, side.start[0] - side.start[1] * dx / dy)
 
 
 def _left_of_walls(

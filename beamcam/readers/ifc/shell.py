@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from beamcam.budget import check_member
 from beamcam.readers.ifc.brep import Cylinder
 from beamcam.readers.ifc.region import (
-    Circle,
     Circles,
     Segments,
     Shape,
@@ -31,6 +30,7 @@ MIN_EDGES = 8  #: along a straight piece, each counted from both faces that meet
 MIN_KINK_DEG = 1.0  #: less is how the facets of a round lie
 MOST_KINK_DEG = 75.0  #: more is a corner of the section
 MIN_KINK = 0.25  #: of the edges' length of the longer piece
+MOST_PLANES = 32  #: that an end is looked for in
 MIN_AREA = 1e-9  #: mm2 of a face
 MIN_EDGE = 1e-6  #: mm of an edge that has a direction
 
@@ -101,6 +101,20 @@ class Shell(Struct, frozen=True, eq=False):
         normals = area_normals(points, self.rings)
         return replace(self, points=points, area_normals=normals, cylinders=cylinders)
 
+    def planes_across(self, axis: Vec, least: float) -> list[tuple[Vec, Vec]]:
+        """Point and normal of the planes that hold most of the shell's area, the first the most.
+
+        Only of those whose normal has `least` along a unit vector.
+        """
+        areas = self.areas
+        faces = np.flatnonzero(np.abs(coordinates(self.area_normals, axis)) > least * areas)
+        faces = faces[np.argsort(-areas[faces], kind="stable")]
+        points, ways = self.firsts[faces], self.area_normals[faces] * (1 / areas[faces])[:, None]
+        rows = np.column_stack((ways.round(4), dots(points, ways).round(1)))
+        _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+        most = np.argsort(-np.bincount(group.ravel(), areas[faces], len(first)), kind="stable")
+        return [(vec(points[k]), vec(ways[k])) for k in first[most[:MOST_PLANES]]]
+
     def slice(self, wall: Wall, c: float, circles: Circles) -> Shape:
         """The shell's section by the wall's plane at `c`, its arcs found again."""
         return with_circles(self.raw_slice(wall, c), circles, self.circles(wall))
@@ -110,7 +124,7 @@ class Shell(Struct, frozen=True, eq=False):
         n = wall.direction
         return section(self, scale(n, c), n, ALONG, wall.across)
 
-    def circles(self, wall: Wall) -> tuple[Circle, ...]:
+    def circles(self, wall: Wall) -> Circles:
         """The circles in which the shell's cylinders go through a wall."""
         return circles_in(self.cylinders, wall.direction, ALONG, wall.across)
 
@@ -156,7 +170,7 @@ def _kept(
 def area_normals(points: Points, rings: Rings) -> Points:
     """The normal of each face times its area, hollows taken off whichever way they run."""
     off = points - points[rings.start][rings.ring]
-    twice = crosses(off[rings.before], off)
+    twice = np.cross(off[rings.before], off)
     count = len(rings.face)
     by_ring = np.column_stack([np.bincount(rings.ring, column, count) for column in twice.T]) / 2
     borders = rings.borders
@@ -199,14 +213,8 @@ def dots(a: Points, b: Points) -> Numbers:
     return found
 
 
-def crosses(a: Points, b: Points) -> Points:
-    (ax, ay, az), (bx, by, bz) = a.T, b.T
-    return np.column_stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
-
-
 def lengths(vectors: Points) -> Numbers:
-    x, y, z = vectors.T
-    found: Numbers = np.sqrt(x * x + y * y + z * z)
+    found: Numbers = np.linalg.norm(vectors, axis=1)
     return found
 
 
@@ -228,7 +236,7 @@ def segments(shell: Shell, at: Vec, normal: Vec, u: Vec, v: Vec) -> Segments:
     hits = points[down] + (points[up] - points[down]) * share[:, None]
     # The plane goes into a face and out of it by turns, along the line in which they meet.
     face = rings.face[rings.ring[after]]
-    ways = crosses(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
+    ways = np.cross(shell.area_normals[face], np.broadcast_to(np.array(normal), hits.shape))
     order = np.lexsort((dots(hits, ways), face))
     flat = np.column_stack((coordinates(hits, u), coordinates(hits, v)))[order] + 0.0
     lines: Segments = flat.reshape(-1, 2, 2)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from beamcam.geometry.curves import Arc, Line, Point
 from beamcam.readers.ifc.brep import Cylinder
-from beamcam.readers.ifc.region import circles_in, with_exact_arcs
+from beamcam.readers.ifc.region import Circles, circles_in, on_circles
 from beamcam.readers.ifc.space import Frame
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -35,7 +35,7 @@ def test_facets_of_any_length_are_one_arc(
     far = (centre[0] + 3 * radius, centre[1] + 3 * radius)
     ring = [*points, far]
     chain = tuple(Line(p, ring[(i + 1) % len(ring)]) for i, p in enumerate(ring))
-    found = with_exact_arcs(chain, [(centre, radius)])
+    found = on_circles(chain, Circles([(centre, radius)], facets=True))
     assert [type(c) for c in found] == [Arc, Line, Line]
     (arc, *_) = found
     assert isinstance(arc, Arc)
@@ -50,8 +50,8 @@ def test_what_is_no_facet_of_the_circle_stays() -> None:
     side = Line(on((0, 0), 10, 0), on((0, 0), 10, 40))  # wider than any facet
     off = Line(on((0, 0), 10.001, 0), on((0, 0), 10.001, 10))
     for line in (side, off):
-        assert with_exact_arcs((line,), [circle]) == (line,)
-        assert with_exact_arcs((line,), []) == (line,)
+        assert on_circles((line,), Circles([circle], facets=True)) == (line,)
+        assert on_circles((line,), Circles()) == (line,)
 
 
 def test_circles_are_those_square_to_the_normal_each_once() -> None:
@@ -60,5 +60,5 @@ def test_circles_are_those_square_to_the_normal_each_once() -> None:
     lying = Cylinder(Frame((3.0, 4.0, 9.0), Y, Z, X), 5.0)
     wider = Cylinder(Frame((3.0, 4.0, 9.0), X, Y, Z), 6.0)
     every = (upright, turned, lying, wider)
-    assert circles_in(every, Z, X, Y) == (((3.0, 4.0), 5.0), ((3.0, 4.0), 6.0))
-    assert circles_in(every, X, Y, Z) == (((4.0, 9.0), 5.0),)
+    assert circles_in(every, Z, X, Y).known == [((3.0, 4.0), 5.0), ((3.0, 4.0), 6.0)]
+    assert circles_in(every, X, Y, Z).known == [((4.0, 9.0), 5.0)]
