@@ -51,8 +51,8 @@ class AskError(BeamcamError):
 
 def check_asked(job: object = "JOB", bar: object = None, skips: object = ()) -> None:
     """Raise AskError for a job's name, a bar or names of skips that cannot be meant."""
-    if said := tuple(_faults(job, bar, skips)):
-        raise AskError(said)
+    if diagnostics := tuple(_faults(job, bar, skips)):
+        raise AskError(diagnostics)
 
 
 def expected_job(job: str) -> str:
@@ -109,12 +109,12 @@ def parts_asked(parts: Part | Iterable[Part]) -> tuple[Part, ...]:
         parts = (parts,)
     if isinstance(parts, str | bytes) or not isinstance(parts, Iterable):
         raise AskError(ask_type("parts", parts, "a Part, or several"))
-    found = tuple(parts)
-    for part in found:
+    all_parts = tuple(parts)
+    for part in all_parts:
         if not isinstance(part, Part):
             raise AskError(ask_type("parts", part, "a Part, or several"))
         _check_numbers(part)
-    return found
+    return all_parts
 
 
 def machine_of(machine: AnyMachine) -> Machine:

@@ -54,9 +54,9 @@ def limits() -> Limits:
     return _InForce.limits
 
 
-def set_limits(wanted: Limits) -> None:
+def set_limits(limits: Limits) -> None:
     """Let other limits hold from now on, in this process."""
-    _InForce.limits = wanted
+    _InForce.limits = limits
 
 
 def begin_member() -> None:

@@ -163,5 +163,5 @@ class PerObjectAndKey(Generic[Key, Other, Value]):
 
     def __call__(self, one: Key, key: Other) -> Value:
         known = self._known(one)
-        found = known.get(key)
-        return known.keep(key, self._make(one, key)) if found is None else found
+        value = known.get(key)
+        return known.keep(key, self._make(one, key)) if value is None else value

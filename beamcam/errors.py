@@ -99,19 +99,19 @@ def _plain(value: object) -> Value:
 def first_of_each_kind(diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
     """The first `MAX_OF_A_KIND` of each code, and at the end how many more there are of it."""
     counts: dict[str, int] = {}
-    for said in diagnostics:
-        counts[said.code] = counts.get(said.code, 0) + 1
-        if counts[said.code] <= MAX_OF_A_KIND:
-            yield said
+    for diagnostic in diagnostics:
+        counts[diagnostic.code] = counts.get(diagnostic.code, 0) + 1
+        if counts[diagnostic.code] <= MAX_OF_A_KIND:
+            yield diagnostic
     for code, count in counts.items():
         if count > MAX_OF_A_KIND:
             yield MORE.at(Source("beamcam"), found=count - MAX_OF_A_KIND, code=code, of=count)
 
 
-def add_few(said: list[Diagnostic], one: Diagnostic) -> None:
+def add_few(diagnostics: list[Diagnostic], one: Diagnostic) -> None:
     """Add a message to those of a program, unless `MAX_OF_A_PROGRAM` of its code are there."""
-    if sum(d.code == one.code for d in said) < MAX_OF_A_PROGRAM:
-        said.append(one)
+    if sum(d.code == one.code for d in diagnostics) < MAX_OF_A_PROGRAM:
+        diagnostics.append(one)
 
 
 def error(code: str, message: str, reason: str) -> Rule:

@@ -40,9 +40,9 @@ def chain_of(request: Request, machines: Sequence[Machine]) -> tuple[Link, ...]:
     """
     (part,) = request.parts
     for count in range(1, min(len(machines), LONGEST) + 1):
-        found = next(_chains(request, part, machines, count), ())
-        if found:
-            return found
+        links = next(_chains(request, part, machines, count), ())
+        if links:
+            return links
     return ()
 
 
@@ -180,10 +180,10 @@ def on_best_machine(
     """
     if request.skips and len(machines) > 1:
         with suppress(PlanError):
-            best, said = _best(replace(request, skips=()), machines, attempt)
-            return attempt(replace(request, machine=best.machine)), said
-    best, said = _best(request, machines, attempt)
-    return best.made, said
+            best, diagnostics = _best(replace(request, skips=()), machines, attempt)
+            return attempt(replace(request, machine=best.machine)), diagnostics
+    best, diagnostics = _best(request, machines, attempt)
+    return best.made, diagnostics
 
 
 def _best(
@@ -209,7 +209,7 @@ def _best(
         raise PlanError(none_makes_it(refused, source))
     best = min(able, key=lambda one: one.rank)  # the first of equal ones
     others = [str(one) for one in able if one is not best]
-    others += [f"{machine.name} cannot: {_codes(said)}" for machine, said in refused]
+    others += [f"{machine.name} cannot: {_codes(diagnostics)}" for machine, diagnostics in refused]
     return best, (CHOSEN.at(source, found=best, others="; ".join(others)),) if others else ()
 
 
@@ -220,9 +220,9 @@ def none_makes_it(
     least = min(refused, key=lambda one: len(errors_in(one[1])))[1]
     if len(refused) == 1:
         return tuple(least)
-    found = "; ".join(f"{machine.name}: {_codes(said)}" for machine, said in refused)
+    found = "; ".join(f"{machine.name}: {_codes(diagnostics)}" for machine, diagnostics in refused)
     return (*least, NONE_MAKES_IT.at(source, found=found))
 
 
-def _codes(said: Iterable[Diagnostic]) -> str:
-    return ", ".join(dict.fromkeys(one.code for one in errors_in(said)))
+def _codes(diagnostics: Iterable[Diagnostic]) -> str:
+    return ", ".join(dict.fromkeys(one.code for one in errors_in(diagnostics)))

@@ -60,37 +60,39 @@ def load_proved(name: str) -> Machine:
 def proof_faults(machine: Machine) -> tuple[WordFault, ...]:
     """What the read-back refuses of the program of a small part, by the words that wrote it."""
     for part in _parts(machine):
-        asked = Job(Request((part,), machine, SKIP_NAMES, _NAME), (0,))
+        job = Job(Request((part,), machine, SKIP_NAMES, _NAME), (0,))
         try:
-            written = _written(asked)
+            written = _written(job)
         except PlanError:
             continue  # the next one asks for less
-        if carries_head(asked) and head_of(beginning(written)) is None:
+        if carries_head(job) and head_of(beginning(written)) is None:
             text = machine.words.comment
             expected = "a comment with {text}, for the head"
             return (fault_in("words.comment", text, repr(text), expected),)
-        said = errors_in(post_of(machine).verify(written, asked))
+        diagnostics = errors_in(post_of(machine).verify(written, job))
         lines = written.splitlines() if isinstance(written, str) else []
-        return tuple(_fault(one, lines, machine) for one in said)
+        return tuple(_fault(one, lines, machine) for one in diagnostics)
     return ()
 
 
 _faults = PerObject("machine.proof", proof_faults)
 
 
-def _written(asked: Job) -> Written:
-    post = post_of(asked.machine)
-    plan = post.plan(asked)
+def _written(job: Job) -> Written:
+    post = post_of(job.machine)
+    plan = post.plan(job)
     by_hand = sum(1 for _ in by_hand_sources(plan))
-    head = tuple(head_lines(asked, plan, left_out_kinds(plan), by_hand))
-    return post.emit(post.with_head(post.motion(plan, asked.machine, _NAME), head), asked)
+    head = tuple(head_lines(job, plan, left_out_kinds(plan), by_hand))
+    return post.emit(post.with_head(post.motion(plan, job.machine, _NAME), head), job)
 
 
-def _fault(said: Diagnostic, lines: list[str], machine: Machine) -> WordFault:
-    line = said.source.line
-    block = lines[line - 1] if said.source.file == _NAME and line and line <= len(lines) else ""
+def _fault(diagnostic: Diagnostic, lines: list[str], machine: Machine) -> WordFault:
+    line = diagnostic.source.line
+    block = (
+        lines[line - 1] if diagnostic.source.file == _NAME and line and line <= len(lines) else ""
+    )
     key, text = _template_of(block, machine)
-    return key, text, said.message
+    return key, text, diagnostic.message
 
 
 def _template_of(block: str, machine: Machine) -> tuple[str, str]:

@@ -69,7 +69,7 @@ class Posted(Struct, frozen=True):
     @property
     def leaves_out(self) -> bool:
         """Whether a feature of the parts is missing from the program, allowed or left to hand."""
-        return any(said.code in NOT_MADE for said in self.remarks)
+        return any(diagnostic.code in NOT_MADE for diagnostic in self.remarks)
 
     def pieces(self) -> Iterable[bytes]:
         """Content of the file."""
@@ -124,11 +124,15 @@ def judged(reading: Reading, strict: bool) -> Reading:
     return replace(reading, diagnostics=tuple(map(as_error, reading.diagnostics)))
 
 
-def as_error(said: Diagnostic) -> Diagnostic:
+def as_error(diagnostic: Diagnostic) -> Diagnostic:
     """A warning as an error; anything else as it is, also what the user or the machine allows."""
-    if said.code in NOT_MADE:
-        return said
-    return replace(said, severity=Severity.ERROR) if said.severity is Severity.WARNING else said
+    if diagnostic.code in NOT_MADE:
+        return diagnostic
+    return (
+        replace(diagnostic, severity=Severity.ERROR)
+        if diagnostic.severity is Severity.WARNING
+        else diagnostic
+    )
 
 
 def parts_of(
@@ -139,13 +143,13 @@ def parts_of(
     `parts_in` says what the parts of a reading are, where that is not just `parts`.
     """
     parts: list[Part] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for reading in readings:
         parts += reading.parts if parts_in is None else parts_in(reading)
-        said += reading.diagnostics
-    if errors_in(said):
-        raise ReadError(said)
-    return tuple(parts), tuple(said)
+        diagnostics += reading.diagnostics
+    if errors_in(diagnostics):
+        raise ReadError(diagnostics)
+    return tuple(parts), tuple(diagnostics)
 
 
 def counted(reading: Reading) -> Sequence[Part]:
@@ -163,7 +167,7 @@ def sound(reading: Reading) -> Reading:
     Errors of a model name their members, which are parts of their own; in any other file they
     refuse all of it.
     """
-    refused = {said.source.where for said in errors_in(reading.diagnostics)}
+    refused = {diagnostic.source.where for diagnostic in errors_in(reading.diagnostics)}
     if not refused:
         return reading
     is_model = reading.format == "ifc"
@@ -197,15 +201,15 @@ def by_told_bar(
         return verify(job)
     if job.bar is not None:
         return (*other_bar(head, job.bar, job.request.name), *verify(job))
-    said = [one for one in verify(job) if one.code != BAR_NEEDED.code]
-    return tuple(dict.fromkeys((*said, *verify(replace(job, bar=head.bar)))))
+    diagnostics = [one for one in verify(job) if one.code != BAR_NEEDED.code]
+    return tuple(dict.fromkeys((*diagnostics, *verify(replace(job, bar=head.bar)))))
 
 
 def whole_job(request: Request, bar: float | None = None) -> Job:
     """All that a request asks for as one program. Raises LimitError for too many pieces."""
-    wanted = pieces_asked(request)
-    check_pieces((part.source, wanted[place]) for place, part in enumerate(request.parts))
-    return Job(request, tuple(wanted.elements()), bar)
+    counts = pieces_asked(request)
+    check_pieces((part.source, counts[place]) for place, part in enumerate(request.parts))
+    return Job(request, tuple(counts.elements()), bar)
 
 
 def post(
@@ -333,8 +337,11 @@ def posting(job: Job, plan: AnyPlan) -> Generator[str, None, Posted]:
     yield "printed the program"
     said: tuple[Diagnostic, ...] = ()
     if request.verified:
-        found = kind.verify(written, job)
-        said = (*other_than_planned(plan, found, job), *head_differences(job, plan, written, found))
+        diagnostics = kind.verify(written, job)
+        said = (
+            *other_than_planned(plan, diagnostics, job),
+            *head_differences(job, plan, written, diagnostics),
+        )
         yield "read the program back"
         if errors_in(said):
             raise RefusedProgram(said, written)

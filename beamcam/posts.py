@@ -131,8 +131,8 @@ def trigger_post() -> Post:
         try:
             return simotion.emit(program, job.machine, job.request.style)
         except simotion.ChainError as error:
-            said = CHAIN.at(job.parts[0].source, found=error.found, expected=error.expected)
-            raise PlanError(said) from error
+            diagnostic = CHAIN.at(job.parts[0].source, found=error.found, expected=error.expected)
+            raise PlanError(diagnostic) from error
 
     def read_back(program: Written, job: Job) -> tuple[Diagnostic, ...]:
         text = _text(program)
@@ -219,8 +219,8 @@ def _plan_sheet(job: Job) -> SheetPlan:
     machine = job.machine
     _refuse_begun(job)
     plan = plan_sheet(laid(job.parts, machine.torch), machine, job.request.skips)
-    told = laid_otherwise(job.parts, machine.torch)
-    return replace(plan, remarks=(*told, *plan.remarks)) if told else plan
+    diagnostics = laid_otherwise(job.parts, machine.torch)
+    return replace(plan, remarks=(*diagnostics, *plan.remarks)) if diagnostics else plan
 
 
 def _of_asked(
@@ -232,9 +232,9 @@ def _of_asked(
     """
     from beamcam.checks.sheets.asked_layout import as_asked
 
-    parts, said = as_asked(job.parts, job.machine.torch)
-    if said:
-        return tuple(said)
+    parts, diagnostics = as_asked(job.parts, job.machine.torch)
+    if diagnostics:
+        return tuple(diagnostics)
     w = job.request
     head = begin if carries_head(job) else ""
     return verify(program, parts, job.machine, w.skips, w.name, head)

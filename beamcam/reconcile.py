@@ -31,7 +31,7 @@ Place = tuple[float, ...]  #: x, y and height
 
 
 def other_than_planned(
-    plan: AnyPlan, found: Iterable[Diagnostic], job: Job
+    plan: AnyPlan, diagnostics: Iterable[Diagnostic], job: Job
 ) -> Iterator[Diagnostic]:
     """What the read-back found; what is not made only where the plan says otherwise.
 
@@ -43,27 +43,30 @@ def other_than_planned(
     missing: list[tuple[str, Source]] = []
     refused = False
     moved: list[Diagnostic] = []
-    for said in found:
-        if said.code in (MISSING.code, FOR_HAND.code):
-            missing.append((said.code, said.source))
-        elif said.code == MOVED.code:
-            moved.append(said)
-        elif said.code == UNCUT.code:
-            yield from _untold(plan, said)
-        elif said.code == HEAD_TEXT.code:  # which was written for these very parts
+    for diagnostic in diagnostics:
+        if diagnostic.code in (MISSING.code, FOR_HAND.code):
+            missing.append((diagnostic.code, diagnostic.source))
+        elif diagnostic.code == MOVED.code:
+            moved.append(diagnostic)
+        elif diagnostic.code == UNCUT.code:
+            yield from _untold(plan, diagnostic)
+        elif diagnostic.code == HEAD_TEXT.code:  # which was written for these very parts
             refused = True
-            yield replace(said, severity=Severity.ERROR)
-        elif said.code == BAR_NEEDED.code and isinstance(plan, Plan):
-            if float(said["found"]) > plan.bar.length + job.machine.format.resolution + TOLD_BAR:
+            yield replace(diagnostic, severity=Severity.ERROR)
+        elif diagnostic.code == BAR_NEEDED.code and isinstance(plan, Plan):
+            if (
+                float(diagnostic["found"])
+                > plan.bar.length + job.machine.format.resolution + TOLD_BAR
+            ):
                 expected = f"{plan.bar.length:.3f}"
-                yield BAR_TOLD.at(said.source, found=said["found"], expected=expected)
+                yield BAR_TOLD.at(diagnostic.source, found=diagnostic["found"], expected=expected)
         else:
-            refused = refused or said.severity is Severity.ERROR
-            yield said
+            refused = refused or diagnostic.severity is Severity.ERROR
+            yield diagnostic
     if refused:  # what is missing may not have been looked for
         return
     hand = [*by_hand_sources(plan)]
-    told = [said for said in plan.remarks if said.code == TEXT_MOVED.code]
+    told = [diagnostic for diagnostic in plan.remarks if diagnostic.code == TEXT_MOVED.code]
     named = [(MISSING.code, source) for source in left_out_sources(plan)]
     named += [(FOR_HAND.code, source) for source in hand]
     if not (told or moved or missing or named):  # as of nearly every plan
@@ -87,21 +90,23 @@ def _untold(plan: AnyPlan, uncut: Diagnostic) -> Iterator[Diagnostic]:
     """An error for waste that stays in a corner of a contour, unless the plan reports it."""
     from beamcam.planning.contours.rules import LEFT
 
-    told = [d for d in plan.remarks if d.code == LEFT.code]
+    diagnostics = [d for d in plan.remarks if d.code == LEFT.code]
     place = uncut["x"], uncut["y"]
-    if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in told):
+    if not any(d.source == uncut.source or (d["x"], d["y"]) == place for d in diagnostics):
         yield UNCUT_TOLD.at(uncut.source, **dict(uncut.values))
 
 
 def head_differences(
-    job: Job, plan: AnyPlan, written: Written, found: Sequence[Diagnostic]
+    job: Job, plan: AnyPlan, written: Written, diagnostics: Sequence[Diagnostic]
 ) -> Iterable[Diagnostic]:
-    """Differences of a program's head from the job and from what its read-back `found`."""
+    """Differences of a program's head from the job and from what its read-back said."""
     if not carries_head(job):
         return ()
     told_bar = isinstance(plan, Plan) and job.machine.saw is not None
     bar = plan.bar.length if isinstance(plan, Plan) and told_bar else None
-    missing, by_hand = (sum(one.code == of.code for one in found) for of in (MISSING, FOR_HAND))
+    missing, by_hand = (
+        sum(one.code == of.code for one in diagnostics) for of in (MISSING, FOR_HAND)
+    )
     return head_faults(head_of(beginning(written)), job, bar, missing, by_hand)
 
 
@@ -145,7 +150,7 @@ def stand_ins(parts: Sequence[Part]) -> dict[Source, Source]:
 
 
 def other_places(
-    told: Iterable[Diagnostic], found: Iterable[Diagnostic], alike: Mapping[Source, Source],
+    told: Iterable[Diagnostic], diagnostics: Iterable[Diagnostic], alike: Mapping[Source, Source],
     by_hand: Collection[Source],
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Texts that are found moved elsewhere than the plan tells, or of which it tells nothing.
@@ -154,9 +159,9 @@ def other_places(
     are alike these are is not to be told from a program either.
     """
     groups: dict[tuple[Source, str], tuple[list[_LetteredAt], list[_LetteredAt]]] = {}
-    for which, messages in enumerate((told, found)):
-        for said in messages:
-            one = _lettered_at(said)
+    for which, messages in enumerate((told, diagnostics)):
+        for diagnostic in messages:
+            one = _lettered_at(diagnostic)
             group = alike.get(one.source, one.source), one.letters
             groups.setdefault(group, ([], []))[which].append(one)
     left = {alike.get(source, source) for source in by_hand}
@@ -186,10 +191,10 @@ def _differences(
         yield TEXT_TOLD.at(one.source, found="elsewhere", expected=one)
 
 
-def _lettered_at(said: Diagnostic) -> _LetteredAt:
+def _lettered_at(diagnostic: Diagnostic) -> _LetteredAt:
     """The place of a text in a message, of a plan or of the read-back."""
     at, wanted = (
-        tuple(float(said[f"{which}{name}"]) for name in ("x", "y", "height"))
+        tuple(float(diagnostic[f"{which}{name}"]) for name in ("x", "y", "height"))
         for which in ("", "wanted_")
     )
-    return _LetteredAt(said.source, at, wanted, str(said["text"]))
+    return _LetteredAt(diagnostic.source, at, wanted, str(diagnostic["text"]))

@@ -211,9 +211,9 @@ def faults_of_sheet_rest(
     """
     request = job.request
     named = replace(job, request=replace(request, name=whole_name))
-    said = post_of(job.machine).verify(whole, named)
-    if errors_in(said):
-        return said
+    diagnostics = post_of(job.machine).verify(whole, named)
+    if errors_in(diagnostics):
+        return diagnostics
     return rest_faults(
         whole, rest, first, job.parts, job.machine, request.skips, request.name, whole_name
     )

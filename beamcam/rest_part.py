@@ -134,10 +134,10 @@ def stages_of(request: Request, chain: Sequence[Link], target: Target) -> Iterat
         if k == len(chain):
             yield Stage(posted)
             return
-        found = rest_of_part(posted, target)
-        if found is None:
+        rest = rest_of_part(posted, target)
+        if rest is None:
             raise AssertionError("a machine of a chain leaves nothing")
-        part, text = found
+        part, text = rest
         yield Stage(posted, text, len(part.features))
 
 

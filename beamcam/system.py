@@ -96,9 +96,9 @@ def cores() -> int:
     return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
 
 
-def max_workers(wanted: int) -> int:
+def max_workers(count: int) -> int:
     """As many of the workers as one process can wait for."""
-    return min(wanted, MAX_WORKERS_WINDOWS) if is_windows() else wanted
+    return min(count, MAX_WORKERS_WINDOWS) if is_windows() else count
 
 
 def stop_signals() -> tuple[int, ...]:
@@ -206,9 +206,9 @@ NEVER = Asked()  #: for work that is not interrupted
 @contextmanager
 def asked_to_end() -> Iterator[Asked]:
     """The flag that Ctrl-C and the system set meanwhile, where they are not ignored."""
-    asked = Asked()
-    with _handled({n: asked.hear for n in _numbers() if signal.getsignal(n) != signal.SIG_IGN}):
-        yield asked
+    interrupt = Asked()
+    with _handled({n: interrupt.hear for n in _numbers() if signal.getsignal(n) != signal.SIG_IGN}):
+        yield interrupt
 
 
 @contextmanager

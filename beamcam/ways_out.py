@@ -58,14 +58,14 @@ _READING: Mapping[str, Sequence[tuple[str, Mapping[str, object]]]] = {
 
 
 def ways_to_read(
-    said: Iterable[Diagnostic], read: Callable[..., Reading], strict: bool
+    diagnostics: Iterable[Diagnostic], read: Callable[..., Reading], strict: bool
 ) -> Iterator[Diagnostic]:
     """A note behind the errors of a file that was not read: the option that helps, if there is one.
 
     `read` takes the file's path and options of its reader. Of a file with members that were read
     nothing is said.
     """
-    wrong = errors_in(said)
+    wrong = errors_in(diagnostics)
     if not wrong or strict or any(one.code.startswith(("plan-", "ifc-")) for one in wrong):
         return
     source = Source(wrong[0].source.file)
@@ -147,7 +147,7 @@ def _options(
         one for one, why in answers
         if isinstance(why, BeamcamError) and any(d.code in _SKIPPED for d in why.diagnostics)
     ]  # fmt: skip
-    found = [*_first(map(search.by_thickness, on))] or [
+    options = [*_first(map(search.by_thickness, on))] or [
         *_first(map(search.by_placing, on)), *elsewhere,
         *_first(search.by_map(one) for one, codes in refused if UNMAPPED.code in codes),
         *_first(map(search.by_gap, open_ones)), *search.by_switch(touching, "common_cuts"),
@@ -157,11 +157,11 @@ def _options(
         *_first(map(search.by_bar, on)), *_first(map(search.by_turning, on)),
         *search.one_by_one(on),
     ]  # fmt: skip
-    if not found:
-        found = [*search.by_switch(open_ones, "allow_open")]
-    if not found and read is not None:
-        found = [*search.by_units(on, read)]
-    return found
+    if not options:
+        options = [*search.by_switch(open_ones, "allow_open")]
+    if not options and read is not None:
+        options = [*search.by_units(on, read)]
+    return options
 
 
 def _first(found: Iterable[Iterator[str]]) -> Iterator[str]:
@@ -302,7 +302,7 @@ class _Search:
 
         A kind that one of them makes is not named.
         """
-        found: list[tuple[int, int, str]] = []
+        ranked: list[tuple[int, int, str]] = []
         for k, request in enumerate((*on, *others)):
             plan = self.made(replace(request, skips=SKIP_NAMES))
             if plan is None:
@@ -311,8 +311,8 @@ class _Search:
             names = tuple(sorted({*request.skips, *(left & {*SKIP_NAMES})}))
             if names and self.made(replace(request, skips=names)) is not None:
                 elsewhere = f" --machine {request.machine.name}" if k >= len(on) else ""
-                found.append((len(names), k, f"--allow-skips {','.join(names)}{elsewhere}"))
-        yield from (words for _, _, words in sorted(found)[:1])
+                ranked.append((len(names), k, f"--allow-skips {','.join(names)}{elsewhere}"))
+        yield from (words for _, _, words in sorted(ranked)[:1])
 
     def by_bar(self, request: Request) -> Iterator[str]:
         """The shortest bar that would do, where the parts are refused for their bar."""

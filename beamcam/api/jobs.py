@@ -70,13 +70,15 @@ def load(
 
     loaded = machine_of(machine)
     tables: dict[str, Any] = {"sheet": sheet, "map": map or {}, "tolerances": tolerances or {}}
-    asked = converted({**tables, "corner": corner}, ConfigFile)
-    config = Config(loaded.name, sheet=asked.sheet, map=asked.map, tolerances=asked.tolerances)
+    settings = converted({**tables, "corner": corner}, ConfigFile)
+    config = Config(
+        loaded.name, sheet=settings.sheet, map=settings.map, tolerances=settings.tolerances
+    )
     if config.tolerances:
         from beamcam.config.values import with_tolerances
 
         loaded = with_tolerances(loaded, config)
-    loaded = with_corner(loaded, asked.corner)
+    loaded = with_corner(loaded, settings.corner)
     if not (config.map or sheet):
         return loaded
     from beamcam.machine.overlay import with_torch
@@ -121,8 +123,8 @@ def _reader_options(asked: ReadOptions) -> dict[str, object]:
         try:
             "a".encode(values.encoding)
         except (LookupError, UnicodeError) as error:
-            said = ASK_VALUE.at(Source("beamcam"), name="encoding", fault=str(error))
-            raise AskError(said) from error
+            diagnostic = ASK_VALUE.at(Source("beamcam"), name="encoding", fault=str(error))
+            raise AskError(diagnostic) from error
     names = ("units", "width", "encoding", "layers", "letters", "fit", "wrap")
     given = {name: value for name in names if (value := getattr(values, name)) not in (None, ())}
     from beamcam.model.request import Options, Selection
@@ -195,11 +197,13 @@ def post(
     """
     check_flags(read_back=read_back, turn=turn, strict=strict)
     check_asked(job, bar, skips)
-    loaded, wanted = machine_of(machine), parts_asked(parts)
+    loaded, all_parts = machine_of(machine), parts_asked(parts)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
     check_text("date", date)
-    posted = post_bar(wanted, loaded, job, bar, skips, read_back, order, turn, strict, style, date)
+    posted = post_bar(
+        all_parts, loaded, job, bar, skips, read_back, order, turn, strict, style, date
+    )
     if from_contour is not None:
         from beamcam.remainder import rest_of_sheet
 
@@ -259,17 +263,17 @@ def verify(
     if solid and (from_operation is not None or from_contour is not None):
         fault = "a remainder has no solid of its own"
         raise AskError(ASK_VALUE.at(Source("beamcam"), name="solid", fault=fault))
-    loaded, wanted, data = machine_of(machine), parts_asked(parts), program_bytes(program)
+    loaded, all_parts, data = machine_of(machine), parts_asked(parts), program_bytes(program)
     check_choice("order", order, get_args(Order))
     check_style(style, loaded)
-    request = Request(wanted, loaded, named_skips(skips), name, order, turn, style=style)
+    request = Request(all_parts, loaded, named_skips(skips), name, order, turn, style=style)
     if from_operation is None and from_contour is None:
-        found = read_program_back(data, request, bar)
+        diagnostics = read_program_back(data, request, bar)
         if not solid:
-            return found
+            return diagnostics
         from beamcam.solid.opinion import solid_faults
 
-        return (*found, *solid_faults(data, request, bar))
+        return (*diagnostics, *solid_faults(data, request, bar))
     from beamcam.remainder import faults_of
 
     if from_contour is not None:
@@ -277,7 +281,7 @@ def verify(
     else:
         first = _operation(from_operation, loaded)
     if after is None:
-        whole = post_bar(wanted, loaded, "JOB", bar, skips, False, order, turn).text
+        whole = post_bar(all_parts, loaded, "JOB", bar, skips, False, order, turn).text
     else:
         whole = program_bytes(after).decode("utf-8", "replace")
     rest, job = data.decode("utf-8", "replace"), whole_job(request, bar)

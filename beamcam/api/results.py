@@ -63,18 +63,18 @@ def compared(a: ProgramText, b: ProgramText) -> Compared:
     if a.machine.stock != b.machine.stock:
         one, other = (f"a program for {p.machine.name}, a {p.machine.stock}" for p in (b, a))
         raise AskError(ASK_TYPE.at(Source(b.name), name="b", found=one, expected=f"one as {other}"))
-    different, said = diff_texts(a, b)
+    different, diagnostics = diff_texts(a, b)
     is_sheet = a.machine.stock == "sheet"
-    if (is_sheet and said) or any(one.code in NOT_UNDERSTOOD for one in said):
-        raise VerifyError(said)
+    if (is_sheet and diagnostics) or any(one.code in NOT_UNDERSTOOD for one in diagnostics):
+        raise VerifyError(diagnostics)
     if is_sheet:
-        said = tuple(
+        diagnostics = tuple(
             fault
             for one in (a, b)
             for fault in read_back(one.text, Request((), one.machine, name=one.name))
             if fault.severity is not Severity.NOTE
         )
-    return Compared((*different, *_left_to_hand(a.text, b.text)), said)
+    return Compared((*different, *_left_to_hand(a.text, b.text)), diagnostics)
 
 
 def program_text(name: str, text: str, machine: AnyMachine | None) -> ProgramText:
@@ -122,8 +122,8 @@ def simulate(
     done = simulate_program(data, loaded, name, style, parts_asked(parts))
     if errors_in(done.diagnostics):
         raise VerifyError(done.diagnostics)
-    said = run_warnings(done.trace, loaded, done.section, name)
-    return replace(done, diagnostics=(*done.diagnostics, *said))
+    diagnostics = run_warnings(done.trace, loaded, done.section, name)
+    return replace(done, diagnostics=(*done.diagnostics, *diagnostics))
 
 
 def diff(
@@ -217,14 +217,14 @@ def report(
     check_choice("to", to, ("html", "pdf"))
     check_choice("unit", unit, get_args(Unit))
     check_choice("paper", paper, get_args(Paper))
-    loaded, wanted, left_out = machine_of(machine), parts_asked(parts), tuple(skips)
+    loaded, all_parts, left_out = machine_of(machine), parts_asked(parts), tuple(skips)
     if program is None:
-        program = post(wanted, loaded, bar=bar, skips=left_out)
+        program = post(all_parts, loaded, bar=bar, skips=left_out)
     if isinstance(program, Posted):
-        source = _posted_source(program, wanted, loaded, name)
+        source = _posted_source(program, all_parts, loaded, name)
     else:
-        read = _read_program(program, loaded, name, bar, wanted)
-        request = Request(wanted, loaded, left_out, name, style=read.style)
+        read = _read_program(program, loaded, name, bar, all_parts)
+        request = Request(all_parts, loaded, left_out, name, style=read.style)
         source = SheetSources(read, None, (), read_back(read.data, request, bar))
     content = content_of(source, unit)
     if to == "pdf":

@@ -87,9 +87,9 @@ def lists(
     if not counts:
         return Lists(part_list(()), bar_list(()), cutting_list(()), ())
     first = machines_for(counts[0].part)[0]
-    asked = Request((), first, named_skips(skips), stock=tuple(sorted(lengths)), by=by)
-    counts = planned_counts(counts, machines_for, asked, there)
-    counts, bars = bars_of(counts, machines_for, asked, there)
+    request = Request((), first, named_skips(skips), stock=tuple(sorted(lengths)), by=by)
+    counts = planned_counts(counts, machines_for, request, there)
+    counts, bars = bars_of(counts, machines_for, request, there)
     return Lists(part_list(counts), bar_list(bars), cutting_list(bars), not_made(counts))
 
 
@@ -109,12 +109,12 @@ def labels(
     check_choice("to", to, ("pdf", "zpl"))
     check_choice("code", code, CODES)
     _check_quantity(quantity)
-    found = parts_asked(parts)
-    names = tuple(programs) or tuple(part.mark for part in found)
-    if len(names) != len(found):
-        raise AskError(ask_type("programs", programs, f"{len(found)} names, one for each part"))
-    counted = _counted(found, quantity)
-    codes = zip(found, names, strict=True)
+    all_parts = parts_asked(parts)
+    names = tuple(programs) or tuple(part.mark for part in all_parts)
+    if len(names) != len(all_parts):
+        raise AskError(ask_type("programs", programs, f"{len(all_parts)} names, one for each part"))
+    counted = _counted(all_parts, quantity)
+    codes = zip(all_parts, names, strict=True)
     faults = [code_fault(Label(p.mark, (), name), code, p.source) for p, name in codes]
     if too_long := [fault for fault in faults if fault is not None]:
         raise PlanError(too_long)
@@ -145,18 +145,18 @@ def label_lines(part: Part, piece: int, of: int) -> Iterator[str]:
 def planned_counts(
     counts: Sequence[PartCount],
     machines_for: MachinesFor,
-    asked: Request,
+    request: Request,
     remnants: Sequence[Remnant] = (),
 ) -> tuple[PartCount, ...]:
     """The parts with the first machine that makes each, and what it leaves to the hand.
 
-    `asked` says what may be left out, the bars in store and whether parts may be turned. A part
+    `request` says what may be left out, the bars in store and whether parts may be turned. A part
     that no machine makes has the reasons.
     """
-    if asked.stock:
-        lengths = {*asked.stock, *(remnant.length for remnant in remnants)}
-        asked = replace(asked, stock=tuple(sorted(lengths)))
-    return tuple(_planned(one, machines_for(one.part), asked) for one in counts)
+    if request.stock:
+        lengths = {*request.stock, *(remnant.length for remnant in remnants)}
+        request = replace(request, stock=tuple(sorted(lengths)))
+    return tuple(_planned(one, machines_for(one.part), request) for one in counts)
 
 
 def _planned(one: PartCount, machines: Sequence[Machine], asked: Request) -> PartCount:
@@ -211,8 +211,8 @@ def bars_of(
                 bars.append(planned[share])
             except PlanError as error:
                 for k in {places[piece] for piece in share.pieces}:
-                    said = (*known[k].refused, *error.diagnostics)
-                    known[k] = replace(known[k], machine="", refused=said)
+                    diagnostics = (*known[k].refused, *error.diagnostics)
+                    known[k] = replace(known[k], machine="", refused=diagnostics)
     return tuple(known), tuple(bars)
 
 
@@ -230,7 +230,7 @@ def _bar(planned: Planned, parts: Sequence[Part]) -> CutBar:
 
 def not_made(counts: Iterable[PartCount]) -> tuple[Diagnostic, ...]:
     """Why parts are not made: what is said of several once."""
-    return tuple(dict.fromkeys(said for one in counts for said in one.refused))
+    return tuple(dict.fromkeys(diagnostic for one in counts for diagnostic in one.refused))
 
 
 def programs_of(

@@ -40,14 +40,14 @@ class FoundInputs(Struct, frozen=True):
 
 def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundInputs:
     """The files that `names` stand for, below folders without those below `leave_out`."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     configurations: list[str] = []
     places: list[tuple[str, str]] = []  # path, and the folder that it was looked for in
     without = {identity for path in leave_out if (identity := _identity(path)) is not None}
     for name in names:
-        before = len(places), len(said)
+        before = len(places), len(diagnostics)
         if os.path.isdir(name):
-            below = _walk(name, without, said, configurations, parents=_parents(name))
+            below = _walk(name, without, diagnostics, configurations, parents=_parents(name))
             places += ((path, name) for path in below)
         elif os.path.lexists(name) or not glob.has_magic(name):
             places.append((name, os.path.dirname(name)))
@@ -55,13 +55,17 @@ def find_inputs(names: Sequence[str], leave_out: Collection[str] = ()) -> FoundI
             root = _fixed_folder(name)
             for path in sorted(glob.glob(name, recursive=True)):
                 if os.path.isdir(path):
-                    below = _walk(path, without, said, configurations, parents=_parents(path))
+                    below = _walk(
+                        path, without, diagnostics, configurations, parents=_parents(path)
+                    )
                     places += ((inner, root) for inner in below)
                 else:
                     places.append((path, root))
-        if (len(places), len(said)) == before:
-            said.append(NOTHING.at(Source(name), found=name))
-    return FoundInputs(tuple(_inputs(places)), tuple(said), tuple(dict.fromkeys(configurations)))
+        if (len(places), len(diagnostics)) == before:
+            diagnostics.append(NOTHING.at(Source(name), found=name))
+    return FoundInputs(
+        tuple(_inputs(places)), tuple(diagnostics), tuple(dict.fromkeys(configurations))
+    )
 
 
 def _inputs(places: Iterable[tuple[str, str]]) -> Iterator[Input]:
@@ -100,14 +104,14 @@ def _fixed_folder(pattern: str) -> str:
 
 def _identity(path: str) -> tuple[int, int] | None:
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except OSError:
         return None  # what is not there cannot be met
-    return found.st_dev, found.st_ino
+    return status.st_dev, status.st_ino
 
 
 def _walk(
-    folder: str, without: Collection[tuple[int, int]], said: list[Diagnostic],
+    folder: str, without: Collection[tuple[int, int]], diagnostics: list[Diagnostic],
     configurations: list[str], above: tuple[tuple[tuple[int, int], str], ...] = (),
     parents: tuple[tuple[tuple[int, int], str], ...] = (),
 ) -> Iterator[str]:  # fmt: skip
@@ -118,7 +122,7 @@ def _walk(
     identity = _identity(folder) or (0, 0)
     back = [path for known, path in (*above, *(parents if above else ())) if known == identity]
     if back:
-        said.append(LOOP.at(Source(folder), found=back[0]))
+        diagnostics.append(LOOP.at(Source(folder), found=back[0]))
         return
     if above and identity in without:  # a folder that is named is meant
         return
@@ -126,7 +130,7 @@ def _walk(
         with os.scandir(folder) as listing:
             entries = sorted(listing, key=lambda entry: entry.name)
     except OSError as error:
-        said.append(FOLDER.at(Source(folder), found=error.strerror or error))
+        diagnostics.append(FOLDER.at(Source(folder), found=error.strerror or error))
         return
     for entry in entries:
         if entry.name.startswith("."):
@@ -137,11 +141,16 @@ def _walk(
         try:
             is_folder = entry.is_dir()
         except OSError as error:  # a link to itself
-            said.append(UNREADABLE.at(Source(entry.path), found=error.strerror or error))
+            diagnostics.append(UNREADABLE.at(Source(entry.path), found=error.strerror or error))
             continue
         if is_folder:
             yield from _walk(
-                entry.path, without, said, configurations, (*above, (identity, folder)), parents
+                entry.path,
+                without,
+                diagnostics,
+                configurations,
+                (*above, (identity, folder)),
+                parents,
             )
         elif entry.name.lower().endswith(SUFFIXES):
             yield entry.path
@@ -149,12 +158,12 @@ def _walk(
 
 def _parents(folder: str) -> tuple[tuple[tuple[int, int], str], ...]:
     """Identity and path of every folder above one."""
-    found = []
+    folders = []
     below = os.path.realpath(folder)
     while (place := os.path.dirname(below)) != below:
-        found.append((_identity(place) or (-1, -1), place))
+        folders.append((_identity(place) or (-1, -1), place))
         below = place
-    return tuple(found)
+    return tuple(folders)
 
 
 def read_input(path: str) -> bytes | Diagnostic:

@@ -133,13 +133,13 @@ class FileNames:
 
     def take(self, name: str, mark: str) -> str:
         """Give out `name`, with -2, -3, ... before its suffix if one that reads the same is."""
-        wanted = folded(name)
+        key = folded(name)
         stem, dot, suffix = name.rpartition(".")
-        count = self._last.get(wanted, 1)
+        count = self._last.get(key, 1)
         while folded(name) in self._owners:
             count += 1
             name = f"{stem}-{count}{dot}{suffix}"
-        self._last[wanted] = count
+        self._last[key] = count
         self._owners[folded(name)] = mark
         return name
 
@@ -185,7 +185,7 @@ def other_content(parts: Sequence[Part]) -> Iterator[Diagnostic]:
 
 def mixed_marks(
     paths: Iterable[str], mark_from: MarkFrom, parts_of: Callable[[str], Sequence[Part]],
-    asked: Asked,
+    interrupt: Asked,
 ) -> dict[str, Diagnostic]:  # fmt: skip
     """The DSTV files that differ from another one under their mark, and why.
 
@@ -194,7 +194,7 @@ def mixed_marks(
     """
     met: dict[MarkKey, list[str]] = {}
     for path in paths:
-        if asked:
+        if interrupt:
             return {}
         # A pipe would wait for what somebody writes.
         if not path.lower().endswith(DSTV_SUFFIXES) or not os.path.isfile(path):
@@ -202,16 +202,16 @@ def mixed_marks(
         with suppress(OSError), open(path, "rb") as file:
             order, drawing, phase, mark = said_of_part(file.read(HEAD_BYTES))
             stem = os.path.splitext(os.path.basename(path))[0]
-            said = {"drawing": drawing, "file": stem, "position": phase}
-            mark = said.get(mark_from) or mark
+            fields = {"drawing": drawing, "file": stem, "position": phase}
+            mark = fields.get(mark_from) or mark
             if mark:
                 met.setdefault((order, phase, mark), []).append(path)
-    found: dict[str, Diagnostic] = {}
+    by_mark: dict[str, Diagnostic] = {}
     for several in met.values():
         parts = [part for path in several if len(several) > 1 for part in parts_of(path)]
         for other in (*other_content(parts), *other_content(parts[::-1])):
-            found.setdefault(other.source.file, other)
-    return found
+            by_mark.setdefault(other.source.file, other)
+    return by_mark
 
 
 def _content(part: Part) -> object:

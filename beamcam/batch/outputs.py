@@ -52,12 +52,12 @@ class Outputs:
 
     def claim(self, outputs: Iterable[str], path: str) -> Diagnostic | None:
         """Take the names for outputs of an input, or say why it cannot have one of them."""
-        wanted = {folded(output): output for output in outputs}
-        for name, output in wanted.items():
+        by_key = {folded(output): output for output in outputs}
+        for name, output in by_key.items():
             other = self._claims.get(name, path)
             if other != path:
                 return SAME_NAME.at(Source(path), found=output, other=other)
-        self._claims |= dict.fromkeys(wanted, path)
+        self._claims |= dict.fromkeys(by_key, path)
         return None
 
     def refusal(self, output: str, content: bytes, path: str) -> Diagnostic | None:

@@ -51,10 +51,12 @@ class ShareRun(Run):
 
     def __init__(
         self, tasks: Sequence[ShareTask], folder: str, shop: BatchSettings, workers: Workers,
-        record: Record, force: bool, read: FilesRead, dry: bool, asked: Asked,
+        record: Record, force: bool, read: FilesRead, dry: bool, interrupt: Asked,
     ) -> None:  # fmt: skip
         inputs = [Input(task.parts[0].source.file, task.name) for task in tasks]
-        super().__init__(inputs, folder, shop, workers, record, True, force, None, read, dry, asked)
+        super().__init__(
+            inputs, folder, shop, workers, record, True, force, None, read, dry, interrupt
+        )
         self._tasks = tasks
         # Other bars in store change no program that lies on the same bar.
         self._settings = sha256(replace(shop, stock_lengths=(), remnants=()).settings).digest()
@@ -78,11 +80,11 @@ class StockRun:
     def __init__(
         self, inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
         recipe: Recipe | None = None, force: bool = False, read: FilesRead | None = None,
-        dry: bool = False, asked: Asked = NEVER,
+        dry: bool = False, interrupt: Asked = NEVER,
     ) -> None:  # fmt: skip
         self._inputs, self._folder, self._shop, self._workers = inputs, folder, shop, workers
         self._recipe, self._force, self._read, self._dry = recipe, force, read, dry
-        self._asked = asked
+        self._asked = interrupt
         self.counts: list[PartCount] = []
         self.tasks: list[ShareTask] = []
         self.made: list[MadeShare] = []
@@ -121,8 +123,11 @@ class StockRun:
         for row in refused:
             row["messages"] += unplanned.pop(row["file"], [])
             yield row
-        for file, said in unplanned.items():
-            yield {**refused_row(file, said[0]), "messages": self._said.pop(file, []) + said}
+        for file, messages in unplanned.items():
+            yield {
+                **refused_row(file, messages[0]),
+                "messages": self._said.pop(file, []) + messages,
+            }
 
     def _looked(self) -> Iterator[Row]:
         """The row of each input once its parts are known."""
@@ -136,11 +141,11 @@ class StockRun:
                 else:
                     yield Look(index, one.path, data)
 
-        found = {made.index: made for made in driven(self._workers, tasks(), self._asked)}
+        by_index = {made.index: made for made in driven(self._workers, tasks(), self._asked)}
         for index in range(len(self._inputs)):
-            if index in found:
-                self.counts += found[index].looked
-                rows[index] = found[index].row
+            if index in by_index:
+                self.counts += by_index[index].looked
+                rows[index] = by_index[index].row
         for index in sorted(rows):
             row = rows[index]
             if row["status"] == "posted":
@@ -183,7 +188,7 @@ class StockRun:
         self, error: BeamcamError, places: Sequence[int], unplanned: dict[str, list[Message]]
     ) -> list[int]:
         """The parts of a lot that are left once those that an error is said of are refused."""
-        sources = {said.source for said in error.diagnostics}
+        sources = {diagnostic.source for diagnostic in error.diagnostics}
         wrong = [k for k in places if self.counts[k].part.source in sources] or [*places]
         refused = tuple(error.diagnostics)
         for place in wrong:

@@ -79,11 +79,11 @@ class Here:
         self._done = None
 
 
-def driven(workers: Workers, tasks: Iterator[Task], asked: Asked) -> Iterator[FileResult]:
-    """The result of each task, in any order; nothing more once it is `asked` to end."""
+def driven(workers: Workers, tasks: Iterator[Task], interrupt: Asked) -> Iterator[FileResult]:
+    """The result of each task, in any order; nothing more once `interrupt` asks for the end."""
     again: deque[Chunk] = deque()
     away, is_left = 0, True
-    while not asked:
+    while not interrupt:
         while workers.has_room() and (again or is_left):
             chunk = again.popleft() if again else _chunk(tasks, workers.most_files)
             if not chunk:

@@ -38,11 +38,11 @@ class Recipe(Struct, frozen=True, forbid_unknown_fields=True):
         return sha256(dumped(self)).hexdigest()[:16]
 
 
-def recipe_of(config: Config, asked: Mapping[str, Any], folder: str) -> Recipe:
-    """The recipe of a run into `folder`; `asked` holds the values of its options."""
+def recipe_of(config: Config, options: Mapping[str, Any], folder: str) -> Recipe:
+    """The recipe of a run into `folder`; `options` holds the values of its options."""
     given = {
         name: value
-        for name, value in asked.items()
+        for name, value in options.items()
         if name not in _APART and (_is_given(name, value))
     }
     machine = config.machine if MACHINE in given else None
@@ -68,21 +68,21 @@ def asked_again(recipe: Recipe, folder: str) -> tuple[ConfigFiles, dict[str, Any
 
     What is never kept in a record is not taken from one either.
     """
-    asked = {
+    options = {
         name: tuple(value) if isinstance(value, list) else value
         for name, value in recipe.asked.items()
         if name not in _APART
     }
-    machine = asked.get(MACHINE)
+    machine = options.get(MACHINE)
     if isinstance(machine, str) and machine.endswith(".toml"):
-        asked[MACHINE] = path_below(folder, machine)
-    if MACHINES in asked:
-        asked[MACHINES] = tuple(
+        options[MACHINE] = path_below(folder, machine)
+    if MACHINES in options:
+        options[MACHINES] = tuple(
             path_below(folder, name) if name.endswith(".toml") else name
-            for name in map(str, asked[MACHINES])
+            for name in map(str, options[MACHINES])
         )
     beside = tuple(path_below(folder, p) for p in recipe.configs if p not in recipe.own)
-    return ConfigFiles(beside, tuple(path_below(folder, p) for p in recipe.own)), asked
+    return ConfigFiles(beside, tuple(path_below(folder, p) for p in recipe.own)), options
 
 
 def path_from(folder: str, path: str) -> str:

@@ -227,12 +227,12 @@ def _shared(path: str) -> bool:
     plain file.
     """
     try:
-        found = os.lstat(path)
+        status = os.lstat(path)
     except FileNotFoundError:
         return False
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, f"{RECORD_NAME} is a link, or no plain file")
-    return found.st_nlink > 1
+    return status.st_nlink > 1
 
 
 def _is_below(output: str) -> bool:
@@ -271,12 +271,12 @@ def noted_in(folder: str) -> tuple[Noted, ...]:
                         continue  # no batch wrote such a line
                     last |= dict.fromkeys(line["outputs"], len(lines))
                     lines.append(line)
-    found = []
+    notes = []
     for number, line in enumerate(lines):
         if outputs := tuple(name for name in line["outputs"] if last[name] == number):
             recipe = recipes[line["recipe"]]
-            found.append(Noted(line["row"], recipe, line["input"], line["tree"], outputs))
-    return tuple(found)
+            notes.append(Noted(line["row"], recipe, line["input"], line["tree"], outputs))
+    return tuple(notes)
 
 
 # --- standing -------------------------------------------------------------------------------------
@@ -349,7 +349,7 @@ def is_within(folder: str, output: str) -> bool:
     return real == own or real.startswith(os.path.join(own, ""))
 
 
-def _locked(found: os.stat_result) -> str:
+def _locked(status: os.stat_result) -> str:
     """Why a file is not to be written, by its rights; the owner of the system has none."""
-    is_locked = stat.S_ISREG(found.st_mode) and not found.st_mode & 0o222
+    is_locked = stat.S_ISREG(status.st_mode) and not status.st_mode & 0o222
     return "which is read-only" if is_locked else ""

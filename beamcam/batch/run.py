@@ -60,7 +60,7 @@ def run(
     inputs: Sequence[Input], folder: str, shop: BatchSettings, workers: Workers,
     flat: bool = False, force: bool = False, claims: dict[str, str] | None = None,
     read: FilesRead | None = None, recipe: Recipe | None = None, dry: bool = False,
-    asked: Asked = NEVER, marks: dict[MarkKey, str] | None = None,
+    interrupt: Asked = NEVER, marks: dict[MarkKey, str] | None = None,
 ) -> Generator[Row, None, None]:  # fmt: skip
     """Post every input into `folder` and give its row, in the order of the inputs.
 
@@ -69,12 +69,12 @@ def run(
     over several runs: it holds which input has which, and is added to; so does `marks` with the
     first input that has a mark of an order. None of the files `read`,
     by default the inputs, is written over. `recipe` is what the record says that was asked for. A
-    `dry` run writes nothing. Once it is `asked` to end no further row comes. Raises BatchError if
-    the folder cannot be used; closes the workers.
+    `dry` run writes nothing. Once `interrupt` asks for its end no further row comes. Raises
+    BatchError if the folder cannot be used; closes the workers.
     """
     with recorded(folder, workers, recipe, dry) as record:
         yield from Run(
-            inputs, folder, shop, workers, record, flat, force, claims, read, dry, asked, marks
+            inputs, folder, shop, workers, record, flat, force, claims, read, dry, interrupt, marks
         ).rows()
 
 
@@ -193,8 +193,8 @@ class Run:
         slot = Slot(index, found)
         self._slots.append(slot)
         if found.path in self._own:
-            said = OWN_REST.at(Source(found.path))
-            slot.row = {**refused_row(found.path, as_message(said)), "status": "unchanged"}
+            diagnostic = OWN_REST.at(Source(found.path))
+            slot.row = {**refused_row(found.path, as_message(diagnostic)), "status": "unchanged"}
             return None
         if found.path in self._mixed:
             slot.row = refused_row(found.path, as_message(self._mixed[found.path]))
@@ -264,8 +264,8 @@ class Run:
                 except OSError as error:
                     self._keeps_record = False
                     source = Source(os.path.join(self._folder, RECORD_NAME))
-                    said = RECORD.at(source, found=error.strerror or error)
-                    row["messages"].append(as_message(said))
+                    diagnostic = RECORD.at(source, found=error.strerror or error)
+                    row["messages"].append(as_message(diagnostic))
         before = self._before.get(self._record.input_of(slot.input)) if self._before else None
         if before is not None and slot.made is not None:
             self._warn_of(slot, row, before)
@@ -322,24 +322,24 @@ class Run:
                 rest["output"] = f"{below}/{rest['output']}" if below else rest["output"]
                 files[rest["output"]] = content
                 continue
-            said, status = self._outputs.write_together(of_one, files, slot.input.path)
-            if said is None:
+            diagnostic, status = self._outputs.write_together(of_one, files, slot.input.path)
+            if diagnostic is None:
                 written += of_one
             else:
                 row["status"] = status
-                row["messages"].append(as_message(said))
+                row["messages"].append(as_message(diagnostic))
             of_one, files = [], {}
         row["parts"] = written
         for name, content in made.refused:
             output = f"{below}/{name}" if below else name
             path = slot.input.path
-            said = self._outputs.refusal(output, content, path) or self._outputs.write(
+            diagnostic = self._outputs.refusal(output, content, path) or self._outputs.write(
                 {output: content}, path
             )
-            if said is None and not self._dry:
-                said = KEPT.at(Source(path), found=output)
-            if said is not None:
-                row["messages"].append(as_message(said))
+            if diagnostic is None and not self._dry:
+                diagnostic = KEPT.at(Source(path), found=output)
+            if diagnostic is not None:
+                row["messages"].append(as_message(diagnostic))
 
     def _warn_of_older(self, slot: Slot, row: Row) -> None:
         """Say so if an output of an earlier run stands where this input's would be."""
@@ -357,5 +357,5 @@ class Run:
             with suppress(OSError):
                 stands = os.path.lexists(os.path.join(self._folder, output))
             if stands and folded(output) not in self._claims:
-                said = STALE.at(Source(slot.input.path), found=output)
-                row["messages"].append(as_message(said))
+                diagnostic = STALE.at(Source(slot.input.path), found=output)
+                row["messages"].append(as_message(diagnostic))

@@ -28,7 +28,7 @@ from beamcam.system import free_of_devices
 class Look(Task, frozen=True):
     """One file to be looked at: which machine makes each of its parts."""
 
-    def post(self, shop: BatchSettings, row: Row, found: Found) -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: Row, work: Found) -> Generator[str, None, None]:
         """Add each part with the first machine that makes it; those that none makes refuse."""
         parts = parts_in(self, shop, row)
         yield "read the file"
@@ -42,13 +42,13 @@ class Look(Task, frozen=True):
             except BeamcamError as error:
                 row["status"] = "refused"
                 row["messages"] += map(as_message, error.diagnostics)
-                found.looked.append(replace(count, refused=tuple(error.diagnostics)))
+                work.looked.append(replace(count, refused=tuple(error.diagnostics)))
                 continue
             row["messages"] += map(as_message, choice)
             kinds = [one["kind"] for one in hand_rows(planned.plan)]
             by_hand = ByHand(sum(kind in MARKS for kind in kinds), kinds.count("bevel"))
             machine = planned.job.machine.name
-            found.looked.append(replace(count, machine=machine, by_hand=by_hand))
+            work.looked.append(replace(count, machine=machine, by_hand=by_hand))
 
 
 class ShareTask(Task, frozen=True):
@@ -60,15 +60,15 @@ class ShareTask(Task, frozen=True):
     lengths: tuple[float, ...]  #: of the bar
     program: tuple[int, int]  #: which one of its lot, and of how many
 
-    def post(self, shop: BatchSettings, row: Row, found: Found) -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: Row, work: Found) -> Generator[str, None, None]:
         """Add the program."""
         planned = self.planned(shop)
         yield "planned"
-        posted = yield from posted_of(planned, lambda: self.name + REFUSED_SUFFIX, row, found)
+        posted = yield from posted_of(planned, lambda: self.name + REFUSED_SUFFIX, row, work)
         if posted is None:
             return
         content = posted.text.encode("utf-8")
-        found.outputs.append((self.name, content))
+        work.outputs.append((self.name, content))
         marks = Counter(self.parts[place].mark or "part" for place in self.pieces)
         named = " + ".join(f"{n} x {mark}" if n > 1 else mark for mark, n in marks.items())
         stock, plan = None, posted.plan
@@ -80,10 +80,10 @@ class ShareTask(Task, frozen=True):
                 pieces=[{"piece": p.given, "at": p.start, "turn": p.turn} for p in plan.pieces],
             )  # fmt: skip
         made = part_row(posted, self.name, content, shop.timed)
-        told: PartRow = {
+        row_of_part: PartRow = {
             **made, "mark": named, "quantity": len(self.pieces), "length": length, "stock": stock,
         }  # fmt: skip
-        row["parts"].append(told)
+        row["parts"].append(row_of_part)
 
     def planned(self, shop: BatchSettings) -> Begun:
         """The program, planned. Raises PlanError."""

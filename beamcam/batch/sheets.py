@@ -82,15 +82,15 @@ def sheets_beside(
     What rows of the report show of them comes back, by the name of the output. Raises OSError.
     """
     folder = os.path.splitext(report)[0] + FOLDER_SUFFIX
-    found: dict[str, Extra] = {}
+    extras: dict[str, Extra] = {}
     for sheet in _made(rows, shop, jobs, {task.name: task for task in shares}):
         name = PurePosixPath(f"{sheet.output}.html")
         path = os.path.join(folder, *name.parts)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         write_whole(path, sheet.page, durable=False)
         link = (PurePosixPath(os.path.basename(folder)) / name).as_posix()
-        found[sheet.output] = Extra(link, sheet.picture)
-    return found
+        extras[sheet.output] = Extra(link, sheet.picture)
+    return extras
 
 
 def _made(

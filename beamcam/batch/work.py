@@ -88,10 +88,10 @@ class BatchSettings(Struct, frozen=True):
         """Everything besides the input that outputs depend on, as bytes to be hashed."""
         plain = repr(replace(self, timed=True, clock=None, reading={}))
         # Of sets the order differs from process to process.
-        told = json.encode(self.reading, order="deterministic")
+        reading = json.encode(self.reading, order="deterministic")
         # A record of rows of another form is not used.
         form = " ".join(PartRow.__annotations__)
-        return f"{plain} {form} ".encode("utf-8", "backslashreplace") + told
+        return f"{plain} {form} ".encode("utf-8", "backslashreplace") + reading
 
     def machines_for(self, part: Part) -> tuple[Machine, ...]:
         """The machines that may make a part, by its stock, in the order they are tried in."""
@@ -146,9 +146,9 @@ class Task(Struct, frozen=True):
     name: str  #: of the file, for messages
     data: bytes
 
-    def post(self, shop: BatchSettings, row: Row, found: "Found") -> Generator[str, None, None]:
+    def post(self, shop: BatchSettings, row: Row, work: "Found") -> Generator[str, None, None]:
         """Add the programs of all parts that can be made; the others refuse the file."""
-        yield from _post_all(self, shop, row, found)
+        yield from _post_all(self, shop, row, work)
 
 
 class Found(Struct):
@@ -202,9 +202,9 @@ def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
         "file": task.name, "status": "posted", "format": "", "seconds": 0.0, "parts": [],
         "messages": [],
     }  # fmt: skip
-    found = Found()
+    work = Found()
     try:
-        yield from task.post(shop, row, found)
+        yield from task.post(shop, row, work)
     except BeamcamError as error:
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
@@ -215,20 +215,20 @@ def making(task: Task, shop: BatchSettings) -> Generator[str, None, FileResult]:
         frame = traceback.extract_tb(error.__traceback__)[-1]
         what = f"{type(error).__name__} at {os.path.basename(frame.filename)}:{frame.lineno}"
         what = f"{what}: {error}" if str(error) else what
-        said = INTERNAL.at(Source(task.name), found=what)
-        row["messages"].append(as_message(said))
-        row["parts"], found.outputs, found.rests = [], [], []
+        diagnostic = INTERNAL.at(Source(task.name), found=what)
+        row["messages"].append(as_message(diagnostic))
+        row["parts"], work.outputs, work.rests = [], [], []
     return FileResult(
-        task.index, row, tuple(found.outputs), tuple(found.refused), tuple(found.looked),
-        tuple(found.rests),
+        task.index, row, tuple(work.outputs), tuple(work.refused), tuple(work.looked),
+        tuple(work.rests),
     )  # fmt: skip
 
 
-def refused_row(path: str, said: Message) -> Row:
+def refused_row(path: str, message: Message) -> Row:
     """The row of a file that is refused before it is worked on."""
     return {
         "file": path, "status": "refused", "format": "", "seconds": 0.0, "parts": [],
-        "messages": [said],
+        "messages": [message],
     }  # fmt: skip
 
 
@@ -246,18 +246,16 @@ def parts_in(task: Task, shop: BatchSettings, row: Row) -> tuple[Part, ...]:
     row["format"] = reading.format
     if reading.format == "ifc" and reading.refused:
         # The members of a model are parts of their own: those that cannot be read stop no other.
-        row["status"], parts, said = "refused", counted(sound(reading)), reading.diagnostics
+        row["status"], parts, diagnostics = "refused", counted(sound(reading)), reading.diagnostics
     else:
-        parts, said = parts_of((reading,), counted)
-    row["messages"] += map(as_message, said)
+        parts, diagnostics = parts_of((reading,), counted)
+    row["messages"] += map(as_message, diagnostics)
     if not parts:
         raise ReadError(NO_PART.at(Source(task.name)))
     return marked(parts, shop.mark_from)
 
 
-def _post_all(
-    task: Task, shop: BatchSettings, row: Row, found: Found
-) -> Generator[str, None, None]:
+def _post_all(task: Task, shop: BatchSettings, row: Row, work: Found) -> Generator[str, None, None]:
     parts = parts_in(task, shop, row)
     yield "read the file"
     stem = os.path.splitext(os.path.basename(task.name))[0]
@@ -268,7 +266,7 @@ def _post_all(
             continue
         if shop.chain:
             of_stage = partial(stage_names, shop.name, stem, part, number, len(parts) > 1)
-            yield from _post_chain(part, of_stage, shop, row, names, found)
+            yield from _post_chain(part, of_stage, shop, row, names, work)
             continue
         try:
             planned, choice = on_best_machine(shop.request_of(part), shop.machines_for(part), begin)
@@ -280,27 +278,27 @@ def _post_all(
         row["messages"] += map(as_message, choice)
         name = output_name(shop.name, stem, part, number, len(parts) > 1, planned[0].job.machine)
         for each, called in zip(planned, numbered(name, len(planned)), strict=True):
-            yield from _post_job(each, called, shop, row, names, found)
+            yield from _post_job(each, called, shop, row, names, work)
 
 
 def _mixed(parts: Sequence[Part], row: Row) -> Set[Source]:
     """The sources of parts that differ from an earlier one with their mark; the row is refused."""
     if len({*map(mark_key, parts)}) == len(parts):
         return frozenset()
-    said = tuple(other_content(parts))
-    if said:
+    diagnostics = tuple(other_content(parts))
+    if diagnostics:
         row["status"] = "refused"
-        row["messages"] += map(as_message, said)
-    return {one.source for one in said}
+        row["messages"] += map(as_message, diagnostics)
+    return {one.source for one in diagnostics}
 
 
 def _post_job(
-    planned: Begun, name: str, shop: BatchSettings, row: Row, names: FileNames, found: Found
+    planned: Begun, name: str, shop: BatchSettings, row: Row, names: FileNames, work: Found
 ) -> Generator[str, None, None]:
     """Add the program of a part, or of the pieces of it that lie on one bar."""
     part = planned.job.parts[0]
     refused_name = partial(names.take, name + REFUSED_SUFFIX, part.mark)
-    posted = yield from posted_of(planned, refused_name, row, found)
+    posted = yield from posted_of(planned, refused_name, row, work)
     if posted is None:
         return
     other = names.owner(name)
@@ -311,13 +309,13 @@ def _post_job(
         return
     name = names.take(name, part.mark)
     content = posted.text.encode("utf-8")
-    found.outputs.append((name, content))
+    work.outputs.append((name, content))
     row["parts"].append(part_row(posted, name, content, shop.timed))
 
 
 def _post_chain(
     part: Part, called: Callable[[Machine, int, str], tuple[str, str]], shop: BatchSettings,
-    row: Row, names: FileNames, found: Found,
+    row: Row, names: FileNames, work: Found,
 ) -> Generator[str, None, None]:  # fmt: skip
     """Add the programs of a part on several machines, all of them or none, and what is between.
 
@@ -328,7 +326,7 @@ def _post_chain(
     stages: list[Stage] = []
     request = shop.request_of(part)
     try:
-        chain, said = chain_for(request, shop.chain)
+        chain, diagnostics = chain_for(request, shop.chain)
         yield "planned"
         first = 0 if len(chain) == 1 else 1
         wanted = [called(one.machine, k, shop.rest_suffix) for k, one in enumerate(chain, first)]
@@ -338,11 +336,13 @@ def _post_chain(
     except BeamcamError as error:
         if isinstance(error, RefusedProgram):
             name = names.take(wanted[len(stages)][0] + REFUSED_SUFFIX, part.mark)
-            found.refused.append((name, b"".join(error.pieces())))
+            work.refused.append((name, b"".join(error.pieces())))
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
         return
-    row["messages"] += map(as_message, (*said, *(one for stage in stages for one in stage.remarks)))
+    row["messages"] += map(
+        as_message, (*diagnostics, *(one for stage in stages for one in stage.remarks))
+    )
     taken = [name for pair in wanted for name in pair if names.owner(name) is not None]
     if taken and shop.name is not None:
         other = f"part {names.owner(taken[0])}"
@@ -359,21 +359,21 @@ def _post_chain(
             data = stage.rest.encode("utf-8")
             digest = sha256(data).hexdigest()
             rest = {"output": rest_name, "sha256": digest, "features": stage.passed_on}
-            found.rests.append((rest_name, data))
-        found.outputs.append((name, content))
+            work.rests.append((rest_name, data))
+        work.outputs.append((name, content))
         posted = replace(stage.posted, plan=stage.plan)
         row["parts"].append(part_row(posted, name, content, shop.timed, rest))
 
 
 def posted_of(
-    planned: Begun, refused_name: Callable[[], str], row: Row, found: Found
+    planned: Begun, refused_name: Callable[[], str], row: Row, work: Found
 ) -> Generator[str, None, Posted | None]:
     """The program that was planned; None where it is refused, which its row says."""
     try:
         posted = yield from planned.stages
     except BeamcamError as error:
         if isinstance(error, RefusedProgram):
-            found.refused.append((refused_name(), b"".join(error.pieces())))
+            work.refused.append((refused_name(), b"".join(error.pieces())))
         row["status"] = "refused"
         row["messages"] += map(as_message, error.diagnostics)
         return None

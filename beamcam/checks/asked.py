@@ -39,10 +39,10 @@ def pieces_asked(request: Request) -> Counter[int]:
     """
     quantity, machine = request.quantity, request.machine
     alone = quantity is None or (machine.stock == "beam" and machine.saw is None)
-    wanted: Counter[int] = Counter()
+    counts: Counter[int] = Counter()
     for place, part in enumerate(request.parts):
-        wanted[place] = 1 if alone else part.quantity if quantity == "file" else int(quantity or 0)
-    return wanted
+        counts[place] = 1 if alone else part.quantity if quantity == "file" else int(quantity or 0)
+    return counts
 
 
 def job_faults(request: Request, jobs: Sequence[Job]) -> tuple[Diagnostic, ...]:
@@ -54,15 +54,15 @@ def job_faults(request: Request, jobs: Sequence[Job]) -> tuple[Diagnostic, ...]:
 
 
 def _count_faults(request: Request, jobs: Sequence[Job]) -> Iterator[Diagnostic]:
-    wanted = pieces_asked(request)
+    counts = pieces_asked(request)
     made = Counter(place for job in jobs for place in job.pieces)
-    for place in sorted(wanted.keys() | made.keys()):
-        if made[place] != wanted[place]:
+    for place in sorted(counts.keys() | made.keys()):
+        if made[place] != counts[place]:
             known = 0 <= place < len(request.parts)
             part = request.parts[place] if known else None
             yield PIECES.at(
                 part.source if part else Source(request.name), found=made[place],
-                mark=(part.mark if part else "") or "a part", expected=wanted[place],
+                mark=(part.mark if part else "") or "a part", expected=counts[place],
             )  # fmt: skip
 
 
@@ -193,10 +193,10 @@ def rest_faults(part: Part, rest: Part, missing: Collection[int]) -> Iterator[Di
         return
     to_make = [f for k, f in enumerate(part.features) if k in missing]
     there = [*(part.made or ()), *(f for k, f in enumerate(part.features) if k not in missing)]
-    for found_ones, wanted, how in (
+    for found_ones, expected_text, how in (
         (rest.features, to_make, "to be made"), (rest.made, there, "as made")
     ):  # fmt: skip
-        have, want = Counter(map(_bare, found_ones)), Counter(map(_bare, wanted))
+        have, want = Counter(map(_bare, found_ones)), Counter(map(_bare, expected_text))
         for feature in have - want:
             yield REST.at(source, found=f"{description(feature)} {how}", expected="none")
         for feature in want - have:

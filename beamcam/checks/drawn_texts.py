@@ -183,8 +183,8 @@ class DrawnPieces:
             places = places.where(self._near_pieces[k] == cells)
         each = zip(places.x.tolist(), places.y.tolist(), places.height.tolist(), strict=True)
         for x, y, height in each:
-            if (found := self._all(text, x, y, height, anchor)) is not None:
-                yield found
+            if (drawn := self._all(text, x, y, height, anchor)) is not None:
+                yield drawn
 
     def _by_direction(self, anchor: Segment) -> "_Places":
         (ax, ay), (bx, by) = anchor
@@ -250,9 +250,9 @@ def _number(cells: "NDArray[np.int64]") -> "NDArray[np.int64]":
     return cells[:, 0] * 2**31 + cells[:, 1]
 
 
-def is_where_wanted(text: Wanted, found: DrawnText) -> bool:
+def is_where_wanted(text: Wanted, drawn: DrawnText) -> bool:
     """Whether a text stands where the part has it, in its height."""
-    apart = (found.x - text.feature.x, found.y - text.feature.y, found.height - text.height)
+    apart = (drawn.x - text.feature.x, drawn.y - text.feature.y, drawn.height - text.height)
     return max(map(abs, apart)) <= EXACT
 
 

@@ -107,23 +107,23 @@ def head_of(text: str) -> Head | None:
     values: dict[str, Any] = {}
     parts: dict[str, str] = {}
     for line in _lines(text, made):
-        if found := _ALLOWED.fullmatch(line):
-            kinds.update(found[1].split(", "))
-        elif found := _LEFT_OUT.fullmatch(line):
-            counts = [int(one.split()[0]) for one in found[1].split(", ")]
+        if match := _ALLOWED.fullmatch(line):
+            kinds.update(match[1].split(", "))
+        elif match := _LEFT_OUT.fullmatch(line):
+            counts = [int(one.split()[0]) for one in match[1].split(", ")]
             values["left_out"] = values.get("left_out", 0) + sum(counts)
-        elif found := _BY_HAND.fullmatch(line):
-            values.setdefault("by_hand", int(found[1]))
-        elif found := _PROGRAM.fullmatch(line):
-            values.setdefault("program", (int(found[1]), int(found[2])))
-        elif found := _BAR.fullmatch(line):
+        elif match := _BY_HAND.fullmatch(line):
+            values.setdefault("by_hand", int(match[1]))
+        elif match := _PROGRAM.fullmatch(line):
+            values.setdefault("program", (int(match[1]), int(match[2])))
+        elif match := _BAR.fullmatch(line):
             if "bar" not in values:
-                values |= {"bar": float(found[1]), "as_needed": bool(found[2])}
-        elif found := _STOCK.fullmatch(line):
+                values |= {"bar": float(match[1]), "as_needed": bool(match[2])}
+        elif match := _STOCK.fullmatch(line):
             if "stock" not in values:
-                values |= {"stock": found[2], "grade": found[3] or ""}
-        elif found := _PART.fullmatch(line):
-            parts[found[1]] = f"{parts[found[1]]} {found[2]}" if found[1] in parts else found[2]
+                values |= {"stock": match[2], "grade": match[3] or ""}
+        elif match := _PART.fullmatch(line):
+            parts[match[1]] = f"{parts[match[1]]} {match[2]}" if match[1] in parts else match[2]
     in_order = [*parts] == [str(number) for number in range(1, len(parts) + 1)]
     told = tuple(map(_told_part, parts.values())) if in_order else ()
     return Head(int(made[2]), made[3], made[4] or "", tuple(sorted(kinds)), parts=told, **values)
@@ -142,17 +142,17 @@ def _lines(text: str, made: re.Match[str]) -> Iterator[str]:
             line = _NUMBERED.sub("", line, count=1)
         if not (line.startswith(begin) and line.endswith(end) and stop >= 0):
             return
-        said = line[len(begin) : len(line) - len(end)]
-        yield said.partition(end)[0] if end else said
+        value = line[len(begin) : len(line) - len(end)]
+        yield value.partition(end)[0] if end else value
         at = stop + 1
 
 
-def _told_part(said: str) -> HeadPart:
+def _told_part(value: str) -> HeadPart:
     """A part of what its lines say; without a place where they say none that can be read."""
-    found = _FIGURES.fullmatch(said)
-    if found is None:
-        return HeadPart((), (), said)
-    x, length, y, long, wide, texts = found.groups()
+    match = _FIGURES.fullmatch(value)
+    if match is None:
+        return HeadPart((), (), value)
+    x, length, y, long, wide, texts = match.groups()
     if length is not None:
         return HeadPart((float(x),), (float(length),), texts or "")
     return HeadPart((float(x), float(y)), (float(long), float(wide)), texts or "")

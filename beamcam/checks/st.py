@@ -32,16 +32,16 @@ _GOES_TO = re.compile(r"x := LREAL#(-?[\d.]+), y := LREAL#(-?[\d.]+)")
 BLOCK = 10  #: lines of a program in which the operation is that a line belongs to
 
 
-def unread(text: str, said: Sequence[Diagnostic]) -> list[Operation]:
+def unread(text: str, diagnostics: Sequence[Diagnostic]) -> list[Operation]:
     """For messages about lines that cannot be read the operation there, or the one before it."""
     lines = text.splitlines()
-    found = []
-    for line in {one.source.line for one in said if one.source.line}:
+    operations = []
+    for line in {one.source.line for one in diagnostics if one.source.line}:
         near = [lines[line - 1 : line + 1], lines[max(line - BLOCK, 0) : line][::-1]]
         places = (_GOES_TO.search(row) for rows in near for row in rows)
         if (place := next(filter(None, places), None)) is not None:
-            found.append(Operation(line, 0, float(place[1]), float(place[2]), 0.0, None))
-    return found
+            operations.append(Operation(line, 0, float(place[1]), float(place[2]), 0.0, None))
+    return operations
 
 
 def with_contours(
@@ -54,19 +54,19 @@ def with_contours(
 
     torch = machine.torch
     ends = {operation.line: (operation.x, operation.y) for operation in operations}
-    found = list(said)
-    asked = [k for k, one in enumerate(found) if one.source.line in ends]
-    if torch is None or not asked:
-        return found
+    diagnostics = list(said)
+    which = [k for k, one in enumerate(diagnostics) if one.source.line in ends]
+    if torch is None or not which:
+        return diagnostics
     need = need_of(part, machine, torch, skips)
     shift, fine = shift_of(need, torch), torch.tolerance / 8
     toolpaths = {process: Toolpaths(curves, fine, shift) for process, curves in need.curves.items()}
-    for k in asked if toolpaths else ():
-        place = np.array(ends[found[k].source.line or 0])
+    for k in which if toolpaths else ():
+        place = np.array(ends[diagnostics[k].source.line or 0])
         _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
         contour = f", beside the contour of {need.source(process, way)}"
-        found[k] = replace(found[k], message=found[k].message + contour)
-    return found
+        diagnostics[k] = replace(diagnostics[k], message=diagnostics[k].message + contour)
+    return diagnostics
 
 
 Place = tuple[float, float]
@@ -338,28 +338,32 @@ def verify_triggers(
 
     torch = machine.needed(machine.torch, "trigger program")
     triggers = machine.needed(machine.triggers, "trigger program")
-    job, said = read_program(text, machine, name)
+    job, diagnostics = read_program(text, machine, name)
     if job is None:
         if not parts:
-            return tuple(said)
+            return tuple(diagnostics)
 
-        return tuple(with_contours(said, unread(text, said), parts[0], machine, skips))
+        return tuple(
+            with_contours(diagnostics, unread(text, diagnostics), parts[0], machine, skips)
+        )
     execution = Execution(job, machine, rows_of(parts[0], torch) if parts else torch.rows, name)
     if parts and triggers.z is not None:
         execution.lie_on(thickness_of(parts[0], torch))
     execution.follow()
-    said = [*trial(machine), *execution.said]
+    diagnostics = [*trial(machine), *execution.said]
     if not parts:
-        return tuple(said)
-    if errors_in(said):
-        return tuple(with_contours(said, job.operations, parts[0], machine, skips))
+        return tuple(diagnostics)
+    if errors_in(diagnostics):
+        return tuple(with_contours(diagnostics, job.operations, parts[0], machine, skips))
     from beamcam.checks.polylines import compare_polylines
     from beamcam.checks.sheets.controller_state import as_one, with_told
 
     sheet = as_one(parts, machine, skips)
     ways = _ways(execution.strokes, any(row.passes > 1 for row in rows_of(sheet.part, torch)))
     more = compare_polylines(ways, sheet.part, sheet.machine, skips, triggers.in_position, name)
-    return with_told((*said, *sheet.said, *more), head, parts, sheet.places, machine, skips, name)
+    return with_told(
+        (*diagnostics, *sheet.said, *more), head, parts, sheet.places, machine, skips, name
+    )
 
 
 def _ways(strokes: Sequence[HeadStroke], counts_passes: bool) -> list[DrawnPath]:

@@ -45,7 +45,7 @@ class Standing(Struct, frozen=True):
     said: tuple[Diagnostic, ...] = ()
 
 
-def _anything(text: Wanted, found: DrawnText) -> bool:
+def _anything(text: Wanted, drawn: DrawnText) -> bool:
     return True
 
 
@@ -67,8 +67,8 @@ def standings(
     for k, (text, one) in enumerate(zip(texts, found, strict=True)):
         others = [box for j, box in enumerate(boxes) if j != k and box is not None]
         if one is not None:
-            said = tuple(judge(text, one, steel, others, marks, sure))
-            yield Standing(one.x, one.y, one.height, said)
+            diagnostics = tuple(judge(text, one, steel, others, marks, sure))
+            yield Standing(one.x, one.y, one.height, diagnostics)
         elif sure is not None and places.has(text):
             yield Standing(text.feature.x, text.feature.y, text.height)
         else:
@@ -103,8 +103,8 @@ def found_texts(
     return assigned(texts, options, steel, marks)
 
 
-def _as_text(text: Wanted, found: DrawnText | None) -> DrawnText | None:
-    return found if found is not None and found.height <= text.height + EXACT else None
+def _as_text(text: Wanted, drawn: DrawnText | None) -> DrawnText | None:
+    return drawn if drawn is not None and drawn.height <= text.height + EXACT else None
 
 
 def assigned(
@@ -137,12 +137,12 @@ def assigned(
     return result
 
 
-def _cost(text: Wanted, found: DrawnText | None, may_not_move: bool) -> float:
+def _cost(text: Wanted, drawn: DrawnText | None, may_not_move: bool) -> float:
     """mm from a text to where the part has it, and more where it may not stand there."""
-    if found is None:
+    if drawn is None:
         return NEVER
-    wrong = may_not_move or text.feature.option == "z" or found.height > text.height + EXACT
-    return hypot(found.x - text.feature.x, found.y - text.feature.y) + WRONG * wrong
+    wrong = may_not_move or text.feature.option == "z" or drawn.height > text.height + EXACT
+    return hypot(drawn.x - text.feature.x, drawn.y - text.feature.y) + WRONG * wrong
 
 
 def _boxes(texts: Sequence[Wanted], options: Options) -> list["Polygon | None"]:
@@ -150,7 +150,7 @@ def _boxes(texts: Sequence[Wanted], options: Options) -> list["Polygon | None"]:
     boxes: list[Polygon | None] = []
     for k in range(len(options[0])):
         each = zip(texts, (row[k] for row in options), strict=True)
-        one = next(((text, found) for text, found in each if found is not None), None)
+        one = next(((text, drawn) for text, drawn in each if drawn is not None), None)
         boxes.append(None if one is None else box_of(one[0], one[1].x, one[1].y, one[1].height))
     return boxes
 

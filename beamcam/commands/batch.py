@@ -114,32 +114,32 @@ def command(
             )
         shop = shop_of(config, asked, timed=report is not None)
         console.say_remarks()
-        found = find_inputs(names, leave_out=(output,))
-        workers = workers_of(shop, config.jobs, config.dask, found.inputs)
+        result = find_inputs(names, leave_out=(output,))
+        workers = workers_of(shop, config.jobs, config.dask, result.inputs)
     except BeamcamError as error:
         console.stop(error.diagnostics)
-    said = [as_message(d) for d in (*found.diagnostics, *unused(found, config))]
+    messages = [as_message(d) for d in (*result.diagnostics, *unused(result, config))]
     account = Report(STANDARD if console.as_json else report)
-    read = files_read(config, (one.path for one in found.inputs))
+    read = files_read(config, (one.path for one in result.inputs))
     if report is not None:
         keep_apart([report], read, console)
     stock_run: StockRun | None = None
-    with Progress(0 if over_stock else len(found.inputs), console) as screen:
-        screen.say(said)
-        said += map(as_message, (*config.remarks, *told_of(config, shop)))
+    with Progress(0 if over_stock else len(result.inputs), console) as screen:
+        screen.say(messages)
+        messages += map(as_message, (*config.remarks, *told_of(config, shop)))
         with asked_to_end() as interrupted:
             if over_stock:
-                of = [path_from(output, one.path) for one in found.inputs]
+                of = [path_from(output, one.path) for one in result.inputs]
                 recipe = recipe_of(config, {**asked, "nest": True, "inputs": of}, output)
                 stock_run = StockRun(
-                    found.inputs, output, shop, workers, recipe, redo, read, dry, interrupted
+                    result.inputs, output, shop, workers, recipe, redo, read, dry, interrupted
                 )
                 rows = stock_run.rows()
             else:
                 recipe = recipe_of(config, asked, output)
                 rows = run(
-                    found.inputs, output, shop, workers, config.flat, redo, read=read,
-                    recipe=recipe, dry=dry, asked=interrupted,
+                    result.inputs, output, shop, workers, config.flat, redo, read=read,
+                    recipe=recipe, dry=dry, interrupt=interrupted,
                 )  # fmt: skip
             try:
                 for row in rows:
@@ -155,22 +155,22 @@ def command(
         if stock_run is not None and not (interrupted or dry):
             lists = [*stock_run.told, *write_lists(stock_run, output, read, redo)]
             screen.say(map(as_message, lists))
-            said += map(as_message, lists)
+            messages += map(as_message, lists)
         unmatched = [as_message(d) for d in unmatched_keys(config, screen.counts)]
         screen.say(unmatched)
-        said += unmatched
+        messages += unmatched
         jobs = min(config.jobs or cores(), max(1, screen.counts.total // FILES_A_WORKER))
         shares = () if stock_run is None else stock_run.tasks
         try:
-            account.write(screen.counts, said, None if dry else shop, jobs, shares)
+            account.write(screen.counts, messages, None if dry else shop, jobs, shares)
         except OSError as error:
             unwritten = [_unwritten(error, report)]
             screen.say(unwritten)
-            said += unwritten
+            messages += unwritten
         screen.end(
             " (interrupted)" if interrupted else " (dry run, nothing written)" if dry else ""
         )
-    is_refused = any(one["severity"] == "error" for one in said)
+    is_refused = any(one["severity"] == "error" for one in messages)
     end_run(screen.counts, bool(interrupted), exit_left_out, is_refused)
 
 
@@ -182,16 +182,17 @@ def _unwritten(error: OSError, report: str | None) -> Message:
     return as_message(WRITE.at(Source(str(report)), found=report, reason=reason))
 
 
-def _is_over_stock(nest: bool | None, asked: Mapping[str, Any]) -> bool:
+def _is_over_stock(nest: bool | None, options: Mapping[str, Any]) -> bool:
     """Whether parts share bars and sheets. Raises UsageError for options that exclude it."""
     stock = [option for option, value in (
-        ("--bar", asked["bar"]), ("--remnant", asked["remnants"]), ("--sheet", asked["sheet_size"])
+        ("--bar", options["bar"]), ("--remnant", options["remnants"]),
+        ("--sheet", options["sheet_size"])
     ) if value]  # fmt: skip
-    if nest is False and asked["remnants"]:
+    if nest is False and options["remnants"]:
         raise click.UsageError("found --each with --remnant; a remnant is shared by parts.")
     over_stock = bool(stock) if nest is None else nest
     if over_stock:
-        for option, value in (("--name", asked["name"]), ("--tree", asked["flat"] is False)):
+        for option, value in (("--name", options["name"]), ("--tree", options["flat"] is False)):
             if value:
                 raise click.UsageError(
                     f"found {option} over stock; expected it with --each, since a program over "

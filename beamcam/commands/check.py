@@ -125,12 +125,12 @@ def _below(path: Path, folder: Path) -> str:
 def _not_compared(results: list[Checked], unknown: list[str], folder: str) -> Iterator[Checked]:
     """What is wrong with a folder as a whole: programs without a part, or no program at all."""
     if unknown:
-        said = UNKNOWN.at(Source(folder), found=len(unknown), names=named(unknown))
+        diagnostic = UNKNOWN.at(Source(folder), found=len(unknown), names=named(unknown))
     elif not results:
-        said = NOTHING.at(Source(folder))
+        diagnostic = NOTHING.at(Source(folder))
     else:
         return
-    yield Checked(folder, "unknown", (), (as_message(said),))
+    yield Checked(folder, "unknown", (), (as_message(diagnostic),))
 
 
 def _counts(results: list[Checked], unknown: int, left_out: int) -> Iterator[str]:
@@ -146,8 +146,8 @@ def _say(results: list[Checked], counts: Sequence[str], as_json: bool, console: 
         say_json(records(results, (s.value for s in Severity if console.wants(s))))
         return
     say_lines(told(results))
-    wanted = {severity.value for severity in Severity if console.wants(severity)}
-    said = (m for r in results for m in r.messages if m["severity"] in wanted)
+    severities = {severity.value for severity in Severity if console.wants(severity)}
+    said = (m for r in results for m in r.messages if m["severity"] in severities)
     say_lines(map(message_line, said), err=True)
     if not console.quiet:
         say_lines(counts)
@@ -167,14 +167,14 @@ def _accepted(results: list[Checked], console: Console) -> tuple[Checked, ...]:
 def _programs(folder: Path, machine: str | None) -> list[tuple[Path, str | None]]:
     """The golden programs and the machine of each, None if it is not known; in order of names."""
     own = machine or (folder.name if folder.name in shipped() else None)
-    found = [(path, own) for path in folder.iterdir() if _is_program(path, own)]
+    programs = [(path, own) for path in folder.iterdir() if _is_program(path, own)]
     for below in (path for path in folder.rglob("*") if path.is_dir()):
         file = below / "machine.toml"
         name = str(file) if file.is_file() else below.name if below.name in shipped() else None
         if name is not None and below.parent != folder:
             name = None  # a machine's folder lies in the folder itself
-        found += [(path, name) for path in below.iterdir() if _is_program(path, name)]
-    return sorted(found, key=lambda one: one[0])
+        programs += [(path, name) for path in below.iterdir() if _is_program(path, name)]
+    return sorted(programs, key=lambda one: one[0])
 
 
 def _is_program(path: Path, machine: str | None) -> bool:
@@ -189,8 +189,8 @@ def _is_program(path: Path, machine: str | None) -> bool:
 def _check(path: Path, samples: Path, config: Config) -> Checked:
     try:
         old = program_text(str(path))
-        found = (str(sample_of(samples, name, str(path))) for name in path.stem.split("+"))
-        parts, _ = parts_of(read_file(sample, config.strict) for sample in found)
+        sources = (str(sample_of(samples, name, str(path))) for name in path.stem.split("+"))
+        parts, _ = parts_of(read_file(sample, config.strict) for sample in sources)
         machine = machine_for(config, parts, str(path))
         style = table_style(machine, str(path), None)
         request = request_of(parts, config, machine, None)

@@ -31,11 +31,11 @@ def all_rules() -> Iterator[Rule]:
 
 def all_owners() -> Rows:
     """What answers for the words of programs: a module that has such rows names them `OWNERS`."""
-    found: dict[tuple[Stock, Language], tuple[Owner, ...]] = {}
+    owners: dict[tuple[Stock, Language], tuple[Owner, ...]] = {}
     for module in pkgutil.walk_packages(beamcam.__path__, "beamcam."):
         if module.name.endswith(".owners"):
-            found |= getattr(importlib.import_module(module.name), "OWNERS", {})
-    return dict(sorted(found.items()))
+            owners |= getattr(importlib.import_module(module.name), "OWNERS", {})
+    return dict(sorted(owners.items()))
 
 
 class CodeExplanation(Struct, frozen=True):
@@ -139,8 +139,10 @@ def command(code: str | None, words: bool, markdown: bool, as_json: bool) -> Non
     rules = sorted(all_rules(), key=lambda rule: rule.code)
     if code is not None:
         if code not in (known := [rule.code for rule in rules]):
-            found = UNKNOWN_CODE.at(Source("beamcam"), found=code, expected=nearest(code, known))
-            Console(as_json=as_json).stop([found])
+            diagnostic = UNKNOWN_CODE.at(
+                Source("beamcam"), found=code, expected=nearest(code, known)
+            )
+            Console(as_json=as_json).stop([diagnostic])
         rules = [rule for rule in rules if rule.code == code]
     if markdown:
         click.echo(as_markdown(rules), nl=False)

@@ -73,8 +73,10 @@ def _loaded(path: str) -> Config:
         value = getattr(config, key)
         if value and (expected := check(value)):
             found = repr(value) if isinstance(value, str) else ", ".join(map(repr, value))
-            said = WRONG_VALUE.at(config.sources[key], key=key, found=found, expected=expected)
-            raise ConfigError(said)
+            diagnostic = WRONG_VALUE.at(
+                config.sources[key], key=key, found=found, expected=expected
+            )
+            raise ConfigError(diagnostic)
     return replace(config, allow_skips=named_skips(config.allow_skips))
 
 

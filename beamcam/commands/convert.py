@@ -53,15 +53,17 @@ def is_folder(output: str) -> bool:
 def file_names(parts: Sequence[Part], suffix: str) -> tuple[list[str], list[Diagnostic]]:
     """A name for each part after its mark, and a note for each that another part has already."""
     names: list[str] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     given = FileNames()
     for part in parts:
         wanted = (cleaned(part.mark) or "part") + suffix
         other, name = given.owner(wanted), given.take(wanted, part.mark)
         if other is not None:
-            said.append(RENAMED.at(part.source, found=part.mark, of=wanted, other=other, name=name))
+            diagnostics.append(
+                RENAMED.at(part.source, found=part.mark, of=wanted, other=other, name=name)
+            )
         names.append(name)
-    return names, said
+    return names, diagnostics
 
 
 def _print_schema(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
@@ -109,25 +111,25 @@ def command(
     beamcam convert --schema > part.schema.json
     """
     how = drawing_choice(asked) | member_choice(asked, kernel=True)
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, (source,))
         target = target_of(output, to)
         (read_in,) = read_all((source,), config.strict, how, console)
         reading = with_thickness(read_in, config)
-        said = reading.diagnostics
+        diagnostics = reading.diagnostics
         parts = counted(sound(reading))
         # A drawing of filled shapes alone is a part without any length.
         if not (any(part.length > 0 for part in parts) or reading.refused):
             raise ReadError(NO_PART.at(Source(source)))
         read = files_read(config, (source,))
         if parts and is_folder(output):
-            said = (*said, *write_folder(read, parts, target, output, console))
+            diagnostics = (*diagnostics, *write_folder(read, parts, target, output, console))
         elif not reading.refused:
             write(output, only_text(source, parts, target, output), console, read)
     except BeamcamError as error:
-        console.stop((*said, *error.diagnostics))
-    console.finish(said)
+        console.stop((*diagnostics, *error.diagnostics))
+    console.finish(diagnostics)
 
 
 def only_text(source: str, parts: Sequence[Part], target: Target, output: str) -> str:

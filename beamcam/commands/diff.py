@@ -51,17 +51,17 @@ def differences_of(
     if kinds[0]:
         (first, of_a), (second, of_b) = (_parts(*one, strict) for one in data)
         return diff_parts(first, second), (*of_a, *of_b)
-    found = compared(*(
+    comparison = compared(*(
         ProgramText(name, content.decode("utf-8", "replace"), machine)
         for (name, content), machine in zip(data, machines, strict=True)
     ))  # fmt: skip
-    return found.differences, found.diagnostics
+    return comparison.differences, comparison.diagnostics
 
 
 def drawn_over(
     data: list[tuple[str, bytes]],
     machines: Sequence[Machine],
-    found: tuple[Difference, ...],
+    differences: tuple[Difference, ...],
     output: str,
 ) -> str | bytes:
     """Two files over each other in the format that the output's name says.
@@ -87,7 +87,9 @@ def drawn_over(
     if suffix == ".html":
         from beamcam.setup_sheet.study_page import diff_page
 
-        return diff_page((PurePath(data[0][0]).name, PurePath(data[1][0]).name), compared, found)
+        return diff_page(
+            (PurePath(data[0][0]).name, PurePath(data[1][0]).name), compared, differences
+        )
     return picture([one.scene for one in compared], suffix)
 
 
@@ -184,28 +186,28 @@ def command(
         machines = [machine_for_program(config, *one) for one in zip((a, b), contents, strict=True)]
         for (name, _), machine in zip(data, machines, strict=True):
             console.did(f"read {name}, a program as one of {machine.name}")
-        found, said = differences_of(data, machines, config.strict)
+        differences, diagnostics = differences_of(data, machines, config.strict)
         if output is not None:
-            drawn = drawn_over(data, machines, found, output)
+            drawn = drawn_over(data, machines, differences, output)
     except BeamcamError as error:
         console.stop(error.diagnostics)
-    console.did(f"compared them: {len(found)} difference(s)")
+    console.did(f"compared them: {len(differences)} difference(s)")
     if output is not None:
         write(output, drawn, console, files_read(config, (a, b)))
     else:
-        show(found, as_json)
-    if said:
-        console.say(said)
-    if found or errors_in(said):
+        show(differences, as_json)
+    if diagnostics:
+        console.say(diagnostics)
+    if differences or errors_in(diagnostics):
         raise SystemExit(REFUSED)
 
 
-def show(found: tuple[Difference, ...], as_json: bool) -> None:
+def show(differences: tuple[Difference, ...], as_json: bool) -> None:
     """Print differences on standard output."""
     if as_json:
-        say_json([d.as_data() for d in found])
+        say_json([d.as_data() for d in differences])
     else:
-        say_lines(difference.text for difference in found)
+        say_lines(difference.text for difference in differences)
 
 
 # --- folders --------------------------------------------------------------------------------------
@@ -214,11 +216,11 @@ def show(found: tuple[Difference, ...], as_json: bool) -> None:
 
 
 def diff_folders(
-    a: Path, b: Path, as_json: bool, console: Console, asked: Mapping[str, Any]
+    a: Path, b: Path, as_json: bool, console: Console, options: Mapping[str, Any]
 ) -> None:
     """Print what the files of `b` make otherwise than those of `a`, and end with the status."""
     try:
-        config = settled(asked, (str(a), str(b)))
+        config = settled(options, (str(a), str(b)))
         recorded = _recorded(a) | _recorded(b)
         first, second = _files(a, recorded), _files(b, recorded)
         results = []
@@ -229,9 +231,9 @@ def diff_folders(
         console.stop(error.diagnostics)
     alone = [(str(a / name), "only in A") for name in sorted(first.keys() - second.keys())]
     alone += [(str(b / name), "only in B") for name in sorted(second.keys() - first.keys())]
-    wanted = [severity.value for severity in Severity if console.wants(severity)]
+    severities = [severity.value for severity in Severity if console.wants(severity)]
     if as_json:
-        rows = records(results, wanted)
+        rows = records(results, severities)
         rows += [
             {"file": name, "result": where, "differences": [], "messages": []}
             for name, where in alone
@@ -240,7 +242,7 @@ def diff_folders(
     else:
         say_lines(told([one for one in results if one.result != "bytes"]))
         say_lines(f"{name}: {where}" for name, where in alone)
-        said = (m for one in results for m in one.messages if m["severity"] in wanted)
+        said = (m for one in results for m in one.messages if m["severity"] in severities)
         say_lines(map(message_line, said), err=True)
         if not console.quiet:
             same = sum(one.result in ("same", "bytes") for one in results)
@@ -256,14 +258,14 @@ def _recorded(folder: Path) -> dict[str, Machine]:
 
 def _files(folder: Path, recorded: Mapping[str, Machine]) -> dict[str, Path]:
     """The programs and parts below a folder by their names there."""
-    found = {}
+    files = {}
     for path in folder.rglob("*"):
         name = path.relative_to(folder).as_posix()
         if path.name.startswith(".") or not path.is_file():
             continue
         if name in recorded or is_of_programs(name) or is_part(name, path.read_bytes()):
-            found[name] = path
-    return found
+            files[name] = path
+    return files
 
 
 def _machine(config: Config, name: str, data: bytes, recorded: Mapping[str, Machine]) -> Machine:
@@ -282,9 +284,11 @@ def _compared(
         return Checked(shown, "same")
     try:
         machines = [_machine(config, name, data, recorded) for data in (old, new)]
-        found, said = differences_of([(str(first), old), (shown, new)], machines, config.strict)
+        differences, diagnostics = differences_of(
+            [(str(first), old), (shown, new)], machines, config.strict
+        )
     except BeamcamError as error:
         return Checked(shown, "refused", (), tuple(map(as_message, error.diagnostics)))
-    refused = errors_in(said)
-    result: Result = "differs" if found else "refused" if refused else "bytes"
-    return Checked(shown, result, found, tuple(map(as_message, said)))
+    refused = errors_in(diagnostics)
+    result: Result = "differs" if differences else "refused" if refused else "bytes"
+    return Checked(shown, result, differences, tuple(map(as_message, diagnostics)))

@@ -44,13 +44,13 @@ def compared(
             Checked(path, "differs", listed, (), new, by_hand) if listed else Checked(path, "same")
         )
     before, now = (data.decode("utf-8", "replace") for data in (old, new))
-    differences, said = diff_texts(
+    differences, diagnostics = diff_texts(
         ProgramText(path, before, machine), ProgramText(f"{path}, as it is made now", now, machine)
     )
-    said = errors_in(said)
-    result: Result = "differs" if differences or said or listed else "bytes"
+    diagnostics = errors_in(diagnostics)
+    result: Result = "differs" if differences or diagnostics or listed else "bytes"
     differences = (*differences, *listed)
-    return Checked(path, result, differences, tuple(map(as_message, said)), new, by_hand)
+    return Checked(path, result, differences, tuple(map(as_message, diagnostics)), new, by_hand)
 
 
 def _list_differs(path: str, rows: Sequence[HandRow]) -> tuple[Difference, ...]:
@@ -73,14 +73,16 @@ def sample_of(samples: Path, stem: str, program: str, suffix: str = "") -> Path:
     """
     known = {suffix} if suffix else {s for f in readers.FORMATS for s in f.suffixes}
     alike = (p for p in samples.rglob("*") if p.suffix.lower() in known and p.stem == stem)
-    found = sorted(path for path in alike if path.is_file())
-    if len(found) > 1:
-        found = [p for p in found if "bad" not in p.relative_to(samples).parts] or found
-    if len(found) == 1:
-        return found[0]
-    where = f"in {samples} (found {', '.join(map(str, found))})" if found else f"in {samples}"
-    said = NO_SAMPLE.at(Source(program), found=stem + suffix, of=Path(program).name, where=where)
-    raise ReadError(said)
+    files = sorted(path for path in alike if path.is_file())
+    if len(files) > 1:
+        files = [p for p in files if "bad" not in p.relative_to(samples).parts] or files
+    if len(files) == 1:
+        return files[0]
+    where = f"in {samples} (found {', '.join(map(str, files))})" if files else f"in {samples}"
+    diagnostic = NO_SAMPLE.at(
+        Source(program), found=stem + suffix, of=Path(program).name, where=where
+    )
+    raise ReadError(diagnostic)
 
 
 def told(results: Sequence[Checked]) -> Iterator[str]:
@@ -94,8 +96,8 @@ def told(results: Sequence[Checked]) -> Iterator[str]:
             alike[(one.result, *(d.of_all or d.text for d in one.differences))].append(one)
     for (result, *texts), group in alike.items():
         if len(group) > 1:
-            said = ", ".join(texts) or TEXTS[result]
-            yield f"{len(group)} programs: {said} ({named([c.path for c in group])})"
+            text = ", ".join(texts) or TEXTS[result]
+            yield f"{len(group)} programs: {text} ({named([c.path for c in group])})"
         else:
             (one,) = group
             if len(one.differences) == 1:
@@ -105,7 +107,7 @@ def told(results: Sequence[Checked]) -> Iterator[str]:
             yield from (f"  {difference.text}" for difference in one.differences)
     for one in results:
         if one.messages and one.result == "differs":
-            is_new = any(said["code"] == NEW.code for said in one.messages)
+            is_new = any(text["code"] == NEW.code for text in one.messages)
             yield f"{one.path}: {'not in the folder' if is_new else TEXTS[one.result]}"
             yield from (f"  {difference.text}" for difference in one.differences)
 

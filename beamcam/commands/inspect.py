@@ -32,7 +32,7 @@ def as_json_object(path: str, reading: Reading) -> dict[str, object]:
         "file": os.path.basename(path),
         "format": reading.format,
         "parts": [part_to_json(part) for part in reading.parts],
-        "diagnostics": [as_message(said) for said in reading.diagnostics],
+        "diagnostics": [as_message(diagnostic) for diagnostic in reading.diagnostics],
     }
 
 

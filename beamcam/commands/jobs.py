@@ -99,37 +99,37 @@ class AskedProgram(Struct, frozen=True):
 
 
 def asked_program(
-    inputs: Sequence[str], against: bool, config: Config, asked: Mapping[str, Any], output: str,
-    order: Order, turn: bool, console: Console, said: list[Diagnostic],
+    inputs: Sequence[str], against: bool, config: Config, options: Mapping[str, Any], output: str,
+    order: Order, turn: bool, console: Console, diagnostics: list[Diagnostic],
 ) -> AskedProgram:  # fmt: skip
     """The program among the inputs, read back against the parts behind it; or that of the parts.
 
-    What readers and planner say is added to `said`, also where it raises BeamcamError.
+    What readers and planner say is added to `diagnostics`, also where it raises BeamcamError.
     """
     first = input_bytes(inputs[0])
     is_file = is_program(inputs, first, against)
     named = inputs[1:] if is_file else inputs
-    parts, told = read_parts(named, config, asked, console) if named else ((), ())
-    said += told
+    parts, told = read_parts(named, config, options, console) if named else ((), ())
+    diagnostics += told
     if not is_file:
-        job = posted_job(inputs, parts, config, asked, output, order, turn, console)
-        said += (*job.said, *job.posted.remarks)
+        job = posted_job(inputs, parts, config, options, output, order, turn, console)
+        diagnostics += (*job.said, *job.posted.remarks)
         return AskedProgram(job.program, job.posted.plan, ())
-    program = read_program(first, inputs[0], config, asked.get("bar"))
-    asked_for = request_of(parts, config, program.machine, asked["quantity"])
+    program = read_program(first, inputs[0], config, options.get("bar"))
+    asked_for = request_of(parts, config, program.machine, options["quantity"])
     request = replace(asked_for, name=shown_name(inputs[0]), style=program.style)
     program = replace(program, parts=whole_job(request).parts)
-    bar = asked.get("bar") if bar_told(first) else program.bar
+    bar = options.get("bar") if bar_told(first) else program.bar
     return AskedProgram(program, None, read_back(first, request, bar))
 
 
 def posted_job(
-    inputs: Sequence[str], parts: tuple[Part, ...], config: Config, asked: Mapping[str, Any],
+    inputs: Sequence[str], parts: tuple[Part, ...], config: Config, options: Mapping[str, Any],
     output: str, order: Order, turn: bool, console: Console,
 ) -> PostedJob:  # fmt: skip
     """The parts of the inputs posted as `post` would, and read back. Raises BeamcamError."""
     machines = machines_for(config, parts, output)
-    request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
+    request = request_of(parts, config, machines[0], options["quantity"], order, turn)
     stage = console.did if console.verbose else untold
     (begun,), choice = on_best_machine(
         request, machines, partial(begin, together=True, stage=stage)

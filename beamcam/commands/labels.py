@@ -96,18 +96,18 @@ def command(
         config = settled(asked, inputs)
         known = _of_batch(inputs)
         if known is None:
-            counts, said = counted_parts(inputs, config, asked, console)
+            counts, diagnostics = counted_parts(inputs, config, asked, console)
             labels, without = _labels(counts, config, code, order, turn)
-            said = (*said, *without)
+            diagnostics = (*diagnostics, *without)
         else:
-            labels, said = known, tuple(_faults(known, inputs[0], code))
-            if said:
-                raise PlanError(said)
+            labels, diagnostics = known, tuple(_faults(known, inputs[0], code))
+            if diagnostics:
+                raise PlanError(diagnostics)
         data = _written(form, labels, size, code)
     except BeamcamError as error:
         console.stop(error.diagnostics)
     write(output, data, console, files_read(config, inputs))
-    console.finish(said)
+    console.finish(diagnostics)
 
 
 def _of_batch(inputs: tuple[str, ...]) -> tuple[Label, ...] | None:
@@ -134,7 +134,7 @@ def _labels(
     """The labels of all pieces, those of one part one behind the other; an error for a part that
     no machine makes, or whose code would be too long, which has none."""
     labels: list[Label] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     names = FileNames()
     machines = machines_in_shop(config, config.name or "")
     parts_of = Counter(one.part.source.file for one in counts)
@@ -150,14 +150,14 @@ def _labels(
         try:
             machine, pieces = programs_of(part, tried, request)
         except PlanError as error:
-            said += error.diagnostics
+            diagnostics += error.diagnostics
             continue
         stem, several = PurePath(file).stem, parts_of[file] > 1
         name = output_name(config.name, stem, part, before[file], several, machine)
         programs = [names.take(each, part.mark) for each in numbered(name, len(pieces))]
         fault = code_fault(Label(part.mark, (), programs[-1]), code, part.source)
         if fault is not None:
-            said.append(fault)
+            diagnostics.append(fault)
             continue
         # Without a quantity one program makes one piece, and runs as often as they are wanted.
         of_piece = [*chain.from_iterable(map(repeat, programs, pieces))]
@@ -166,7 +166,7 @@ def _labels(
                   of_piece[min(k, len(of_piece) - 1)])
             for k in range(one.quantity)
         )  # fmt: skip
-    return tuple(labels), tuple(dict.fromkeys(said))
+    return tuple(labels), tuple(dict.fromkeys(diagnostics))
 
 
 def _written(form: str, labels: Sequence[Label], size: Size, code: Code) -> str | bytes:

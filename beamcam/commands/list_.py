@@ -102,7 +102,7 @@ def command(
     try:
         form = options.form_of(output, to, as_json, FORMATS, "txt")
         config = settled(asked, inputs)
-        counts, said = counted_parts(inputs, config, asked, console)
+        counts, diagnostics = counted_parts(inputs, config, asked, console)
         request = _asked(config, tuple(sorted(bars)) or config.stock_lengths, order, turn)
         machines = machines_in_shop(config, "")
         there = tuple(map(remnant_of, remnants))
@@ -112,8 +112,8 @@ def command(
     except BeamcamError as error:
         console.stop(error.diagnostics)
     write(output, data, console, files_read(config, inputs))
-    said = (*said, *not_made(counts))
-    console.finish(said)
+    diagnostics = (*diagnostics, *not_made(counts))
+    console.finish(diagnostics)
 
 
 def _asked(config: Config, lengths: Sequence[float], order: Order, turn: bool) -> Request:
@@ -157,7 +157,7 @@ def _text(tables: Sequence[Table], is_coloured: bool) -> str:
 
 
 def counted_parts(
-    names: Sequence[str], config: Config, asked: Mapping[str, Any], console: Console
+    names: Sequence[str], config: Config, options: Mapping[str, Any], console: Console
 ) -> tuple[tuple[PartCount, ...], tuple[Diagnostic, ...]]:
     """The parts in order with their quantities, and everything that was said of their files.
 
@@ -165,20 +165,20 @@ def counted_parts(
     of is left out, as are files that hold none and parts of which there are too many. Raises
     ReadError for two parts that differ under one mark of an order: nothing is listed then.
     """
-    found: FoundInputs = find_inputs(names)
-    said: list[Diagnostic] = [*found.diagnostics]
+    inputs: FoundInputs = find_inputs(names)
+    diagnostics: list[Diagnostic] = [*inputs.diagnostics]
     parts: list[Part] = []
-    how = drawing_choice(asked, config.map) | member_choice(asked, kernel=False)
-    for reading in read_all((i.path for i in found.inputs), config.strict, how, console):
+    how = drawing_choice(options, config.map) | member_choice(options, kernel=False)
+    for reading in read_all((i.path for i in inputs.inputs), config.strict, how, console):
         reading = with_thickness(reading, config)
-        said += reading.diagnostics
-        parts += marked(counted(sound(reading)), asked["mark_from"])
+        diagnostics += reading.diagnostics
+        parts += marked(counted(sound(reading)), options["mark_from"])
     if mixed := tuple(other_content(parts)):
-        raise ReadError((*said, *mixed))
+        raise ReadError((*diagnostics, *mixed))
     counts = [PartCount(part, number_of(part, config.quantity)) for part in parts]
     refused = list(refused_pieces((one.part.source, one.quantity) for one in counts))
-    said += [one for one in refused if one is not None]
-    return tuple(compress(counts, (one is None for one in refused))), tuple(said)
+    diagnostics += [one for one in refused if one is not None]
+    return tuple(compress(counts, (one is None for one in refused))), tuple(diagnostics)
 
 
 def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Machine]]:
@@ -196,5 +196,5 @@ def machines_in_shop(config: Config, name: str) -> Callable[[Part], Sequence[Mac
 
 def refuse_missing(error: ImportError, extra: str) -> BeamcamError:
     """The message where a library of an extra is not installed."""
-    said = MISSING_EXTRA.at(Source("beamcam"), found=error.name or str(error), extra=extra)
-    return ReadError((said,))
+    diagnostic = MISSING_EXTRA.at(Source("beamcam"), found=error.name or str(error), extra=extra)
+    return ReadError((diagnostic,))

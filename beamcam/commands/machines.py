@@ -128,9 +128,9 @@ def new(name: str, base: str, chart: str | None, user: bool, console: Console) -
 def _chart(path: str, console: Console) -> list[dict[str, Any]]:
     """The rows of a cut chart; ends where one cannot be read."""
     with open(path, encoding="utf-8", errors="replace") as file:
-        rows, said = chart_rows(file.read(MAX_CHART_BYTES), path)
-    if said:
-        console.stop(said)
+        rows, diagnostics = chart_rows(file.read(MAX_CHART_BYTES), path)
+    if diagnostics:
+        console.stop(diagnostics)
     return rows
 
 

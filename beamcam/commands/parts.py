@@ -31,8 +31,8 @@ def _map(
     """ "red=cut" as {"red": "cut"}; None if there is none."""
     table: dict[str, Meaning] = {}
     for value in values:
-        key, _, wanted = value.rpartition("=")
-        meaning = next((m for m in MEANINGS if m == wanted.strip()), None)
+        key, _, process = value.rpartition("=")
+        meaning = next((m for m in MEANINGS if m == process.strip()), None)
         if not key.strip() or meaning is None:
             from beamcam.planning.contours import rules
 
@@ -241,15 +241,15 @@ looking_options = options.group(
 
 
 def read_parts(
-    inputs: Iterable[str], config: Config, asked: Mapping[str, Any], console: Console
+    inputs: Iterable[str], config: Config, options: Mapping[str, Any], console: Console
 ) -> tuple[tuple[Part, ...], tuple[Diagnostic, ...]]:
     """All parts of the inputs, and what is said of them.
 
-    `asked` holds the values of `part_options`. Raises ReadError.
+    `options` holds the values of `part_options`. Raises ReadError.
     """
-    how = drawing_choice(asked, config.map) | member_choice(asked, kernel=True)
-    parts, said = parts_of(read_all(inputs, config.strict, how, console), counted)
-    return marked(parts, asked["mark_from"]), said
+    how = drawing_choice(options, config.map) | member_choice(options, kernel=True)
+    parts, diagnostics = parts_of(read_all(inputs, config.strict, how, console), counted)
+    return marked(parts, options["mark_from"]), diagnostics
 
 
 def request_of(

@@ -71,17 +71,17 @@ def command(
     beamcam plan M74.nc1 M58.nc1 --machine beamline-pusher --order best --turn
     beamcam plan M58.nc1 --json | jq .time
     """
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     as_json = as_json or output.lower().endswith(".json")
     try:
         config = settled(asked, inputs)
-        parts, said = read_parts(inputs, config, asked, console)
+        parts, diagnostics = read_parts(inputs, config, asked, console)
         machines = machines_for(config, parts, output)
         request = request_of(parts, config, machines[0], asked["quantity"], order, turn)
         (planned,), choice = on_best_machine(request, machines, _planned)
         job, plan, machine = planned.job, planned.plan, planned.job.machine
         console.remark(choice)
-        remarks = (*said, *remarks_on(plan, machine, config.strict))
+        remarks = (*diagnostics, *remarks_on(plan, machine, config.strict))
         read = files_read(config, inputs)
         if not isinstance(plan, Plan):
             kind = post_of(machine)
@@ -102,7 +102,7 @@ def command(
         skips = job.request.skips
         trials = [(part, tuple(try_turns(part, machine, skips))) for part in turned]
     except BeamcamError as error:
-        console.stop((*said, *error.diagnostics))
+        console.stop((*diagnostics, *error.diagnostics))
     console.did(f"planned {len(plan.operations)} operation(s): {ledger_of(plan.outcomes)}")
     explained = explain(plan, machine)
     record = plan_record(plan, explained, machine, trials, remarks)
@@ -123,7 +123,8 @@ def _planned(request: Request) -> list[Planned]:
 
 def _print(
     output: str, read: FilesRead, console: Console, as_json: bool, lines: Iterable[str],
-    record: dict[str, object], said: tuple[Diagnostic, ...], config: Config, machine: Machine,
+    record: dict[str, object], diagnostics: tuple[Diagnostic, ...], config: Config,
+    machine: Machine,
 ) -> None:  # fmt: skip
     if as_json:
         from beamcam.commands.configuration import used
@@ -132,7 +133,7 @@ def _print(
         write(output, json_of(record) + "\n", console, read)
     else:
         write(output, "\n".join(map(terminal_text, lines)) + "\n", console, read)
-        console.say(said)
+        console.say(diagnostics)
 
 
 Trials = list[tuple[Part, tuple[Trial, ...]]]
@@ -200,7 +201,7 @@ def _load_line(loaded: ToolLoad) -> str:
 
 def plan_record(
     plan: Plan, explained: Explanation, machine: Machine, trials: Trials,
-    said: tuple[Diagnostic, ...],
+    diagnostics: tuple[Diagnostic, ...],
 ) -> dict[str, object]:  # fmt: skip
     """The plan as data."""
     bar = plan.bar
@@ -245,7 +246,7 @@ def plan_record(
             "manual_changes_s": round(explained.manual_changes_s, 3),
             "total_s": round(explained.total_s, 3),
         },
-        "messages": [as_message(d) for d in said],
+        "messages": [as_message(d) for d in diagnostics],
     }  # fmt: skip
 
 
@@ -288,7 +289,7 @@ def sheet_lines(plan: SheetPlan, time: WorkTime, machine: Machine) -> Iterator[s
 
 
 def sheet_record(
-    plan: SheetPlan, time: WorkTime, machine: Machine, said: tuple[Diagnostic, ...]
+    plan: SheetPlan, time: WorkTime, machine: Machine, diagnostics: tuple[Diagnostic, ...]
 ) -> dict[str, object]:
     """The plan of a sheet as data."""
     sheets = [
@@ -313,7 +314,7 @@ def sheet_record(
             }
             for op, seconds in zip(plan.operations, time.operations, strict=True)
         ],
-        **_whole(plan, time, said),
+        **_whole(plan, time, diagnostics),
     }  # fmt: skip
 
 
@@ -349,7 +350,7 @@ def coping_lines(plan: CopePlan, time: WorkTime, machine: Machine) -> Iterator[s
 
 
 def coping_record(
-    plan: CopePlan, time: WorkTime, machine: Machine, said: tuple[Diagnostic, ...]
+    plan: CopePlan, time: WorkTime, machine: Machine, diagnostics: tuple[Diagnostic, ...]
 ) -> dict[str, object]:
     """The plan of a coped part as data."""
     (piece,) = plan.pieces
@@ -367,11 +368,11 @@ def coping_record(
             }
             for cut, seconds in zip(plan.operations, time.operations, strict=True)
         ],
-        **_whole(plan, time, said),
+        **_whole(plan, time, diagnostics),
     }  # fmt: skip
 
 
-def _whole(plan: AnyPlan, time: WorkTime, said: tuple[Diagnostic, ...]) -> dict[str, object]:
+def _whole(plan: AnyPlan, time: WorkTime, diagnostics: tuple[Diagnostic, ...]) -> dict[str, object]:
     """What the data of both kinds of plan end with."""
     return {
         "features": [
@@ -379,5 +380,5 @@ def _whole(plan: AnyPlan, time: WorkTime, said: tuple[Diagnostic, ...]) -> dict[
             for o in plan.outcomes
         ],
         "time": {"home_s": round(time.home_s, 3), "total_s": round(time.total_s, 3)},
-        "messages": [as_message(d) for d in said],
+        "messages": [as_message(d) for d in diagnostics],
     }

@@ -55,31 +55,31 @@ def command(
 
     suffix = picture_suffix(output)
     check_paper(paper, suffix)
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, inputs)
         data = one_program(inputs)
         if data is not None:
             scenes = [program_scene(read_program(data, inputs[0], config, asked["bar"]), unit)]
         elif show == "program" or (show is None and len(inputs) > 1):
-            parts, said = read_parts(inputs, config, asked, console)
+            parts, diagnostics = read_parts(inputs, config, asked, console)
             job = posted_job(inputs, parts, config, asked, output, order, turn, console)
-            said = (*said, *job.said, *job.posted.remarks)
+            diagnostics = (*diagnostics, *job.said, *job.posted.remarks)
             scenes = [program_scene(job.program, unit)]
         else:
-            parts, said = read_parts(inputs, config, asked, console)
+            parts, diagnostics = read_parts(inputs, config, asked, console)
             if not parts or (len(parts) > 1 and suffix != ".pdf"):
-                console.say(said)
-                found = f"found {len(parts)} parts for {output!r}"
-                raise click.UsageError(f"{found}; expected one, or a .pdf of many pages")
+                console.say(diagnostics)
+                result = f"found {len(parts)} parts for {output!r}"
+                raise click.UsageError(f"{result}; expected one, or a .pdf of many pages")
             table = _processes(config, parts, output)
             scenes = [part_scene(part, unit, table) for part in parts]
         drawn = picture(scenes, suffix, paper)
     except BeamcamError as error:
-        console.stop((*said, *error.diagnostics))
+        console.stop((*diagnostics, *error.diagnostics))
     console.did(f"drew {len(scenes)} picture(s)")
     write(output, drawn, console, files_read(config, inputs))
-    console.say(said)
+    console.say(diagnostics)
 
 
 def _processes(config: Config, parts: Sequence[Part], output: str) -> Mapping[str, str] | None:

@@ -109,13 +109,13 @@ def command(
     beamcam post gasket.dxf --thickness 3 --from-contour 4 -o rest.ngc
     beamcam post gasket.dxf --thickness 3 -o gasket.ngc --frame frame.ngc
     """
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     request: Request | None = None
     strict = bool(asked["strict"])
     try:
         config = settled(asked, inputs)
         strict = config.strict
-        parts, said = read_parts(inputs, config, asked, console)
+        parts, diagnostics = read_parts(inputs, config, asked, console)
         machines = machines_for(config, parts, output)
         coded = any(map(is_coded_sheet, machines))
         if contour is not None and not coded:
@@ -124,7 +124,7 @@ def command(
             raise click.UsageError("--frame and -o name one file; expected two.")
         if frame is not None and not coded:
             raise click.UsageError("--frame is for programs of sheets, in G-code.")
-        said += map_remarks(config, parts, machines[0])
+        diagnostics += map_remarks(config, parts, machines[0])
         request = request_of(parts, config, machines[0], config.quantity, order, turn)
         request = replace(request, verified=not no_verify, date=asked["date"] or "")
         stage = console.did if console.verbose else untold
@@ -137,7 +137,7 @@ def command(
         from beamcam.machine_choice import on_best_machine
 
         begun, choice = on_best_machine(request, machines, planned)
-        said += choice
+        diagnostics += choice
         names = program_names(output, len(begun))
         made = [(n, finished(one, stage)) for n, one in zip(names, begun, strict=True)]
         if first is not None or contour is not None:
@@ -147,23 +147,23 @@ def command(
             check_rest(rest_name, [each for _, each in made])
             text, told = rest_file(rest_name, made[0][1])
             beside += [] if text is None else [(rest_name, text)]
-            said += (told,)
+            diagnostics += (told,)
     except RefusedProgram as error:
         kept = keep_refused(output, error.pieces(), files_read(config, inputs))
-        console.stop((*said, *error.diagnostics, *kept))
+        console.stop((*diagnostics, *error.diagnostics, *kept))
     except StrictError as error:
-        console.stop((*said, *error.diagnostics))
+        console.stop((*diagnostics, *error.diagnostics))
     except PlanError as error:
         way = () if request is None else (_way_out(request, machines, config, asked),)
-        console.stop((*said, *error.diagnostics, *way))
+        console.stop((*diagnostics, *error.diagnostics, *way))
     except BeamcamError as error:
         from beamcam.pipeline import read_file
         from beamcam.ways_out import ways_to_read
 
         ways = tuple(ways_to_read(error.diagnostics, read_file, strict))
-        console.stop((*said, *error.diagnostics, *ways))
+        console.stop((*diagnostics, *error.diagnostics, *ways))
     _write(made, beside, files_read(config, inputs), console)
-    console.say((*said, *dict.fromkeys(one for _, each in made for one in each.remarks)))
+    console.say((*diagnostics, *dict.fromkeys(one for _, each in made for one in each.remarks)))
     if not (console.quiet or console.as_json):
         for name, each in made:
             console.tell(success(name, each, first or contour))
@@ -172,7 +172,7 @@ def command(
 
 
 def _way_out(
-    request: Request, tried: Sequence[Machine], config: Config, asked: Mapping[str, Any]
+    request: Request, tried: Sequence[Machine], config: Config, options: Mapping[str, Any]
 ) -> Diagnostic:
     """What could be asked for instead, of the machines that are shipped for such stock."""
     from beamcam.commands.parts import drawing_choice
@@ -188,7 +188,7 @@ def _way_out(
     if "beam" in stocks:
         stocks.add("profile")
     alike = [one for one in others if one is not None and one.stock in stocks]
-    how = drawing_choice(asked, config.map)
+    how = drawing_choice(options, config.map)
     read = None if how.get("units") else lambda path, **other: read_file(path, **{**how, **other})
     return ways_out(request, tried, alike, read)
 

@@ -35,18 +35,20 @@ def record_folders(folder: Path) -> tuple[Path, ...]:
     below = sorted(path.parent for path in folder.rglob(RECORD_NAME))
     if below:
         return tuple(below)
-    found = next((one for one in folder.resolve().parents if (one / RECORD_NAME).is_file()), None)
-    return () if found is None else (Path(os.path.relpath(found)),)
+    folder_of_record = next(
+        (one for one in folder.resolve().parents if (one / RECORD_NAME).is_file()), None
+    )
+    return () if folder_of_record is None else (Path(os.path.relpath(folder_of_record)),)
 
 
 class Recorded:
     """The programs of one record, and how they are posted again."""
 
     def __init__(
-        self, folder: Path, samples: Path | None, asked: Mapping[str, Any], update: bool
+        self, folder: Path, samples: Path | None, options: Mapping[str, Any], update: bool
     ) -> None:
-        """`asked` holds what the command line asks for, over what the record says."""
-        self._folder, self._samples, self._asked, self._update = folder, samples, asked, update
+        """`options` holds what the command line asks for, over what the record says."""
+        self._folder, self._samples, self._asked, self._update = folder, samples, options, update
         self._shops: dict[str, tuple[Config, BatchSettings] | BeamcamError] = {}
         self._noted = noted_in(str(folder))
         self._known = {part["output"] for noted in self._noted for part in noted.row["parts"]}
@@ -60,17 +62,17 @@ class Recorded:
 
     def machines(self) -> dict[str, Machine]:
         """The machine of each program that the record knows, as far as it can be had."""
-        found: dict[str, Machine] = {}
+        machines: dict[str, Machine] = {}
         for noted in self._noted:
             made = self._shop(noted)
             if not isinstance(made, BeamcamError):
                 outputs = (part["output"] for part in noted.row["parts"])
-                found |= dict(zip(outputs, machines_of(noted.row, made[1]), strict=True))
-        return found
+                machines |= dict(zip(outputs, machines_of(noted.row, made[1]), strict=True))
+        return machines
 
     def check(self, below: Path) -> Iterator[Checked]:
         """The outcome of each program below a folder. Raises OSError."""
-        told: set[str] = set()
+        codes: set[str] = set()
         over_stock: dict[str, list[Noted]] = {}
         for noted in self._noted:
             if not any(self._path(n).resolve().is_relative_to(below.resolve())
@@ -81,8 +83,8 @@ class Recorded:
                 over_stock.setdefault(noted.recipe.name, []).append(noted)
             elif not isinstance(made, BeamcamError):
                 yield from self._input(noted, *made)
-            elif noted.recipe.name not in told:  # once for all that were made so
-                told.add(noted.recipe.name)
+            elif noted.recipe.name not in codes:  # once for all that were made so
+                codes.add(noted.recipe.name)
                 yield _refused(str(self._folder), made.diagnostics)
         for of_run in over_stock.values():
             yield from self._over_stock(of_run)
@@ -98,7 +100,7 @@ class Recorded:
         ]
         run = StockRun(inputs, str(self._folder), shop[1], Here(shop[1]), dry=True)
         try:
-            said = [one for row in run.planned() for one in row["messages"]]
+            messages = [one for row in run.planned() for one in row["messages"]]
         except BeamcamError as error:
             yield _refused(str(self._folder), error.diagnostics)
             return
@@ -109,7 +111,7 @@ class Recorded:
         for noted in of_run:
             (name,) = noted.outputs
             one = made.get(name)
-            row: Row = {**noted.row, "parts": [], "messages": said} if one is None else one.row
+            row: Row = {**noted.row, "parts": [], "messages": messages} if one is None else one.row
             new = {} if one is None else dict(one.outputs)
             yield from self._outputs(noted, row, new, machines_of(row, shop[1]))
             before, now = ({part["sha256"] for part in r["parts"]} for r in (noted.row, row))
@@ -128,14 +130,14 @@ class Recorded:
         if name not in self._shops:
             files, again = asked_again(noted.recipe, str(self._folder))
             given = {n: value for n, value in self._asked.items() if value is not None}
-            asked = {**_unasked(), **again, **given}
+            options = {**_unasked(), **again, **given}
             try:
                 if "machine" in given:  # in place of all that the record names
-                    asked["machines"] = None
-                named = (asked.get("machine"), *(asked.get("machines") or ()))
+                    options["machines"] = None
+                named = (options.get("machine"), *(options.get("machines") or ()))
                 strange = (name for name in named if name and name not in given.values())
-                config = settled_again(asked, files, strange)
-                self._shops[name] = config, shop_of(config, asked)
+                config = settled_again(options, files, strange)
+                self._shops[name] = config, shop_of(config, options)
             except BeamcamError as error:
                 self._shops[name] = error
         return self._shops[name]
@@ -145,8 +147,8 @@ class Recorded:
         for name in noted.outputs:
             if not is_within(str(self._folder), name):
                 at = str(self._path(name))
-                said = LINK.at(Source(at), found=name, to=os.path.realpath(at))
-                yield _refused(at, (said,))
+                diagnostic = LINK.at(Source(at), found=name, to=os.path.realpath(at))
+                yield _refused(at, (diagnostic,))
                 return
         try:
             sample = self._sample(noted)
@@ -207,8 +209,8 @@ class Recorded:
                 if path.is_file() and self._update:
                     path.unlink()  # no machine is the next one now
                 elif path.is_file():
-                    said = as_message(GONE.at(Source(str(path)), found=name))
-                    yield Checked(str(path), "refused", (), (said,))
+                    message = as_message(GONE.at(Source(str(path)), found=name))
+                    yield Checked(str(path), "refused", (), (message,))
             elif not path.is_file():
                 yield self._is_new(name, new[name], ())
             elif path.read_bytes() != new[name]:
@@ -218,8 +220,8 @@ class Recorded:
 
     def _is_new(self, name: str, content: bytes, by_hand: Sequence[HandRow]) -> Checked:
         path = str(self._path(name))
-        said = as_message(NEW.at(Source(path), found=name))
-        return Checked(path, "differs", (), (said,), content, by_hand)
+        message = as_message(NEW.at(Source(path), found=name))
+        return Checked(path, "differs", (), (message,), content, by_hand)
 
     def _sample(self, noted: Noted) -> str:
         """The path of an input as it is now. Raises ReadError."""
@@ -263,8 +265,8 @@ def machines_of(row: Row, shop: BatchSettings) -> list[Machine]:
     return [shop.machine_named(part["machine"]) for part in row["parts"]]
 
 
-def _refused(path: str, said: Sequence[Diagnostic]) -> Checked:
-    return Checked(path, "refused", (), tuple(map(as_message, said)))
+def _refused(path: str, diagnostics: Sequence[Diagnostic]) -> Checked:
+    return Checked(path, "refused", (), tuple(map(as_message, diagnostics)))
 
 
 def _unasked() -> dict[str, Any]:

@@ -56,7 +56,7 @@ def command(
     beamcam recover job.gcode --machine beamline-pusher --profile M58.nc1 -o parts/
     beamcam recover gasket.ngc --machine plate-linuxcnc --thickness 3 -o gasket.json
     """
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     try:
         config = settled(asked, (program,))
         target = target_of(output, to)
@@ -69,25 +69,25 @@ def command(
                 f"found the machine {machine.name}; expected one for bars, or a table that runs "
                 "G-code: recover reads no triggers and no step tables."
             )
-        stock, said = _stock(profile, config, console)
+        stock, diagnostics = _stock(profile, config, console)
         name = shown_name(program)
-        found = recover(text, machine, name, stock)
-        said = (*said, *found.said)
+        result = recover(text, machine, name, stock)
+        diagnostics = (*diagnostics, *result.said)
         if config.strict:
-            said = tuple(map(as_error, said))
-        if errors_in(said):
-            console.stop(said)
-        console.did(f"read {name} on {machine.name}: {len(found.parts)} part(s)")
+            diagnostics = tuple(map(as_error, diagnostics))
+        if errors_in(diagnostics):
+            console.stop(diagnostics)
+        console.did(f"read {name} on {machine.name}: {len(result.parts)} part(s)")
         named = name if output == STANDARD or is_folder(output) else output
-        parts = found.parts if found.marked else with_marks(found.parts, PurePath(named).stem)
+        parts = result.parts if result.marked else with_marks(result.parts, PurePath(named).stem)
         read = files_read(config, (program, *((profile,) if profile else ())))
         if is_folder(output):
-            said = (*said, *write_folder(read, parts, target, output, console))
+            diagnostics = (*diagnostics, *write_folder(read, parts, target, output, console))
         else:
             write(output, only_text(name, parts, target, output), console, read)
     except BeamcamError as error:
-        console.stop((*said, *error.diagnostics))
-    console.finish(said)
+        console.stop((*diagnostics, *error.diagnostics))
+    console.finish(diagnostics)
 
 
 def _stock(

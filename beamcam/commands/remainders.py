@@ -57,13 +57,13 @@ def faults_of_rest(
     from beamcam.remainder import faults_of, faults_of_sheet_rest
 
     of_sheet = is_coded_sheet(request.machine)
-    said = ONE_SHEET if of_sheet else ONE_BAR
+    rule = ONE_SHEET if of_sheet else ONE_BAR
     job = whole_job(request, bar)
     if whole is None:
         name = f"program posted of {PurePath(shown_name(request.parts[0].source.file)).name}"
         begun = begin(replace(request, verified=False, strict=False, name="JOB"))
         if len(begun) != 1:
-            raise click.UsageError(said)
+            raise click.UsageError(rule)
         text = finished(begun[0]).text
     else:
         name, text = shown_name(whole), _text(input_bytes(whole))
@@ -104,8 +104,8 @@ def rest_file(path: str, posted: Posted) -> tuple[str | None, Diagnostic]:
     from beamcam.commands.convert import target_of
     from beamcam.rest_part import NO_REST, REST, rest_of_part
 
-    found = rest_of_part(posted, target_of(path, None))
-    if found is None:
+    rest = rest_of_part(posted, target_of(path, None))
+    if rest is None:
         return None, NO_REST.at(Source(path))
-    part, text = found
+    part, text = rest
     return text, REST.at(Source(path), found=len(part.features))

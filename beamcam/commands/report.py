@@ -54,11 +54,13 @@ def command(
     if suffix not in KINDS["report"]:
         raise click.UsageError(expected(output, "report"))
     check_paper(paper, suffix)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     try:
         config = settled(asked, inputs)
-        job = asked_program(inputs, against, config, asked, output, order, turn, console, said)
-        source = SheetSources(job.program, job.plan, tuple(said), job.found)
+        job = asked_program(
+            inputs, against, config, asked, output, order, turn, console, diagnostics
+        )
+        source = SheetSources(job.program, job.plan, tuple(diagnostics), job.found)
         used_file = machine_line(reference(source.program.machine, config))
         settings = (("Machine file", used_file), ("Configuration", configuration_line(config)))
         content = content_of(replace(source, settings=settings), unit)
@@ -72,7 +74,7 @@ def command(
 
             sheet = setup_page(content)
     except BeamcamError as error:
-        console.stop((*said, *error.diagnostics))
+        console.stop((*diagnostics, *error.diagnostics))
     console.did(f"made the sheet of {source.program.name}")
     write(output, sheet, console, files_read(config, inputs))
     console.say((*source.said, *source.found))

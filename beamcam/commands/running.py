@@ -100,7 +100,7 @@ run_options = options.group(
 )  # fmt: skip
 
 
-def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> BatchSettings:
+def shop_of(config: Config, options: Mapping[str, Any], timed: bool = False) -> BatchSettings:
     """Everything that determines the outputs: the job's configuration and reading options.
 
     Raises MachineError, ConfigError and PlanError.
@@ -108,7 +108,7 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Ba
     name = config.name or ""
     check_asked(config.job, None, config.allow_skips)
     if config.split:
-        check_split(config, asked)
+        check_split(config, options)
         bars, *more_bars = machines_of_split(config)
         sheets, more_sheets = bars, []
     else:
@@ -118,19 +118,19 @@ def shop_of(config: Config, asked: Mapping[str, Any], timed: bool = False) -> Ba
         )
     for machine in (bars, sheets, *more_bars, *more_sheets):
         _check_suffix(name, machine)
-    style = asked.get("style")
+    style = options.get("style")
     of_sheets = [m for m in (sheets, *more_sheets, *more_bars) if m.torch is not None]
     if style is not None and {one.controller for one in of_sheets} - {*DIALECTS}:
         raise click.UsageError(f"--style is not for {sheets.name}.")
     return BatchSettings(
         bars, config.job, config.stock_lengths, config.quantity, config.allow_skips, config.strict,
-        not asked["no_verify"], config.name, None if sheets == bars else sheets,
-        drawing_choice(asked, config.map) | member_choice(asked, kernel=True, workers=1),
+        not options["no_verify"], config.name, None if sheets == bars else sheets,
+        drawing_choice(options, config.map) | member_choice(options, kernel=True, workers=1),
         timed=timed, clock=perf_counter, more=(*more_bars, *more_sheets),
-        date=asked.get("date") or "", order=asked.get("order", "given"),
-        turn=asked.get("turn", False), mark_from=asked.get("mark_from", "mark"), style=style,
-        by=config.by, rest_suffix=f".{asked.get('rest_as', 'nc1')}" if config.split else "",
-        remnants=tuple(map(remnant_of, asked.get("remnants", ()))),
+        date=options.get("date") or "", order=options.get("order", "given"),
+        turn=options.get("turn", False), mark_from=options.get("mark_from", "mark"), style=style,
+        by=config.by, rest_suffix=f".{options.get('rest_as', 'nc1')}" if config.split else "",
+        remnants=tuple(map(remnant_of, options.get("remnants", ()))),
     )  # fmt: skip
 
 
@@ -153,10 +153,10 @@ def _check_suffix(template: str, machine: Machine) -> None:
         )
 
 
-def unused(found: FoundInputs, config: Config) -> tuple[Diagnostic, ...]:
+def unused(inputs: FoundInputs, config: Config) -> tuple[Diagnostic, ...]:
     """A warning for each configuration among the inputs that is not the one of the run."""
     used = {os.path.realpath(path) for path in config.files}
-    others = (path for path in found.configurations if os.path.realpath(path) not in used)
+    others = (path for path in inputs.configurations if os.path.realpath(path) not in used)
     return tuple(UNUSED.at(Source(path)) for path in others)
 
 
@@ -281,10 +281,10 @@ class Progress:
 
     def say(self, messages: Iterable[Message]) -> None:
         """Print what is said about the run as a whole; it is little, so that notes count too."""
-        for said in () if self._voice.as_json else messages:
-            if self._voice.wants(Severity(said["severity"])):
+        for message in () if self._voice.as_json else messages:
+            if self._voice.wants(Severity(message["severity"])):
                 self._clear()
-                say_lines([message_line(said)], err=True)
+                say_lines([message_line(message)], err=True)
 
     def end(self, note: str = "") -> None:
         """Print the line of counts, and what else is to be known of the run."""
@@ -338,7 +338,7 @@ class Report:
             self._rows.write(dumped(row) + b"\n")
 
     def write(
-        self, counts: Counts, said: Iterable[Message], shop: BatchSettings | None = None,
+        self, counts: Counts, messages: Iterable[Message], shop: BatchSettings | None = None,
         jobs: int = 1, shares: Sequence[ShareTask] = (),
     ) -> None:  # fmt: skip
         """Write the report in the format that its name says; `-` prints JSON.
@@ -356,12 +356,12 @@ class Report:
             from beamcam.reports.run import as_csv
 
             # A table has rows of files and of what is wrong, for programs that read it.
-            rows = [one for one in said if one["code"] != SETTINGS.code]
+            rows = [one for one in messages if one["code"] != SETTINGS.code]
             pieces = as_csv(self._read(), counts, rows)
         elif suffix == ".html":
-            pieces = self._page(counts, said, shop, jobs, shares)
+            pieces = self._page(counts, messages, shop, jobs, shares)
         else:
-            pieces = as_json(self._read(), counts, said)
+            pieces = as_json(self._read(), counts, messages)
         if self.path == "-":
             for piece in pieces:
                 click.echo(piece, nl=False)
@@ -371,17 +371,17 @@ class Report:
             self._rows.close()
 
     def _page(
-        self, counts: Counts, said: Iterable[Message], shop: BatchSettings | None, jobs: int,
+        self, counts: Counts, messages: Iterable[Message], shop: BatchSettings | None, jobs: int,
         shares: Sequence[ShareTask],
     ) -> Iterable[bytes]:  # fmt: skip
         from beamcam.reports.run_page import as_html
 
         if shop is None or self.path is None:
-            return as_html(self._read, counts, said)
+            return as_html(self._read, counts, messages)
         from beamcam.batch.sheets import picture_style, sheets_beside
 
         extras = sheets_beside(self.path, self._read(), shop, jobs, shares)
-        return as_html(self._read, counts, said, extras, picture_style())
+        return as_html(self._read, counts, messages, extras, picture_style())
 
     def _read(self) -> Iterator[Row]:
         if self._rows is not None:

@@ -42,36 +42,38 @@ SHEET_OPTIONS = (
 )  # fmt: skip
 
 
-def settled(asked: Mapping[str, Any], inputs: Iterable[str]) -> Config:
+def settled(options: Mapping[str, Any], inputs: Iterable[str]) -> Config:
     """The configuration of a job on `inputs`, what the command line asks for laid over it.
 
-    `asked` holds the values of the options, `config_file` among them. Raises ConfigError.
+    `options` holds the values of the options, `config_file` among them. Raises ConfigError.
     """
-    file = asked.get("config_file")
+    file = options.get("config_file")
     files = config_files(inputs) if file is None else ConfigFiles(own=(file,))
     config = Config()
     if files != ConfigFiles():
         from beamcam.commands.configuration import checked
 
-        config = checked(files, asked.get("trust", ()))
+        config = checked(files, options.get("trust", ()))
         remark(config.remarks)
-    return _in_force(over(config, _wanted(asked)))
+    return _in_force(over(config, _wanted(options)))
 
 
-def settled_again(asked: Mapping[str, Any], files: ConfigFiles, machines: Iterable[str]) -> Config:
+def settled_again(
+    options: Mapping[str, Any], files: ConfigFiles, machines: Iterable[str]
+) -> Config:
     """The same by the files that the record of a batch names, and those of its `machines`.
 
     --config goes before these files. Raises ConfigError if one of them is not trusted.
     """
     from beamcam.commands.configuration import checked, checked_again, refuse_strange
 
-    trust = (*asked.get("trust", ()), *checked(ConfigFiles(own=own_files())).trust)
+    trust = (*options.get("trust", ()), *checked(ConfigFiles(own=own_files())).trust)
     for machine in machines:
         if machine.endswith(".toml"):
             refuse_strange(machine, trust)
-    if asked.get("config_file") is not None:
-        return settled(asked, ())
-    return _in_force(over(checked_again(files, trust), _wanted(asked)))
+    if options.get("config_file") is not None:
+        return settled(options, ())
+    return _in_force(over(checked_again(files, trust), _wanted(options)))
 
 
 def _in_force(config: Config) -> Config:
@@ -117,16 +119,16 @@ def _files_read(config: Config, inputs: Iterable[str]) -> Iterator[str]:
         yield from files_of(name)
 
 
-def _wanted(asked: Mapping[str, Any]) -> dict[str, Any]:
+def _wanted(options: Mapping[str, Any]) -> dict[str, Any]:
     """The options that were given, by the names of a configuration's values."""
-    wanted = {key: asked[name] for name, key in _OPTIONS.items() if asked.get(name) is not None}
-    if asked.get("bar") is not None:
-        wanted["stock_lengths"] = (asked["bar"],)
-    sheet = {name: asked[name] for name in SHEET_OPTIONS if asked.get(name) is not None}
+    wanted = {key: options[name] for name, key in _OPTIONS.items() if options.get(name) is not None}
+    if options.get("bar") is not None:
+        wanted["stock_lengths"] = (options["bar"],)
+    sheet = {name: options[name] for name in SHEET_OPTIONS if options.get(name) is not None}
     if sheet:
         wanted["sheet"] = sheet
-    if asked.get("scheduler") is not None:
-        wanted["dask"] = {"scheduler": asked["scheduler"]}
+    if options.get("scheduler") is not None:
+        wanted["dask"] = {"scheduler": options["scheduler"]}
     return wanted
 
 
@@ -147,14 +149,14 @@ def machines_for(config: Config, parts: Sequence[Part], output: str) -> Sequence
 
 def _agree_on_sheet(config: Config, parts: Sequence[Part]) -> None:
     """Raises PlanError where the command line says another thickness or material than a part."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     thickness, material = config.sheet.thickness, config.sheet.material
     if thickness is not None and config.sources.get("sheet.thickness") == COMMAND_LINE:
-        said += _other_thicknesses(thickness, parts)
+        diagnostics += _other_thicknesses(thickness, parts)
     if material is not None and config.sources.get("sheet.material") == COMMAND_LINE:
-        said += _other_materials(material, parts)
-    if said:
-        raise PlanError(tuple(said))
+        diagnostics += _other_materials(material, parts)
+    if diagnostics:
+        raise PlanError(tuple(diagnostics))
 
 
 def with_thickness(reading: Reading, config: Config) -> Reading:
@@ -162,38 +164,38 @@ def with_thickness(reading: Reading, config: Config) -> Reading:
 
     Where the command line says another than the file that is an error, as it is to `post`.
     """
-    asked = config.sheet.thickness
-    if asked is None:
+    thickness = config.sheet.thickness
+    if thickness is None:
         return reading
     sheets = [part for part in reading.parts if part.profile.code == "B"]
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     if config.sources.get("sheet.thickness") == COMMAND_LINE:
-        said = tuple(_other_thicknesses(asked, sheets))
+        diagnostics = tuple(_other_thicknesses(thickness, sheets))
     parts = tuple(
-        replace(part, profile=replace(part.profile, web_thickness=asked))
+        replace(part, profile=replace(part.profile, web_thickness=thickness))
         if part in sheets and part.profile.web_thickness is None
         else part
         for part in reading.parts
     )
-    return replace(reading, parts=parts, diagnostics=(*reading.diagnostics, *said))
+    return replace(reading, parts=parts, diagnostics=(*reading.diagnostics, *diagnostics))
 
 
-def _other_thicknesses(asked: float, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+def _other_thicknesses(thickness: float, parts: Sequence[Part]) -> Iterator[Diagnostic]:
     from beamcam.planning.contours.rules import OTHER_THICKNESS
 
     for part in parts:
         own = part.profile.web_thickness
-        if own is not None and abs(own - asked) > SAME_THICKNESS:
-            yield OTHER_THICKNESS.at(part.source, found=f"{asked:g}", expected=f"{own:g}")
+        if own is not None and abs(own - thickness) > SAME_THICKNESS:
+            yield OTHER_THICKNESS.at(part.source, found=f"{thickness:g}", expected=f"{own:g}")
 
 
-def _other_materials(asked: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
+def _other_materials(material: str, parts: Sequence[Part]) -> Iterator[Diagnostic]:
     from beamcam.planning.contours.material import is_same
     from beamcam.planning.contours.rules import OTHER_MATERIAL
 
     for part in parts:
-        if part.grade and not is_same(asked, part.grade):
-            yield OTHER_MATERIAL.at(part.source, found=asked, expected=part.grade)
+        if part.grade and not is_same(material, part.grade):
+            yield OTHER_MATERIAL.at(part.source, found=material, expected=part.grade)
 
 
 def map_remarks(config: Config, parts: Sequence[Part], machine: Machine) -> tuple[Diagnostic, ...]:
@@ -279,10 +281,10 @@ def machines_of_stock(
             default_machines(stock, output),
             lambda name: _told(name, _as_asked(load_proved(name), config, is_one_of_two), config),
         )
-    found = [_named_machine(config, stock, name) for name in names]
+    machines = [_named_machine(config, stock, name) for name in names]
     return tuple(
         _told(name, _as_asked(machine, config, is_one_of_two), config)
-        for name, machine in zip(names, found, strict=True)
+        for name, machine in zip(names, machines, strict=True)
     )
 
 
@@ -292,21 +294,21 @@ def machines_of_split(config: Config) -> tuple[Machine, ...]:
     What the command line asks of sheets is asked of those that cut sheets, if there is one. Raises
     MachineError, ConfigError and PlanError.
     """
-    found = [_named_machine(config, "split", name) for name in config.split]
-    cuts_sheets = any(machine.torch is not None for machine in found)
+    machines = [_named_machine(config, "split", name) for name in config.split]
+    cuts_sheets = any(machine.torch is not None for machine in machines)
     return tuple(
         _told(name, _as_asked(machine, config, cuts_sheets), config)
-        for name, machine in zip(config.split, found, strict=True)
+        for name, machine in zip(config.split, machines, strict=True)
     )
 
 
-def check_split(config: Config, asked: Mapping[str, Any]) -> None:
+def check_split(config: Config, options: Mapping[str, Any]) -> None:
     """Raises UsageError for what excludes that several machines make a part."""
     excluded = (
-        ("--machine", asked.get("machine"), "one of the two"),
+        ("--machine", options.get("machine"), "one of the two"),
         ("a quantity", config.quantity, "programs of one piece, each run as often as needed"),
-        ("--turn", asked.get("turn"), "parts as they were read"),
-        ("--no-verify", asked.get("no_verify"), "programs that are read back"),
+        ("--turn", options.get("turn"), "parts as they were read"),
+        ("--no-verify", options.get("no_verify"), "programs that are read back"),
     )
     for option, value, wanted in excluded:
         if value:
@@ -375,12 +377,12 @@ def _with_sheet(machine: Machine, config: Config) -> Machine:
     One configuration serves all kinds of machines, so that only what the command line asks for is
     asked of one without a torch.
     """
-    asked = COMMAND_LINE in (
+    is_given = COMMAND_LINE in (
         config.sources.get(f"{table}.{name}")
         for table in ("sheet", "map")
         for name in config.rows(table)
     )
-    if machine.torch is None and not asked:
+    if machine.torch is None and not is_given:
         return machine
     from beamcam.machine.overlay import with_torch
     from beamcam.planning.contours import rules
@@ -390,7 +392,7 @@ def _with_sheet(machine: Machine, config: Config) -> Machine:
             machine, config.meanings, settings=config.layer_settings, **config.sheet.given()
         )
     except ValueError as error:
-        said = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
-        lines = (source for source in said if source not in (None, COMMAND_LINE))
+        sources = (config.sources.get(f"sheet.{name}") for name in config.sheet.given())
+        lines = (source for source in sources if source not in (None, COMMAND_LINE))
         place = next(lines, None) or Source(machine.name)
         raise PlanError(rules.OPTION.at(place, found=error)) from error

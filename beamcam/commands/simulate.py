@@ -61,11 +61,11 @@ class EncoderKind(click.ParamType):  # type: ignore[type-arg]
 
         if value == "machine":
             return "machine"
-        found = _ENCODER.fullmatch(str(value))
-        if found is None or int(found[1]) == 0 or float(found[3]) == 0.0:
+        match = _ENCODER.fullmatch(str(value))
+        if match is None or int(match[1]) == 0 or float(match[3]) == 0.0:
             expected = "COUNTS/TRAVEL of a turn such as 512/65, 512x4/65/centre, or machine"
             self.fail(f"found {value!r}; expected {expected}", param, ctx)
-        return Encoder(int(found[1]), float(found[3]), bool(found[2]), found[4] == "centre")
+        return Encoder(int(match[1]), float(match[3]), bool(match[2]), match[4] == "centre")
 
 
 @click.command("simulate", cls=Grouped)
@@ -148,10 +148,10 @@ def command(
         if errors_in(done.diagnostics):
             raise VerifyError(done.diagnostics)
         trace = done.trace
-        said = (*told, *done.diagnostics, *run_warnings(trace, machine, done.section, name))
+        diagnostics = (*told, *done.diagnostics, *run_warnings(trace, machine, done.section, name))
         reader = _own_encoder(machine) if encoder == "machine" else encoder
         if reader is not None:
-            said += (_precision(trace, reader, name),)
+            diagnostics += (_precision(trace, reader, name),)
         console.did(f"ran {name} on {machine.name}")
         if modbus is not None or serve is not None:
             check_range(trace, machine.modbus, Source(machine.name))
@@ -171,9 +171,9 @@ def command(
                 )
                 content = _drawn(output, study)
             else:
-                content = _text(output, trace, machine, every, reader, said)
+                content = _text(output, trace, machine, every, reader, diagnostics)
             write(output, content, console, files_read(config, inputs))
-        console.say(said)
+        console.say(diagnostics)
         if serve is not None:
             rows = trace_rows(trace, every)
             _serve(rows, machine, serve, 1.0 if pace is None else pace, console.quiet or as_json)
@@ -192,7 +192,7 @@ def _serve(
             say_lines([f"{machine.name} at {host}:{port}; Ctrl-C ends it"], err=True)
 
     with asked_to_end() as asked_so:
-        serve(rows, machine.modbus, *place, pace, tell, asked=asked_so)
+        serve(rows, machine.modbus, *place, pace, tell, interrupt=asked_so)
     if asked_so:
         raise SystemExit(INTERRUPTED)
 
@@ -239,7 +239,7 @@ def _drawn(output: str, study: "Study") -> str | bytes:
 
 def _text(
     output: str, trace: "Trace", machine: Any, every: float | None, encoder: "Encoder | None",
-    said: tuple[Diagnostic, ...],
+    diagnostics: tuple[Diagnostic, ...],
 ) -> str:  # fmt: skip
     from beamcam.plain_text import json_text
     from beamcam.simulation.text import csv_text, json_data
@@ -248,5 +248,5 @@ def _text(
         return csv_text(trace, machine, every, encoder)
     import msgspec
 
-    text = msgspec.json.encode(json_data(trace, machine, every, encoder, said))
+    text = msgspec.json.encode(json_data(trace, machine, every, encoder, diagnostics))
     return json_text(text.decode("utf-8", "replace")) + "\n"

@@ -54,7 +54,7 @@ def command(
     """
     from beamcam.rest_part import chain_for, stages_of
 
-    said: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     files: list[tuple[str, str]] = []
     told: list[str] = []
     names = FileNames()
@@ -64,29 +64,29 @@ def command(
         shop = machines_of_split(config)
         if not shop:
             raise click.UsageError("found no machines; expected --machines, or `split` in a file.")
-        parts, said = read_parts(inputs, config, asked, console)
+        parts, diagnostics = read_parts(inputs, config, asked, console)
         for part in parts:
             request = request_of((part,), config, shop[0], None)
             chain, more = chain_for(request, shop)
-            said += more
+            diagnostics += more
             mark = names.take(f"{cleaned(part.mark) or 'part'}.nc1", part.mark)[: -len(".nc1")]
             for k, stage in enumerate(stages_of(request, chain, target), 1):
                 name = os.path.join(folder, f"{mark}-{k}")
                 program, of_stage = _files(stage, name, rest_as)
                 files += of_stage
-                said += stage.remarks
+                diagnostics += stage.remarks
                 told.append(success(program, stage.posted))
     except BeamcamError as error:
-        console.stop((*said, *error.diagnostics))
+        console.stop((*diagnostics, *error.diagnostics))
     read = files_read(config, inputs)
     keep_apart([path for path, _ in files], read, console)
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        console.stop((*said, cannot_write(folder, error)))
+        console.stop((*diagnostics, cannot_write(folder, error)))
     for path, text in files:
         write(path, text.encode(), console, read)
-    console.say((*dict.fromkeys(said),))
+    console.say((*dict.fromkeys(diagnostics),))
     if not (console.quiet or console.as_json):
         for line in told:
             console.tell(line)

@@ -114,7 +114,7 @@ def command(
             request_of(wanted, config, machine, asked["quantity"], order, turn),
             name=name, style=style, skips=named_skips(_allowed(config, head)),
         )  # fmt: skip
-        found = (
+        diagnostics = (
             *head_remarks(head, machine, name),
             *(
                 read_back(data, request, bar)
@@ -125,14 +125,14 @@ def command(
         )
     except BeamcamError as error:
         console.stop((*said, *error.diagnostics))
-    console.did(f"read {name} back on {machine.name}: {len(found)} message(s)")
+    console.did(f"read {name} back on {machine.name}: {len(diagnostics)} message(s)")
     if as_json:
-        say_json([as_message(d) for d in (*said, *found) if console.wants(d.severity)])
+        say_json([as_message(d) for d in (*said, *diagnostics) if console.wants(d.severity)])
     else:
-        console.say((*said, *found))
-    if errors_in(found):
+        console.say((*said, *diagnostics))
+    if errors_in(diagnostics):
         raise SystemExit(REFUSED)
-    if exit_left_out is not None and any(d.code in NOT_MADE for d in found):
+    if exit_left_out is not None and any(d.code in NOT_MADE for d in diagnostics):
         raise SystemExit(exit_left_out)
 
 

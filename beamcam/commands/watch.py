@@ -83,14 +83,14 @@ def command(
     with Progress(None, console) as screen, asked_to_end() as interrupted:
         try:
             while not interrupted:
-                found = find_inputs((folder,), leave_out)
+                inputs = find_inputs((folder,), leave_out)
                 # An empty folder is nothing wrong; what else there is to say is said once.
-                said = tuple(d for d in found.diagnostics if d.code != NOTHING.code)
-                said += unused(found, config)
-                if said != told:
-                    screen.say(map(as_message, said))
-                    told = said
-                ready = hot.take(look(found.inputs), time.monotonic())
+                diagnostics = tuple(d for d in inputs.diagnostics if d.code != NOTHING.code)
+                diagnostics += unused(inputs, config)
+                if diagnostics != told:
+                    screen.say(map(as_message, diagnostics))
+                    told = diagnostics
+                ready = hot.take(look(inputs.inputs), time.monotonic())
                 screen.say(
                     as_message(NO_END.at(Source(one.path), found=f"{end_wait:g}"))
                     for one in hot.endless
@@ -100,7 +100,7 @@ def command(
                     read = files_read(config, (one.path for one in ready))
                     rows = run(
                         ready, output, shop, workers, config.flat, claims=claims, read=read,
-                        recipe=recipe, asked=interrupted, marks=marks,
+                        recipe=recipe, interrupt=interrupted, marks=marks,
                     )  # fmt: skip
                     try:
                         for one, row in zip(ready, rows, strict=False):
@@ -139,5 +139,5 @@ def _file_away(
     try:
         file_away(found, place, row if row["status"] == "refused" else None)
     except OSError as error:
-        said = WRITE.at(Source(found.path), found=place, reason=error.strerror or str(error))
-        screen.say([as_message(said)])
+        diagnostic = WRITE.at(Source(found.path), found=place, reason=error.strerror or str(error))
+        screen.say([as_message(diagnostic)])

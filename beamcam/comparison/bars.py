@@ -29,12 +29,14 @@ def diff_programs(
     """Differences of program B from program A; lengths nearer than `resolution` are
     one."""
     step = resolution / 2 + 1e-9
-    found = [*_section(a, b)]
+    differences = [*_section(a, b)]
     for things, kind in _kinds(step).items():
-        found += differences_of_kind(kind, getattr(a, things), getattr(b, things), step)
-    if not found and _order(a) != _order(b):
-        found.append(Difference("order", "changed", "the same cuts and holes in another order"))
-    return tuple(found)
+        differences += differences_of_kind(kind, getattr(a, things), getattr(b, things), step)
+    if not differences and _order(a) != _order(b):
+        differences.append(
+            Difference("order", "changed", "the same cuts and holes in another order")
+        )
+    return tuple(differences)
 
 
 def made_pairs(a: MachinedFeatures, b: MachinedFeatures, resolution: float) -> Iterator[Pair]:

@@ -71,21 +71,21 @@ def _common(kind: Kind[T], a: Sequence[T], b: Sequence[T], step: float) -> str:
     """
     if len(a) != len(b):
         return ""
-    told: list[str] = []
+    lines: list[str] = []
     shift: tuple[float, float] | None = None
     by_place = [sorted(things, key=lambda t: (_face_of(t), *kind.place(t))) for things in (a, b)]
     for x, y in zip(*by_place, strict=True):
         (ax, ay), (bx, by) = kind.place(x), kind.place(kind.put(x, y))
         if shift is None:
-            shift, told = (bx - ax, by - ay), kind.changes(x, kind.put(y, x))
+            shift, lines = (bx - ax, by - ay), kind.changes(x, kind.put(y, x))
         elif (
             abs(bx - ax - shift[0]) > step
             or abs(by - ay - shift[1]) > step
-            or kind.changes(x, kind.put(y, x)) != told
+            or kind.changes(x, kind.put(y, x)) != lines
         ):
             return ""
     axes = zip("XY", shift or (), strict=False)
-    return ", ".join([*(f"{axis} {by:+.3f}" for axis, by in axes if abs(by) > step), *told])
+    return ", ".join([*(f"{axis} {by:+.3f}" for axis, by in axes if abs(by) > step), *lines])
 
 
 def _face_of(thing: object) -> str:
@@ -129,8 +129,8 @@ def differences_one_by_one(
             yield Difference(what, "only in A", f"{called(x, 0)} only in A")
         elif x is None and y is not None:
             yield Difference(what, "only in B", f"{called(y, 1)} only in B")
-        elif x is not None and y is not None and (said := changes(x, y)):
-            yield Difference(what, "changed", f"{called(x, 0)} {', '.join(said)}")
+        elif x is not None and y is not None and (changed := changes(x, y)):
+            yield Difference(what, "changed", f"{called(x, 0)} {', '.join(changed)}")
 
 
 def pairs_of(

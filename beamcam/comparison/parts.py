@@ -28,12 +28,16 @@ _NAMES = {
 
 def diff_parts(a: Sequence[Part], b: Sequence[Part]) -> tuple[Difference, ...]:
     """Differences of the parts of B from those of A, compared in order."""
-    found: list[Difference] = []
+    differences: list[Difference] = []
     for first, second in zip(a, b, strict=False):
-        found += _part(first, second)
-    found += [Difference("part", "only in A", f"part {p.mark} only in A") for p in a[len(b) :]]
-    found += [Difference("part", "only in B", f"part {p.mark} only in B") for p in b[len(a) :]]
-    return tuple(found)
+        differences += _part(first, second)
+    differences += [
+        Difference("part", "only in A", f"part {p.mark} only in A") for p in a[len(b) :]
+    ]
+    differences += [
+        Difference("part", "only in B", f"part {p.mark} only in B") for p in b[len(a) :]
+    ]
+    return tuple(differences)
 
 
 def part_pairs(a: Part, b: Part) -> Iterator[Pair]:

@@ -46,29 +46,29 @@ def diff_statements(
     """Differences of the statements of program B from those of A."""
     from difflib import SequenceMatcher
 
-    found = []
+    differences = []
     pairs: list[tuple[str, str]] = []
     for how, i0, i1, j0, j1 in SequenceMatcher(None, first, second, False).get_opcodes():
         if how == "equal":
             continue
         for old, new in zip_longest(first[i0:i1], second[j0:j1]):
             if old is None:
-                found.append(Difference("feature", "only in B", f"{new}, only in B"))
+                differences.append(Difference("feature", "only in B", f"{new}, only in B"))
             elif new is None:
-                found.append(Difference("feature", "only in A", f"{old}, only in A"))
+                differences.append(Difference("feature", "only in A", f"{old}, only in A"))
             else:
-                found.append(Difference("feature", "changed", f"{old} became {new}"))
+                differences.append(Difference("feature", "changed", f"{old} became {new}"))
                 pairs.append((old, new))
-    if len(pairs) == len(found) > 1 and (common := _common(pairs, decimals)):
+    if len(pairs) == len(differences) > 1 and (common := _common(pairs, decimals)):
         text = f"{len(pairs)} of {len(first)} statements: {common}"
-        found = [Difference("feature", "changed", text, common)]
-    return tuple(found)
+        differences = [Difference("feature", "changed", text, common)]
+    return tuple(differences)
 
 
 def _common(pairs: Sequence[tuple[str, str]], decimals: int) -> str:
     """Difference common to all pairs of statements: "X +1.440, at 1000 to 1200"; "" if none."""
-    said = {_changed_words(old, new, decimals) for old, new in pairs}
-    return ", ".join(said.pop()) if len(said) == 1 else ""
+    changes = {_changed_words(old, new, decimals) for old, new in pairs}
+    return ", ".join(changes.pop()) if len(changes) == 1 else ""
 
 
 def _changed_words(old: str, new: str, decimals: int) -> tuple[str, ...]:
@@ -96,10 +96,10 @@ def statements(name: str, text: str, machine: Machine) -> tuple[list[str], tuple
     if machine.controller == "stepper":
         return [line.strip() for line in text.splitlines() if line.strip()[:1] not in ("", "#")], ()
     if machine.stock == "profile":
-        around, said = cell_events(text, machine, name)
-        return list(_turned(around, machine.format.length_decimals)), errors_in(said)
-    events, said = table_events(text, machine, name)
-    return list(_sentences(events, machine.format.length_decimals)), errors_in(said)
+        around, diagnostics = cell_events(text, machine, name)
+        return list(_turned(around, machine.format.length_decimals)), errors_in(diagnostics)
+    events, diagnostics = table_events(text, machine, name)
+    return list(_sentences(events, machine.format.length_decimals)), errors_in(diagnostics)
 
 
 def _sentences(events: list[TableEvent], decimals: int) -> Iterator[str]:
@@ -227,8 +227,11 @@ def diff_texts(
     """What program B makes otherwise than A, both for bars, sheets or profiles; and what is wrong
     with the blocks of either, at its own file and line."""
     if a.machine.stock in ("sheet", "profile"):
-        (first, said), (second, more) = (statements(*one) for one in (a, b))
-        return diff_statements(first, second, a.machine.format.length_decimals), (*said, *more)
+        (first, diagnostics), (second, more) = (statements(*one) for one in (a, b))
+        return diff_statements(first, second, a.machine.format.length_decimals), (
+            *diagnostics,
+            *more,
+        )
     from beamcam.checks.bars import run
 
     old, new = (run(one.text, one.machine, None, one.name) for one in (a, b))

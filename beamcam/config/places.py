@@ -59,11 +59,11 @@ def own_files() -> tuple[str, ...]:
 
     In a folder that anybody may write to one has to belong to the user, or to the system's owner.
     """
-    found = [path for path in _upwards("") if path != CONFIG_NAME or _is_safe_here()]
+    paths = [path for path in _upwards("") if path != CONFIG_NAME or _is_safe_here()]
     users = os.path.join(user_folder(), CONFIG_NAME)
     if os.path.isfile(users):
-        found.append(users)
-    return tuple({os.path.realpath(path): path for path in reversed(found)}.values())[::-1]
+        paths.append(users)
+    return tuple({os.path.realpath(path): path for path in reversed(paths)}.values())[::-1]
 
 
 def is_ones_own_place(path: str) -> bool:
@@ -134,7 +134,7 @@ HARMLESS = ("name", "job", "quantity", "map", "sheet.thickness", "sheet.material
 
 def harmless(config: Config) -> Config:
     """The harmless part of a configuration, with a remark that names the rest of it."""
-    if not (said := not_followed(config)):
+    if not (diagnostics := not_followed(config)):
         return config
     sources = {key: at for key, at in config.sources.items() if _is_harmless(key)}
     given = {key: getattr(config, key) for key in sources if key in HARMLESS and "." not in key}
@@ -144,7 +144,9 @@ def harmless(config: Config) -> Config:
              if f"sheet.{row}" in HARMLESS}  # fmt: skip
     if sheet:
         sources["sheet"] = config.sources["sheet"]
-    return Config(**given, sheet=Sheet(**sheet), files=config.files, sources=sources, remarks=said)
+    return Config(
+        **given, sheet=Sheet(**sheet), files=config.files, sources=sources, remarks=diagnostics
+    )
 
 
 def not_followed(config: Config) -> tuple[Diagnostic, ...]:

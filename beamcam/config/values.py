@@ -190,13 +190,13 @@ class Config(ConfigFile, frozen=True):
         return tuple(rows)
 
 
-def over(config: Config, asked: Mapping[str, Any]) -> Config:
+def over(config: Config, options: Mapping[str, Any]) -> Config:
     """The configuration with what the command line asks for in place of its own.
 
-    `asked` goes by the names of `Config`; what is None is not asked for. A machine that is asked
+    `options` goes by the names of `Config`; what is None is not asked for. A machine that is asked
     for is that of every kind of stock.
     """
-    given = {key: value for key, value in asked.items() if value is not None}
+    given = {key: value for key, value in options.items() if value is not None}
     sources = dict.fromkeys(given, COMMAND_LINE)
     for key, value in given.items():
         if isinstance(value, Mapping):
@@ -261,8 +261,8 @@ def load(path: str | Path) -> Config:
         text = toml_text(beginning_of(file, MAX_TOML_BYTES + 1))
         table = TomlFile(file, str(path), text).table
     except OSError as error:
-        said = UNREADABLE.at(Source(str(path)), found=error.strerror or error)
-        raise ConfigError(said) from error
+        diagnostic = UNREADABLE.at(Source(str(path)), found=error.strerror or error)
+        raise ConfigError(diagnostic) from error
     except TomlError as error:
         raise ConfigError(NOT_TOML.at(Source(str(path), error.line), found=error)) from error
     place = Place({"": (str(path), text)})
@@ -366,6 +366,6 @@ def with_tolerances(machine: Machine, config: Config) -> Machine:
             found, expected = wrong[TOLERANCES[name]]
             key = f"tolerances.{name}"
             source = config.place(key)
-            said = WRONG_VALUE.at(source, key=key, found=f"{found:g}", expected=expected)
-            raise ConfigError(said)
+            diagnostic = WRONG_VALUE.at(source, key=key, found=f"{found:g}", expected=expected)
+            raise ConfigError(diagnostic)
     return replace(machine, drill=drill)

@@ -80,5 +80,5 @@ def table_events(
     text: str, machine: Machine, name: str = "program"
 ) -> tuple[list[TableEvent], list[Diagnostic]]:
     """The events of a program for a table, and the faults of its blocks."""
-    done, said = table_run(text, machine, name)
-    return done.events(), said
+    done, diagnostics = table_run(text, machine, name)
+    return done.events(), diagnostics

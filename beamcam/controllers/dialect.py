@@ -169,8 +169,8 @@ class Dialect(Struct, frozen=True):
     def size(self, diameter: float) -> float:
         """The shop's tool that a diameter means: programs write three decimals of an inch size."""
         at = bisect_left(self.sizes, diameter - WRITTEN)
-        found = at < len(self.sizes) and self.sizes[at] < diameter + WRITTEN
-        return self.sizes[at] if found else diameter
+        is_smaller = at < len(self.sizes) and self.sizes[at] < diameter + WRITTEN
+        return self.sizes[at] if is_smaller else diameter
 
     def is_allowed(self, code: str) -> bool:
         """Whether the controller of the machine takes a word, `G1` or `M30`."""
@@ -188,7 +188,7 @@ class Dialect(Struct, frozen=True):
 
 def _dialect_of(machine: Machine) -> Dialect:
     m_words, letters, feeding, cycles = _own_words(machine)
-    said = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
+    names = {name for w in m_words.values() if w.role == "section" for _, name in w.fields}
     # RS274 counts in mm/min (G94), whatever the templates of a machine are filled with.
     by_second = machine.controller == "codesys" and machine.format.feed_unit == "mm/s"
     torch = machine.torch
@@ -198,7 +198,7 @@ def _dialect_of(machine: Machine) -> Dialect:
         axes={"beam": "XYZ", "sheet": "XY", "profile": "XYZA"}[machine.stock] + tilting,
         resolution=machine.format.resolution, per_minute=60.0 if by_second else 1.0,
         rules=BY_STOCK[machine.stock], m_words=m_words, letters=letters,
-        section_fields=frozenset(said), feeds=feeding,
+        section_fields=frozenset(names), feeds=feeding,
         changes=any(word.role == "change" for word in m_words.values()),
         sizes=tuple(sorted({d for tools in machine.tools for d in tools.sizes})),
         codes={plain_key(code): meaning for code, meaning in machine.codes.items()},
@@ -313,24 +313,24 @@ def carried(values: dict[str, float], more: Iterable[str] = ()) -> dict[str, flo
     return {letter: values.pop(letter) for letter in own}
 
 
-def with_number(meaning: CodeMeaning, said: Mapping[str, float]) -> float | None:
+def with_number(meaning: CodeMeaning, values: Mapping[str, float]) -> float | None:
     """The number that a meaning needs, 0 of one that needs none; None where it is missing."""
     if meaning not in CARRYING:
         return 0.0
-    return said.get("Q", said.get("P"))
+    return values.get("Q", values.get("P"))
 
 
-def event_of(number: int, meaning: CodeMeaning, said: dict[str, float], value: float) -> Other:
+def event_of(number: int, meaning: CodeMeaning, values: dict[str, float], value: float) -> Other:
     """The event of an M word, its line 0."""
     if meaning in TOOL_ON or meaning in TOOL_OFF:
-        return Switch(0, number, said, meaning)
+        return Switch(0, number, values, meaning)
     if meaning == "feed share":
         return FeedShare(0, value / 100.0 if 0.0 < value < 100.0 else 1.0)
     if meaning == "material":
         return Material(0, {"number": value})
     name, _, state = meaning.rpartition(" ")
-    if name == "output" and "P" in said:
-        name = f"output {said['P']:g}"
+    if name == "output" and "P" in values:
+        name = f"output {values['P']:g}"
     return Output(0, name, state == "on", number in _WITH_MOVE)
 
 

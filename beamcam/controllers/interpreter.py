@@ -140,16 +140,16 @@ class Interpreter(ABC):
 
     def _words_of_the_file(self) -> dict[str, frozenset[str]]:
         """Those that the machine's file gives a meaning, and those of all controllers."""
-        found: dict[str, frozenset[str]] = {}
+        words: dict[str, frozenset[str]] = {}
         for number, word in self._dialect.m_words.items():
             name = f"M{number}" if number in DOCUMENTED else word.role
             fields = frozenset(f"{{{field}}}" for _, field in word.fields)
-            found[name] = found.get(name, frozenset()) | fields
+            words[name] = words.get(name, frozenset()) | fields
         if self._dialect.text_word is not None:
-            said = self._dialect.text_word.pattern.groupindex
-            found["text"] = frozenset(f"{{{field}}}" for field in said)
-        found |= {f"codes: {meaning}": frozenset() for meaning in self._dialect.codes.values()}
-        return found
+            groups = self._dialect.text_word.pattern.groupindex
+            words["text"] = frozenset(f"{{{field}}}" for field in groups)
+        words |= {f"codes: {meaning}": frozenset() for meaning in self._dialect.codes.values()}
+        return words
 
     @abstractmethod
     def line(self, line: int, text: str) -> None:
@@ -169,9 +169,9 @@ class Interpreter(ABC):
             if not self._dialect.is_allowed(code):
                 self._wrong(line, shown_code(code), self._dialect.shown_allowed())
         if not self.is_over(line):
-            said = match.groupdict()
-            text = said.pop("string")
-            values = {name: float(value) for name, value in said.items()}
+            groups = match.groupdict()
+            text = groups.pop("string")
+            values = {name: float(value) for name, value in groups.items()}
             self._event(Lettering(line, word.kind, text, values))
         return True
 
@@ -180,27 +180,27 @@ class Interpreter(ABC):
         x, y, z = self._place
         if self._cycle is None:
             self._before_cycle = z
-        self._cycle = said = {**(self._cycle or {}), **words}
-        missing = [letter for letter in "ZR" if letter not in said]
+        self._cycle = values = {**(self._cycle or {}), **words}
+        missing = [letter for letter in "ZR" if letter not in values]
         if missing or not self._absolute or self._flat:
             expected = "absolute places (G90) of a cell, and Z and R"
             self._wrong(line, "a drilling cycle that is not whole", expected)
             return
-        bottom, near = said["Z"], said["R"]
+        bottom, near = values["Z"], values["R"]
         if cycle in PECKING:
-            wrong = peck_fault(said.get("Q"), near, bottom)
+            wrong = peck_fault(values.get("Q"), near, bottom)
             if wrong is not None:
-                self._wrong(line, f"a drilling cycle with Q {said.get('Q', 0.0):g}", wrong)
+                self._wrong(line, f"a drilling cycle with Q {values.get('Q', 0.0):g}", wrong)
                 return
         clear = clear_place(self._before_cycle, near, bottom, self._back_to_near)
-        place = said.get("X", x), said.get("Y", y)
-        peck = said.get("Q", 0.0)
+        place = values.get("X", x), values.get("Y", y)
+        peck = values.get("Q", 0.0)
         for rapid, end in cycle_moves(
             self._place, place, bottom, near, clear, self._before_cycle, cycle, peck
         ):
             self._go(line, 0 if rapid else 1, dict(zip("XYZ", end, strict=True)), own_feed)
             if not rapid and cycle == DRILL_AND_DWELL:
-                self._event(Pause(line, said.get("P", 0.0)))
+                self._event(Pause(line, values.get("P", 0.0)))
 
     @abstractmethod
     def curve(self, motion: int, start: Point, end: Point, words: Words) -> Curve | str:
@@ -246,7 +246,7 @@ class Interpreter(ABC):
         """Whether the program ended before a block; says so once, and nothing of it counts."""
         if self._over:
             found = "a block behind the end of the program"
-            if not any(said.code == self._rules.end.code for said in self.said):
+            if not any(diagnostic.code == self._rules.end.code for diagnostic in self.said):
                 self._say(line, self._rules.end, found=found)
         return self._over
 
@@ -331,11 +331,11 @@ class Interpreter(ABC):
         if isnan(start[0] + start[1] + end[0] + end[1]):
             self.wrong_arc(line, "that starts nowhere")
             return None
-        found = self.curve(motion, start[:2], end[:2], words)
-        if isinstance(found, str):
-            self.wrong_arc(line, found)
+        curve = self.curve(motion, start[:2], end[:2], words)
+        if isinstance(curve, str):
+            self.wrong_arc(line, curve)
             return None
-        return found
+        return curve
 
 
 # --- arcs -----------------------------------------------------------------------------------------

@@ -355,8 +355,8 @@ def _coper_faults(machine: Machine) -> Iterator[WordFault]:
                 yield fault_in(key, text, f"A at {a_deg:g}", "a move to {a}")
             if key == "words.turn" and coper.tilt and event.b_deg[1] != 10.0:
                 yield fault_in(key, text, f"B at {event.b_deg[1]:g}", "a move to {b}")
-            for name, wanted in (("traverse", (10.0, 20.0, 30.0)), ("feed", (11.0, 21.0, 31.0))):
-                if key == f"words.{name}" and place != wanted:
+            for name, feeds in (("traverse", (10.0, 20.0, 30.0)), ("feed", (11.0, 21.0, 31.0))):
+                if key == f"words.{name}" and place != feeds:
                     yield fault_in(key, text, "another place", "a move to {x}, {y} and {z}")
 
 

@@ -61,14 +61,14 @@ class TableRun(Struct, frozen=True):
 
     def events(self) -> list[TableEvent]:
         """All events in order."""
-        found: list[TableEvent] = []
+        events: list[TableEvent] = []
         moves = list(self.moves.each())
         done = 0
         for before, event in self.others:
-            found += moves[done:before]
-            found.append(event)
+            events += moves[done:before]
+            events.append(event)
             done = before
-        return found + moves[done:]
+        return events + moves[done:]
 
 
 def moves_of(moves: Sequence[HeadMove]) -> Moves:

@@ -112,7 +112,7 @@ def _good_lines(data: bytes, kinds: bytes, ends: Counts) -> Flags:
     pairs |= kind[1:]
     wrong = np.flatnonzero(np.frombuffer(pairs.tobytes().translate(_PAIRS), dtype=np.bool_))
     if b"\2\2" in kinds.translate(None, bytes([_DIGIT])):
-        twice = [found.start() for found in _TWO_DOTS.finditer(data)]
+        twice = [match.start() for match in _TWO_DOTS.finditer(data)]
         wrong = np.concatenate((wrong, np.array(twice, dtype=np.int64)))
     good = np.ones(len(ends), dtype=bool)
     good[0] = kind[0] == _LETTER
@@ -154,8 +154,8 @@ def _plain_moves(
 
     def has(name: str, at: Counts, rest: Counts) -> Flags:
         """Which lines, with so many words left, have a letter at a word."""
-        found: Flags = (letter.take(at) == ord(name)) & (rest > 0)
-        return found
+        plain_moves: Flags = (letter.take(at) == ord(name)) & (rest > 0)
+        return plain_moves
 
     numbered = has("N", at, rest)
     right = ~numbered | words.whole.take(at)
@@ -190,13 +190,13 @@ ArcFault = Callable[[Point, Point, Point, bool], str | None]
 
 def table_run(text: str, interpreter: Interpreter) -> tuple[TableRun, list[Diagnostic]]:
     """The events of a program for a table, its moves as arrays, and the faults of its blocks."""
-    found = scan(
+    scanned = scan(
         text, interpreter.longest_line, interpreter.fed_traverse, interpreter.plain_motions
     )
-    track = Track(found.plain, interpreter.per_minute)
+    track = Track(scanned.plain, interpreter.per_minute)
     interpreter.follow(track)
-    interpreter.begin(found.lines)
-    for number, line in found.odd:
+    interpreter.begin(scanned.lines)
+    for number, line in scanned.odd:
         interpreter.plain_until(number)
         interpreter.line(number, *interpreter.lines_of(line))
     interpreter.finish()
@@ -312,8 +312,8 @@ class Track:
             start[firsts] = self._starts
             rows = self._rows()
             own = self._fed[rows] >= np.repeat(firsts, sizes)
-            said = np.where(own, plain.feed[self._fed[rows]], np.repeat(self._feeds, sizes))
-            feed[rows] = said * np.repeat(self._shares, sizes) * self._per_minute
+            feeds = np.where(own, plain.feed[self._fed[rows]], np.repeat(self._feeds, sizes))
+            feed[rows] = feeds * np.repeat(self._shares, sizes) * self._per_minute
         is_arc = plain.motion >= 2
         arcs = np.zeros((len(plain.line), 5))
         centre = start[is_arc] + plain.centre[is_arc]
@@ -328,13 +328,13 @@ def _arc_faults(
     """Which of some rows are arcs that the controller would not take, and why."""
     rows = rows[moves.is_arc[rows]]
     start, end, centre = moves.start[rows], moves.end[rows], moves.arcs[rows, :2]
-    found = []
+    faults = []
     for k in np.flatnonzero(~sure_arcs(start, end, centre, difference)).tolist():
         clockwise = bool(moves.arcs[rows[k], 4] < 0.0)
         fault = arc_fault(_point(start[k]), _point(end[k]), _point(centre[k]), clockwise)
         if fault is not None:
-            found.append((int(rows[k]), fault))
-    return found
+            faults.append((int(rows[k]), fault))
+    return faults
 
 
 def _point(row: Floats) -> Point:

@@ -66,9 +66,9 @@ _MANY = {float: " of numbers", str: " of texts"}
 
 def fault_of(message: str, value: Any, hint: Any, hook: Hook | None, above: Path = ()) -> Fault:
     """The fault behind a message of msgspec about `value`, which should have been a `hint`."""
-    said = _SAID.fullmatch(message)
-    assert said is not None  # as it matches any text
-    what, is_key, steps = said[1], said[2], _STEP.findall(said[3] or "")
+    match = _SAID.fullmatch(message)
+    assert match is not None  # as it matches any text
+    what, is_key, steps = match[1], match[2], _STEP.findall(match[3] or "")
     path = above
     for name, index in steps:
         inner = inner_hint(hint, name)
@@ -167,8 +167,8 @@ def _in_words(kind: Any) -> str:
     """A type with its least value, if it has one."""
     meta = next(iter(getattr(kind, "__metadata__", ())), None)
     least = getattr(meta, "ge", None)
-    said = _KINDS.get(getattr(plain(kind), "__name__", ""), "a table")
-    return said if least is None else f"{said}, {_BOUNDS['>='].format(least)}"
+    words = _KINDS.get(getattr(plain(kind), "__name__", ""), "a table")
+    return words if least is None else f"{words}, {_BOUNDS['>='].format(least)}"
 
 
 _REPR = Repr()

@@ -50,15 +50,15 @@ def documented(record: type) -> dict[str, tuple[str, str]]:
     lines = inspect.getsource(sys.modules[record.__module__]).splitlines()
     tree = ast.parse("\n".join(lines))
     body = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == record.__name__)
-    found = {}
+    documents = {}
     for node in body.body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             comment = lines[(node.end_lineno or node.lineno) - 1].partition("#: ")[2]
-            found[node.target.id] = (
+            documents[node.target.id] = (
                 _default(node.value),
                 comment.strip() or _comment_above(lines[: node.lineno - 1]),
             )
-    return found
+    return documents
 
 
 def _comment_above(lines: list[str]) -> str:

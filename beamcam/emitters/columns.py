@@ -62,17 +62,17 @@ def _fields(values: Floats, decimals: int) -> list[Groups]:
         return [np.array(texts, dtype=f"S{longest}").view(f"V{longest}")]
     size = np.abs(steps)
     whole = size // 10**decimals
-    found = [_SIGNS.take(steps < 0)]
+    fields = [_SIGNS.take(steps < 0)]
     high = whole // GROUP
     if high.any():
         low = whole - high * GROUP
         last = np.where(high > 0, DIGITS.take(low), _LAST.take(low))
-        found += [_HEAD.take(high), last]
+        fields += [_HEAD.take(high), last]
     else:
-        found.append(_LAST.take(whole))
+        fields.append(_LAST.take(whole))
     if decimals:
-        found.append(_places(decimals).take(size - whole * 10**decimals))
-    return found
+        fields.append(_places(decimals).take(size - whole * 10**decimals))
+    return fields
 
 
 def _steps(values: Floats, decimals: int) -> Counts | None:

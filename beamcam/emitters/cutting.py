@@ -81,19 +81,19 @@ class _Writer:
 
     def blocks(self) -> list[str]:
         """All of them; what stands for one command may be several, with newlines between."""
-        found: list[str] = []
+        blocks: list[str] = []
         traverses, feeds, clockwise, others = self._plain_moves()
         for command in self._program.commands:
             kind = type(command)
             if kind is Feed:
-                found.append(self._move(next(feeds)))
+                blocks.append(self._move(next(feeds)))
             elif isinstance(command, ArcFeed):
-                found.append(self._move(next(clockwise if command.clockwise else others)))
+                blocks.append(self._move(next(clockwise if command.clockwise else others)))
             elif kind is Traverse:
-                found.append(next(traverses))
+                blocks.append(next(traverses))
             else:
-                found += self._other(command)
-        return [*found, *self._words.footer]
+                blocks += self._other(command)
+        return [*blocks, *self._words.footer]
 
     def _plain_moves(self) -> list[Iterator[str]]:
         """The blocks of all traverses, lines and arcs (clockwise, the others), kind by kind."""
@@ -112,10 +112,10 @@ class _Writer:
         table = np.fromiter(numbers, dtype=np.float64).reshape(-1, len(names))
         text = BETWEEN.join(template).replace("{feed}", FEED)
         columns = dict(zip(names, table.T, strict=True))
-        found = lines(text, columns, self._form.length_decimals).split("\n")
+        formatted = lines(text, columns, self._form.length_decimals).split("\n")
         if len(template) > 1:
-            found = [record.replace(BETWEEN, "\n") for record in found]
-        return iter(found)
+            formatted = [record.replace(BETWEEN, "\n") for record in formatted]
+        return iter(formatted)
 
     def _move(self, block: str) -> str:
         """The block of a move, with the feed and the words that are new."""
@@ -131,8 +131,8 @@ class _Writer:
         """The feed of the next move, and what that one has to have said."""
         self._feed = number(feed_mm_min / self._per_unit, 3)
         values = {"feed": self._feed, "acceleration": self._acceleration}
-        wanted = tuple(word.format_map(values) for word in self._words.modal)
-        self._wanted = self._carried if wanted == self._carried else wanted
+        words = tuple(word.format_map(values) for word in self._words.modal)
+        self._wanted = self._carried if words == self._carried else words
 
     def _other(self, command: Command) -> list[str]:
         words = self._words

@@ -53,15 +53,16 @@ class Templates(Struct, frozen=True):
 
 
 def _templates(machine: Machine) -> Templates:
-    words, found = machine.words, {}
+    words, templates = machine.words, {}
     for name in words.__struct_fields__:
         lines = getattr(words, name)
         if lines and name != "comment":
             names = names_in(words, (name,))
-            found[name] = Template("\n".join(lines), names, names & PART_NAMES)
+            templates[name] = Template("\n".join(lines), names, names & PART_NAMES)
     strokes: BoundedCache[SpindleStroke, Values] = BoundedCache("emitters.strokes")
     return Templates(
-        machine.format, tool_numbers(machine.tools), words.comment, comment_room(machine), found,
+        machine.format, tool_numbers(machine.tools), words.comment, comment_room(machine),
+        templates,
         strokes,
     )  # fmt: skip
 
@@ -94,7 +95,7 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
         match command:
             case DrillCycle(stroke=stroke):
                 word = words[stroke.kind]
-                said = strokes.get(stroke) or strokes.keep(
+                values = strokes.get(stroke) or strokes.keep(
                     stroke,
                     {
                         **_place_values(stroke, word.names, form),
@@ -102,7 +103,7 @@ def _blocks(program: Program, templates: Templates) -> Iterator[str]:
                     },
                 )
                 x = number(command.x, form.length_decimals)
-                yield _filled(word, {**said, "x": x}, about)
+                yield _filled(word, {**values, "x": x}, about)
             case SawStroke() if "saw" in words:
                 yield _filled(words["saw"], _cut_values(command, form), about)
             case StartBar():

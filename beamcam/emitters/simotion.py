@@ -135,8 +135,8 @@ def _rows(operations: Sequence[TriggerOp], height: float) -> Iterator[_Row]:
             kind = 2 * PROCESSES.index(op.process) + (1 if op.on else 2)
             yield _Row(f"{op.process} {'on' if op.on else 'off'}", kind, *here, height, 0.0, here)
         elif isinstance(op, Lift):
-            said, height = "up" if op.height > height else "down", op.height
-            yield _Row(said, LIFT, *here, height, op.speed_mm_s, here)
+            direction, height = "up" if op.height > height else "down", op.height
+            yield _Row(direction, LIFT, *here, height, op.speed_mm_s, here)
         elif isinstance(op, Travel):
             here = op.x, op.y
             yield _Row("line", LINE, *here, height, op.speed_mm_s, here)

@@ -84,7 +84,7 @@ def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
     # Arcs for whole cubics so far, so that most curves are seen to have none.
     wholes = np.concatenate(([0], np.cumsum(strokes.single)))[begins].tolist()
     begin = begins.tolist()
-    found: list[_Fit] = []
+    fits: list[_Fit] = []
     for k in range(len(free)):
         stretch = slice(begin[k], begin[k + 1])
         cubics: list[Cubic | None] = []
@@ -95,8 +95,8 @@ def _fits(free: Sequence[Curve], tolerance: float) -> list[_Fit]:
                     strokes.cubic[stretch].tolist(), strokes.single[stretch].tolist(), strict=True
                 )
             ]
-        found.append(_Fit(curves[stretch], cubics))
-    return found
+        fits.append(_Fit(curves[stretch], cubics))
+    return fits
 
 
 def _as_cubics(curve: Curve, tolerance: float) -> list[Cubic]:
@@ -104,16 +104,16 @@ def _as_cubics(curve: Curve, tolerance: float) -> list[Cubic]:
     if isinstance(curve, EllipseArc):
         return _ellipse_cubics(curve)
     assert not isinstance(curve, Line | Arc)
-    found: list[Cubic] = []
+    cubics: list[Cubic] = []
     for piece in bezier_pieces(curve):
         if piece.weights is not None or piece.degree not in (1, 2, 3):
-            found += _followed(piece, tolerance)
+            cubics += _followed(piece, tolerance)
         elif piece.degree == 1:
             (start, end) = piece.points
-            found.append((start, start, end, end))
+            cubics.append((start, start, end, end))
         else:
-            found.append(piece.points if piece.degree == 3 else _raised(piece))
-    return found
+            cubics.append(piece.points if piece.degree == 3 else _raised(piece))
+    return cubics
 
 
 def _followed(curve: Bezier, tolerance: float) -> list[Cubic]:
@@ -121,7 +121,7 @@ def _followed(curve: Bezier, tolerance: float) -> list[Cubic]:
 
     The error of a stretch falls with the fourth power of its length.
     """
-    found: list[Cubic] = []
+    cubics: list[Cubic] = []
 
     def follow(low: float, high: float, halvings: int) -> None:
         (start, leaving, _), (end, coming, _) = curve.derivatives(low), curve.derivatives(high)
@@ -136,14 +136,14 @@ def _followed(curve: Bezier, tolerance: float) -> list[Cubic]:
         probes = (k / PROBES for k in range(1, PROBES))
         off = max(distance(drawn.point(t), curve.point(low + t * (high - low))) for t in probes)
         if off <= tolerance or halvings == 0:
-            found.append(cubic)
+            cubics.append(cubic)
             return
         middle = (low + high) / 2
         follow(low, middle, halvings - 1)
         follow(middle, high, halvings - 1)
 
     follow(0.0, 1.0, MAX_HALVINGS)
-    return found
+    return cubics
 
 
 def _raised(curve: Bezier) -> Sequence[Point]:
@@ -167,10 +167,10 @@ def _ellipse_cubics(ellipse: EllipseArc) -> list[Cubic]:
     def at(u: float, v: float) -> Point:
         return cx + u * ax - ratio * v * ay, cy + u * ay + ratio * v * ax
 
-    found: list[Cubic] = []
+    ellipse_cubics: list[Cubic] = []
     for k in range(count):
         a, b = radians(ellipse.start_deg) + k * step, radians(ellipse.start_deg) + (k + 1) * step
-        found.append(
+        ellipse_cubics.append(
             (
                 ellipse.start if k == 0 else at(cos(a), sin(a)),
                 at(cos(a) - handle * sin(a), sin(a) + handle * cos(a)),
@@ -178,7 +178,7 @@ def _ellipse_cubics(ellipse: EllipseArc) -> list[Cubic]:
                 ellipse.end if k == count - 1 else at(cos(b), sin(b)),
             )
         )
-    return found
+    return ellipse_cubics
 
 
 _Run = Sequence[tuple[Arc, Cubic]]  #: arcs that follow one another, each for a cubic
@@ -195,28 +195,28 @@ def _assembled(
         else:
             fit = next(fits)
             parts += zip(fit.curves, fit.cubics or repeat(None), strict=False)
-    found: list[Line | Arc] = []
+    curves: list[Line | Arc] = []
     for is_whole, run in groupby(parts, lambda part: part[1] is not None):
         if is_whole:
-            found += _merged_run(cast("Iterator[tuple[Arc, Cubic]]", run), tolerance)
+            curves += _merged_run(cast("Iterator[tuple[Arc, Cubic]]", run), tolerance)
         else:
-            found += [curve for curve, _ in run]
-    return tuple(found)
+            curves += [curve for curve, _ in run]
+    return tuple(curves)
 
 
 def _merged_run(run: Iterable[tuple[Arc, Cubic]], tolerance: float) -> list[Arc]:
     """Single arcs that follow one another, those on one circle as one."""
-    found: list[Arc] = []
+    arcs: list[Arc] = []
     group: list[tuple[Arc, Cubic]] = []
     for single in run:
-        wider = _wider(found[-1], group, single, tolerance) if group else None
+        wider = _wider(arcs[-1], group, single, tolerance) if group else None
         if wider is None:
-            found.append(single[0])
+            arcs.append(single[0])
             group = [single]
         else:
-            found[-1] = wider
+            arcs[-1] = wider
             group.append(single)
-    return found
+    return arcs
 
 
 def _wider(arc: Arc, group: _Run, following: tuple[Arc, Cubic], tolerance: float) -> Arc | None:

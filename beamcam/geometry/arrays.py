@@ -19,10 +19,10 @@ from beamcam.geometry.plane import Box, Point, box_around, join_boxes
 
 def by_kind(curves: Iterable[Curve]) -> dict[type, list[int]]:
     """The indices of the curves of each kind, ascending."""
-    found: defaultdict[type, list[int]] = defaultdict(list)
+    indices: defaultdict[type, list[int]] = defaultdict(list)
     for k, kind in enumerate(map(type, curves)):
-        found[kind].append(k)
-    return found
+        indices[kind].append(k)
+    return indices
 
 
 def rows(values: Iterable[Sequence[float]], width: int) -> Floats:
@@ -65,19 +65,19 @@ class CurveTable:
     @cached_property
     def ends(self) -> Floats:
         """Start and end of every curve, (n, 4); those of arcs to the last digits but one or two."""
-        found = np.empty((len(self.curves), 4))
+        ends = np.empty((len(self.curves), 4))
         for kind, which in self._kinds.items():
             some = [self.curves[k] for k in which]
             if kind is Line:
-                found[which] = self.lines
+                ends[which] = self.lines
             elif kind is Arc:
-                found[which] = arc_ends(self.arcs)
+                ends[which] = arc_ends(self.arcs)
             elif kind is Bezier:
                 points = [_control(curve) for curve in some]
-                found[which] = rows([(*p[0], *p[-1]) for p in points], 4)
+                ends[which] = rows([(*p[0], *p[-1]) for p in points], 4)
             else:
-                found[which] = [(*curve.start, *curve.end) for curve in some]
-        return found
+                ends[which] = [(*curve.start, *curve.end) for curve in some]
+        return ends
 
     @cached_property
     def hulls(self) -> Floats:
@@ -85,19 +85,19 @@ class CurveTable:
 
         Arcs have the box of their circle, free curves that of their control points.
         """
-        found = np.empty((len(self.curves), 4))
+        hulls = np.empty((len(self.curves), 4))
         for kind, which in self._kinds.items():
             if kind is Line:
                 start, end = self.lines[:, :2], self.lines[:, 2:]
-                found[which] = np.hstack((np.minimum(start, end), np.maximum(start, end)))
+                hulls[which] = np.hstack((np.minimum(start, end), np.maximum(start, end)))
             elif kind is Arc:
                 centre, radius = self.arcs[:, :2], self.arcs[:, 2:3]
-                found[which] = np.hstack((centre - radius, centre + radius))
+                hulls[which] = np.hstack((centre - radius, centre + radius))
             elif kind is Bezier or kind is BSpline:
-                found[which] = [box_around(_control(self.curves[k])) for k in which]
+                hulls[which] = [box_around(_control(self.curves[k])) for k in which]
             else:
-                found[which] = [self.curves[k].bbox for k in which]
-        return found
+                hulls[which] = [self.curves[k].bbox for k in which]
+        return hulls
 
     @cached_property
     def box(self) -> Box | None:
@@ -110,17 +110,17 @@ class CurveTable:
         hulls = self.hulls * (1.0, 1.0, -1.0, -1.0)
         bent = np.ones(len(hulls), dtype=bool)
         bent[self.where(Line)] = False
-        found: Box = self.curves[0].bbox
+        box: Box = self.curves[0].bbox
         if not bent.all():
             x0, y0, x1, y1 = hulls[~bent].min(axis=0).tolist()
-            found = (x0, y0, -x1, -y1)
+            box = (x0, y0, -x1, -y1)
         which = np.flatnonzero(bent)
         for side, sign in enumerate((1, 1, -1, -1)):
             for k in which[np.argsort(hulls[which, side], kind="stable")].tolist():
-                if hulls[k, side] >= sign * found[side]:
+                if hulls[k, side] >= sign * box[side]:
                     break
-                found = join_boxes([found, self.curves[k].bbox]) or found
-        return found
+                box = join_boxes([box, self.curves[k].bbox]) or box
+        return box
 
 
 def arc_ends(arcs: Floats) -> Floats:

@@ -68,33 +68,33 @@ def roots(c: Coefficients) -> list[float]:
     if scale == 0.0:
         return []
     clean = [0.0 if abs(v) <= 1e-15 * scale else v / scale for v in c]
-    found: list[float] = []
-    _collect_roots(clean, 0.0, 1.0, found)
+    parameters: list[float] = []
+    _collect_roots(clean, 0.0, 1.0, parameters)
     kept: list[float] = []
-    for t in sorted(found):
+    for t in sorted(parameters):
         if 0.0 < t < 1.0 and (not kept or t - kept[-1] > 10 * ROOT_WIDTH):
             kept.append(t)
     return kept
 
 
-def _collect_roots(c: Coefficients, low: float, high: float, found: list[float]) -> None:
+def _collect_roots(c: Coefficients, low: float, high: float, parameters: list[float]) -> None:
     signs = [v > 0 for v in c if v != 0.0]
     changes = sum(a != b for a, b in itertools.pairwise(signs))
     if c[0] == 0.0:
-        found.append(low)
+        parameters.append(low)
     if c[-1] == 0.0:
-        found.append(high)
+        parameters.append(high)
     if changes == 0:
         return
     if changes == 1 and c[0] * c[-1] < 0.0:
-        found.append(low + (high - low) * _bracketed_root(c))
+        parameters.append(low + (high - low) * _bracketed_root(c))
     elif high - low <= ROOT_WIDTH:
-        found.append((low + high) / 2)
+        parameters.append((low + high) / 2)
     else:
         middle = (low + high) / 2
         left, right = halves(c, 0.5)
-        _collect_roots(left, low, middle, found)
-        _collect_roots(right, middle, high, found)
+        _collect_roots(left, low, middle, parameters)
+        _collect_roots(right, middle, high, parameters)
 
 
 def _bracketed_root(c: Coefficients) -> float:
@@ -244,7 +244,7 @@ class Bezier(Struct, frozen=True, gc=False):
 @cached("curves.extremes")
 def _extremes(curve: Bezier) -> tuple[float, ...]:
     x, y, w = (list(c) for c in zip(*curve.homogeneous, strict=True))
-    found: set[float] = set()
+    values: set[float] = set()
     for c in (x, y):
         slope = derivative(c)
         if curve.weights is not None:
@@ -252,8 +252,8 @@ def _extremes(curve: Bezier) -> tuple[float, ...]:
             down = product(c, derivative(w))
             up = product(slope, w)
             slope = [a - b for a, b in zip(up, down, strict=True)]
-        found.update(roots(slope))
-    return tuple(sorted(found))
+        values.update(roots(slope))
+    return tuple(sorted(values))
 
 
 def homogeneous(

@@ -51,7 +51,7 @@ def _of_one_size(splines: Sequence[BSpline], names: Sequence[int]) -> tuple[Floa
     around = sliding_window_view(knots[:, 1:-1], 6, axis=1)[owner, span]
     control = sliding_window_view(points, 4, axis=1)[owner, span].transpose(0, 2, 1)
     a, b = around[:, 2], around[:, 3]
-    found = np.stack(
+    cubics = np.stack(
         [_blossoms(control, around, us) for us in ((a, a, a), (a, a, b), (a, b, b), (b, b, b))],
         axis=1,
     )
@@ -59,11 +59,11 @@ def _of_one_size(splines: Sequence[BSpline], names: Sequence[int]) -> tuple[Floa
     # control points.
     first = np.diff(owner, prepend=-1) > 0
     last = np.append(first[1:], True)
-    found[1:, 0] = np.where(first[1:, None], found[1:, 0], found[:-1, 3])
+    cubics[1:, 0] = np.where(first[1:, None], cubics[1:, 0], cubics[:-1, 3])
     begins, ends = (knots[:, k] == knots[:, k + 2] for k in (1, -4))
-    found[first & begins[owner], 0] = points[begins, 0]
-    found[last & ends[owner], 3] = points[ends, -1]
-    return found, np.array(names, dtype=np.int64)[owner]
+    cubics[first & begins[owner], 0] = points[begins, 0]
+    cubics[last & ends[owner], 3] = points[ends, -1]
+    return cubics, np.array(names, dtype=np.int64)[owner]
 
 
 def _blossoms(points: Floats, knots: Floats, arguments: Sequence[Floats]) -> Floats:
@@ -162,9 +162,9 @@ class LinesAndArcs:
 def directions_deg(vectors: Floats) -> Floats:
     """Angles of vectors (n, 2) in degrees, exact along the axes."""
     x, y = vectors[:, 0], vectors[:, 1]
-    found = np.degrees(np.arctan2(y, x))
-    found = np.where(y == 0.0, np.where(x >= 0.0, 0.0, 180.0), found)
-    return np.where((x == 0.0) & (y < 0.0), 270.0, found)
+    angles = np.degrees(np.arctan2(y, x))
+    angles = np.where(y == 0.0, np.where(x >= 0.0, 0.0, 180.0), angles)
+    return np.where((x == 0.0) & (y < 0.0), 270.0, angles)
 
 
 def allowed_off(radius: Floats, sweep_rad: Floats, tolerance: float) -> Floats:
@@ -184,7 +184,7 @@ def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
     """Lines and arcs for cubics (n, 4, 2), in their order."""
     single, centre, side = _singles(control, tolerance)
     which = np.flatnonzero(single)
-    found = [
+    curves = [
         LinesAndArcs(
             which, np.zeros(len(which)), control[which][:, (0, 3)].reshape(-1, 4),
             centre[which], side[which], np.ones(len(which), dtype=bool),
@@ -202,13 +202,13 @@ def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
         good, joints, bends = _biarcs(control, tolerance)
         good &= ~flat
         moves = flat & (control[:, 0] != control[:, 3]).any(axis=1)
-        found.append(
+        curves.append(
             _strokes(owner[moves], begin[moves], control[moves, 0], control[moves, 3], None)
         )
         number, at, half = owner[good], begin[good], size[good] / 2
         start, joint, end = control[good, 0], joints[good], control[good, 3]
-        found.append(_strokes(number, at, start, joint, bends[good, 0]))
-        found.append(_strokes(number, at + half, joint, end, bends[good, 1]))
+        curves.append(_strokes(number, at, start, joint, bends[good, 0]))
+        curves.append(_strokes(number, at + half, joint, end, bends[good, 1]))
         rest = ~(flat | good)
         owner, begin, size = owner[rest], begin[rest], size[rest] / 2
         control = np.concatenate(_halved(control[rest]))
@@ -216,7 +216,7 @@ def fit_cubics(control: Floats, tolerance: float) -> LinesAndArcs:
         begin = np.concatenate((begin, begin + size[: len(begin)]))
     return LinesAndArcs(
         *(
-            np.concatenate([getattr(part, name) for part in found])
+            np.concatenate([getattr(part, name) for part in curves])
             for name in ("cubic", "begin", "ends", "centre", "side", "single")
         )
     ).sorted()
@@ -272,15 +272,15 @@ def _tangents(control: Floats) -> tuple[Floats, Floats]:
     reach = np.max(np.abs(control - control[:, :1]), axis=(1, 2)) * 1e-9
 
     def direction(order: tuple[int, int, int, int]) -> Floats:
-        found = np.zeros((len(control), 2))
+        tangents = np.zeros((len(control), 2))
         open_rows = np.ones(len(control), dtype=bool)
         for k in order[1:]:
             step = control[:, k] - control[:, order[0]]
             size = np.hypot(step[:, 0], step[:, 1])
             take = open_rows & (size > reach)
-            found[take] = step[take] / size[take][:, None]
+            tangents[take] = step[take] / size[take][:, None]
             open_rows &= ~take
-        return found
+        return tangents
 
     return direction((0, 1, 2, 3)), -direction((3, 2, 1, 0))
 
@@ -341,8 +341,8 @@ def _off_circle(u: Floats, tangent: Floats, bend: Floats) -> Floats:
     a = tangent[:, None, 0] * u[..., 1] - tangent[:, None, 1] * u[..., 0]
     s = _dot(u, u)
     k = bend[:, None]
-    found: Floats = (k * s - 2 * a) / (1 + np.sqrt(np.maximum(0.0, 1 - 2 * a * k + k * k * s)))
-    return found
+    off_circle: Floats = (k * s - 2 * a) / (1 + np.sqrt(np.maximum(0.0, 1 - 2 * a * k + k * k * s)))
+    return off_circle
 
 
 def _singles(control: Floats, tolerance: float) -> tuple[Flags, Floats, Floats]:

@@ -146,8 +146,8 @@ def _joined_within(
         walked = (curve for e in _follow(end, partner) for curve in links[e // 2].curves)
         return _size(walked) <= tolerance
 
-    found = resolve(near.crowds, partner, is_small)
-    apart = near.apart.union(end for pair in found.joins for end in pair)
+    resolved = resolve(near.crowds, partner, is_small)
+    apart = near.apart.union(end for pair in resolved.joins for end in pair)
     chains = _linked(links, _Meetings(partner, apart, []))
     junctions = tuple(
         Junction(
@@ -155,7 +155,7 @@ def _joined_within(
             tuple(sorted({links[e // 2].members[-1 if e % 2 else 0] for e in crowd})),
             in_ring,
         )
-        for crowd, in_ring in found.left
+        for crowd, in_ring in resolved.left
     )
     return chains, junctions
 
@@ -261,10 +261,10 @@ def _find_gaps(chains: list[Chain], tolerance: float) -> tuple[Gap, ...]:
     order = np.lexsort((second, first, away))
     pairs = zip(first[order].tolist(), second[order].tolist(), strict=True)
     taken: set[int] = set()
-    found = []
+    gaps = []
     for a, b in pairs:
         if a in taken or b in taken:
             continue
         taken |= {a, b}
-        found.append(Gap(ends[a][0], ends[b][0], (ends[a][1], ends[b][1])))
-    return tuple(found)
+        gaps.append(Gap(ends[a][0], ends[b][0], (ends[a][1], ends[b][1])))
+    return tuple(gaps)

@@ -55,17 +55,17 @@ def arcs_and_lines(points: Sequence[Point], tolerance: float) -> list[Line | Arc
     those chords; each other chord is a line by itself.
     """
     places = np.array(points)
-    found: list[Line | Arc] = []
+    curves: list[Line | Arc] = []
     at = 0
     while at + 1 < len(points):
         arc, reach = longest_arc(places, at, LEAST_ARC, lambda run: _arc_over(run, tolerance))
         if arc is None:
             reach = at + 1
-            found.append(Line(points[at], points[reach]))
+            curves.append(Line(points[at], points[reach]))
         else:
-            found.append(arc)
+            curves.append(arc)
         at = reach
-    return found
+    return curves
 
 
 def _goes_on(run: Sequence[Line], line: Line) -> bool:

@@ -146,13 +146,13 @@ def uncovered(curve: Curve, covers: Sequence[Curve], tolerance: float) -> tuple[
             taken += _shared_arc(curve, cover, tolerance)
     if not taken:
         return (curve,)
-    found = []
+    curves = []
     at = 0.0
     for low, high in (*sorted(taken), (1.0, 1.0)):
         if (low - at) * curve.length > tolerance:
-            found.append(_stretch(curve, at, low))
+            curves.append(_stretch(curve, at, low))
         at = max(at, high)
-    return tuple(found)
+    return tuple(curves)
 
 
 def _stretch(curve: Curve, low: float, high: float) -> Curve:
@@ -189,12 +189,12 @@ def _shared_arc(arc: Arc, cover: Arc, tolerance: float) -> list[tuple[float, flo
     other = cover if (cover.sweep_deg > 0) == (arc.sweep_deg > 0) else cover.reversed()
     sweep, slack = abs(arc.sweep_deg), degrees(tolerance / arc.radius)
     begin = (other.start_deg - arc.start_deg) * sign % 360.0
-    found = []
+    points = []
     for low in (begin - 360.0, begin):
         shared = max(0.0, low), min(sweep, low + abs(other.sweep_deg))
         if shared[1] - shared[0] > slack:
-            found.append((shared[0] / sweep, shared[1] / sweep))
-    return found
+            points.append((shared[0] / sweep, shared[1] / sweep))
+    return points
 
 
 def _neighbours(curves: Sequence[Curve], tolerance: float) -> list[tuple[int, int]]:
@@ -274,14 +274,14 @@ def _merged_arcs(a: Arc, b: Arc, tolerance: float) -> Arc | None:
     slack_deg = degrees(tolerance / a.radius)
     low, high = one.start_deg, one.start_deg + one.sweep_deg
     start = one.start_deg + (two.start_deg - one.start_deg) % 360.0
-    found = False
+    is_merged = False
     # The second arc as it lies from the start of the first on, and a turn before.
     for begin in (start - 360.0, start):
         shared = min(high, begin + two.sweep_deg) - max(low, begin)
         if shared > slack_deg:
             low, high = min(low, begin), max(high, begin + two.sweep_deg)
-            found = True
-    if not found:
+            is_merged = True
+    if not is_merged:
         return None
     joined = replace(one, start_deg=low, sweep_deg=high - low)
     if high - low >= 360.0 - slack_deg:

@@ -206,12 +206,12 @@ class EllipseArc(Struct, frozen=True, gc=False):
         # dx/dp = 0 at tan p = -ratio ay / ax, dy/dp = 0 at tan p = ratio ax / ay.
         of_x = 0.0 if ay == 0.0 else degrees(atan2(-self.ratio * ay, ax))
         of_y = 90.0 if ay == 0.0 else degrees(atan2(self.ratio * ax, ay))
-        found = {
+        angles = {
             (multiple - shift) / self.sweep_deg
             for shift in (self.start_deg - of_x, self.start_deg - of_y)
             for multiple in _quadrants(shift, self.sweep_deg, inside=True, every=180.0)
         }
-        return tuple(sorted(found))
+        return tuple(sorted(angles))
 
     def split(self, t: float) -> "tuple[EllipseArc, EllipseArc]":
         """The stretches before and after parameter `t`."""

@@ -37,9 +37,9 @@ def resolve(
     back, it is not a ring, and nothing.
     """
     work = _Work(crowds, partner, is_small)
-    asked: Iterable[int] = range(len(crowds))
-    while asked:
-        asked = work.close_rings(asked) | work.prune(asked)
+    which: Iterable[int] = range(len(crowds))
+    while which:
+        which = work.close_rings(which) | work.prune(which)
     return Resolved(work.joins, [(crowd, work.is_ringed(crowd)) for crowd in work.left if crowd])
 
 
@@ -61,10 +61,10 @@ class _Work:
             at = self._partner[at] ^ 1
         return at
 
-    def close_rings(self, asked: Iterable[int]) -> set[int]:
+    def close_rings(self, which: Iterable[int]) -> set[int]:
         """Closes the chains that lead back to their place; the places that this changes."""
         changed: set[int] = set()
-        for n in sorted(asked):
+        for n in sorted(which):
             back = [e for e in self.left[n] if self._place.get(self._far[e]) == n]
             for end in back:
                 if end < self._far[end] and not self._is_small(end):
@@ -74,9 +74,9 @@ class _Work:
                 changed |= self._keep(n, [e for e in self.left[n] if e not in gone])
         return changed
 
-    def prune(self, asked: Iterable[int]) -> set[int]:
+    def prune(self, which: Iterable[int]) -> set[int]:
         """Takes away branches; the places that this changes."""
-        kept = {n: [e for e in self.left[n] if not self._is_dead(e)] for n in asked}
+        kept = {n: [e for e in self.left[n] if not self._is_dead(e)] for n in which}
         changed: set[int] = set()
         for n in sorted(kept):
             if 0 < len(kept[n]) < len(self.left[n]):

@@ -81,10 +81,10 @@ def body_share() -> float:
 def glyph_of(sign: str) -> Glyph | None:
     """The glyph of one character; None where the font has none, and it cannot be put together."""
     font = _font("hershey")
-    found = _raw(sign, font)
-    if found is None:
+    glyph = _raw(sign, font)
+    if glyph is None:
         return None
-    advance, strokes = found
+    advance, strokes = glyph
     scale = 1.0 / font.capital
     scaled = tuple(tuple((x * scale, y * scale) for x, y in stroke) for stroke in strokes)
     return Glyph(advance * scale, scaled)

@@ -67,9 +67,9 @@ def first_equal(rows: Floats) -> Counts:
     # Rows of one key that differ all the same are just not told apart as well as they could be.
     new = np.ones(len(rows), dtype=bool)
     new[1:] = np.any(bits[order][1:] != bits[order][:-1], axis=1)
-    found = np.empty(len(rows), dtype=np.int64)
-    found[order] = order[np.maximum.accumulate(np.where(new, np.arange(len(rows)), 0))]
-    return found
+    firsts = np.empty(len(rows), dtype=np.int64)
+    firsts[order] = order[np.maximum.accumulate(np.where(new, np.arange(len(rows)), 0))]
+    return firsts
 
 
 #: Curves nearer than this coincide; exports round to 1e-4 and finer.

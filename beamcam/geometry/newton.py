@@ -28,11 +28,11 @@ CALM_SHARE = 0.25
 def divided_differences(u: Sequence[float], values: Sequence[float]) -> tuple[float, ...]:
     """Newton's coefficients of the polynomial through (u, values). The `u` must all differ."""
     row = list(values)
-    found = [row[0]]
+    differences = [row[0]]
     for order in range(1, len(u)):
         row = [(b - a) / (u[i + order] - u[i]) for i, (a, b) in enumerate(itertools.pairwise(row))]
-        found.append(row[0])
-    return tuple(found)
+        differences.append(row[0])
+    return tuple(differences)
 
 
 def newton_derivatives(

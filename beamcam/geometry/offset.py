@@ -62,17 +62,17 @@ def refit_ring(points: Sequence[Point], tolerance: float) -> tuple[Line | Arc, .
     count = len(points)
     start = max(range(count), key=lambda k: (_turn(points, k), -k))
     ring = [points[(start + k) % count] for k in range(count)] + [points[start]]
-    found: list[Line | Arc] = []
+    curves: list[Line | Arc] = []
     at = 0
     while at < count:
         arc, reach = longest_arc(ring, at, MIN_CORNERS - 1, lambda run: _arc_over(run, tolerance))
         if arc is None:
             reach = longest_line(ring, at, lambda run: _is_straight(run, tolerance / 4))
-            found.append(Line(ring[at], ring[reach]))
+            curves.append(Line(ring[at], ring[reach]))
         else:
-            found.append(arc)
+            curves.append(arc)
         at = reach
-    return tuple(found)
+    return tuple(curves)
 
 
 def _turn(points: Sequence[Point], k: int) -> float:
@@ -271,17 +271,17 @@ def offset_chains(
         rings = raw_offsets(some, rights[waiting], table, limit)
         moved |= _right_ones(waiting, rings, areas, rights, tolerance)
         waiting = [k for k in waiting if k not in moved]
-    found: list[Offset | Vanished] = []
+    offsets: list[Offset | Vanished] = []
     for k, (chain, amount) in enumerate(zip(chains, amounts, strict=True)):
         if amount == 0.0:
-            found.append(Offset((tuple(chain),), (float(areas[k]),), True))
+            offsets.append(Offset((tuple(chain),), (float(areas[k]),), True))
         elif k in moved:
-            found.append(moved[k])
+            offsets.append(moved[k])
         elif parts := flat_offset(tuple(chain), amount, tolerance):
-            found.append(Offset(parts, tuple(signed_areas(parts).tolist()), False))
+            offsets.append(Offset(parts, tuple(signed_areas(parts).tolist()), False))
         else:
-            found.append(Vanished(abs(float(areas[k])), amount))
-    return found
+            offsets.append(Vanished(abs(float(areas[k])), amount))
+    return offsets
 
 
 def _right_ones(
@@ -311,8 +311,8 @@ def _are_right(
     grows = np.abs(after) > np.abs(areas)
     good: list[bool] = ((after * areas > 0.0) & (grows == (rights * areas > 0.0))).tolist()
     # A circle is simple; the others are looked at.
-    asked = [k for k, ring in enumerate(rings) if good[k] and len(ring) > 1]
-    for k, simple in zip(asked, _are_simple([rings[k] for k in asked], tolerance), strict=True):
+    which = [k for k, ring in enumerate(rings) if good[k] and len(ring) > 1]
+    for k, simple in zip(which, _are_simple([rings[k] for k in which], tolerance), strict=True):
         good[k] = simple
     return good
 
@@ -334,5 +334,5 @@ def _are_simple(rings: Sequence[tuple[Curve, ...]], tolerance: float) -> list[bo
     _, owner = np.unique(owner[of_simple], return_inverse=True)
     polygons = shapely.polygons(shapely.linearrings(drawn.points[kept][of_simple], indices=owner))
     simple[simple] = shapely.is_valid(polygons)
-    found: list[bool] = simple.tolist()
-    return found
+    flags: list[bool] = simple.tolist()
+    return flags

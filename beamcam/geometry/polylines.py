@@ -118,16 +118,16 @@ def _arc_steps(arcs: Floats, tolerance: float) -> Counts:
     share = np.clip(1 - tolerance / arcs[:, 2], -1.0, 1.0)
     step = np.clip(2 * np.arccos(share), 1e-6, LARGEST_STEP_RAD)
     turns = np.ceil(np.abs(np.radians(arcs[:, 4])) / step).astype(np.int64)
-    found: Counts = np.maximum(turns, 1)
-    return found
+    arc_steps: Counts = np.maximum(turns, 1)
+    return arc_steps
 
 
 def _cubic_steps(control: Floats, tolerance: float) -> Counts:
     bend = control[:, :-2] - 2 * control[:, 1:-1] + control[:, 2:]
     size = np.sqrt(np.max(np.sum(bend * bend, axis=2), axis=1, initial=0.0))
     steps = np.ceil(np.sqrt(0.75 * size / tolerance)).astype(np.int64)
-    found: Counts = np.clip(steps, 1, MOST_STEPS)
-    return found
+    cubic_steps: Counts = np.clip(steps, 1, MOST_STEPS)
+    return cubic_steps
 
 
 def _within(steps: Counts) -> tuple[Counts, Counts]:
@@ -136,16 +136,16 @@ def _within(steps: Counts) -> tuple[Counts, Counts]:
     return owner, np.arange(len(owner)) - (np.cumsum(steps) - steps)[owner]
 
 
-def _draw_arcs(found: Floats, begins: Counts, arcs: Floats, steps: Counts) -> None:
+def _draw_arcs(points: Floats, begins: Counts, arcs: Floats, steps: Counts) -> None:
     owner, number = _within(steps + 1)
     turn = np.radians(arcs[owner, 3] + arcs[owner, 4] * (number / steps[owner]))
     at = begins[owner] + number
-    found[at, 0] = arcs[owner, 0] + arcs[owner, 2] * np.cos(turn)
-    found[at, 1] = arcs[owner, 1] + arcs[owner, 2] * np.sin(turn)
+    points[at, 0] = arcs[owner, 0] + arcs[owner, 2] * np.cos(turn)
+    points[at, 1] = arcs[owner, 1] + arcs[owner, 2] * np.sin(turn)
 
 
 def _draw_cubics(
-    found: Floats, begins: Counts, owners: Counts, control: Floats, steps: Counts
+    points: Floats, begins: Counts, owners: Counts, control: Floats, steps: Counts
 ) -> None:
     """Cubics of one curve follow one another; each draws its start, the last one its end too."""
     if not len(control):
@@ -158,11 +158,11 @@ def _draw_cubics(
     s = 1 - t
     p = control[piece]
     at = begins[owners[piece]] + (before - base)[piece] + number
-    found[at] = (
+    points[at] = (
         s * s * s * p[:, 0] + 3 * s * s * t * p[:, 1] + 3 * s * t * t * p[:, 2] + t**3 * p[:, 3]
     )
     last = np.concatenate((first[1:], [True]))
-    found[begins[owners[last] + 1] - 1] = control[last, 3]
+    points[begins[owners[last] + 1] - 1] = control[last, 3]
 
 
 def _one(curve: Curve, tolerance: float) -> Floats:

@@ -73,12 +73,12 @@ def tangent_circles(
     carriers = [_carrier(curve, middle, size) for curve in curves]
     _refuse_twins(carriers)
     if radius is None:
-        found = list(_of_three(carriers))
+        circles = list(_of_three(carriers))
     else:
-        found = list(_of_two(carriers[0], carriers[1], radius / size))
+        circles = list(_of_two(carriers[0], carriers[1], radius / size))
     kept = _distinct(
         circle
-        for circle in found
+        for circle in circles
         if NEAR < circle.radius < MAX_RADIUS and not any(_same(circle, c) for c in carriers)
     )
     if not kept:

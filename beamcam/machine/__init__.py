@@ -35,11 +35,11 @@ def machine_folders(configurations: Sequence[str]) -> tuple[str, ...]:
 
 def own_machines(configurations: Sequence[str]) -> dict[str, str]:
     """Name -> path of each machine of one's own; of two with one name the nearest."""
-    found: dict[str, str] = {}
+    files: dict[str, str] = {}
     for folder in machine_folders(configurations):
         for path in _files(folder):
-            found.setdefault(os.path.splitext(os.path.basename(path))[0], path)
-    return dict(sorted(found.items()))
+            files.setdefault(os.path.splitext(os.path.basename(path))[0], path)
+    return dict(sorted(files.items()))
 
 
 def is_file_name(name: str) -> bool:

@@ -54,28 +54,30 @@ def chart_rows(text: str, name: str) -> tuple[list[Row], list[Diagnostic]]:
     A row is the table of a machine's file; `name` is the file, for messages.
     """
     rows: list[Row] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for line, number, values in _entries(text):
         if "class" in values and "plasma" not in values["class"].casefold():
             continue  # a drill or a mill of SheetCam's
         row, fault = _row(number, values)
         if fault:
             found, expected = fault
-            said.append(CHART.at(Source(name, line), found=found, expected=expected))
+            diagnostics.append(CHART.at(Source(name, line), found=found, expected=expected))
         else:
             rows.append(row)
-    if not rows and not said:
+    if not rows and not diagnostics:
         expected = "[MATERIAL_NUMBER_1] of QtPlasmaC or [Tool1] of SheetCam"
-        said.append(CHART.at(Source(name), found="no row to cut", expected=expected))
+        diagnostics.append(CHART.at(Source(name), found="no row to cut", expected=expected))
     seen: dict[tuple[object, ...], str] = {}
     for row in rows:
         key = row["material"], row["up_to"], row.get("amps", 0.0)
         if key in seen:
             found = f"two rows of {row['material']} up to {row['up_to']:g} mm, {seen[key]!r} too"
             expected = "one, or other amperes"
-            said.append(CHART.at(Source(name), found=found, expected=expected))
+            diagnostics.append(CHART.at(Source(name), found=found, expected=expected))
         seen[key] = row["nozzle"]
-    return sorted(rows, key=lambda row: (row["material"], row["up_to"], row.get("amps", 0.0))), said
+    return sorted(
+        rows, key=lambda row: (row["material"], row["up_to"], row.get("amps", 0.0))
+    ), diagnostics
 
 
 def _entries(text: str) -> Iterator[tuple[int, int, dict[str, str]]]:

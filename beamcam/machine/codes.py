@@ -155,8 +155,8 @@ def _allowed_faults(machine: Machine) -> Iterator[CodeFault]:
     worded: tuple[Literal["codesys"], ...] | tuple[str, ...]
     worded = ("codesys", "linuxcnc", "grbl", "mach3")
     if machine.allowed_codes and machine.controller not in worded:
-        found = list(machine.allowed_codes)
-        yield "allowed_codes", found, f"none, a program of {machine.controller} has no such words"
+        codes = list(machine.allowed_codes)
+        yield "allowed_codes", codes, f"none, a program of {machine.controller} has no such words"
         return
     seen: set[str] = set()
     for index, code in enumerate(machine.allowed_codes):

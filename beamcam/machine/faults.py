@@ -267,8 +267,8 @@ def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
     if ("X" in axes) != ("Y" in axes):
         yield "axes", [axis.name for axis in machine.axes], "an axis for X and one for Y"
     if torch.z == "program" and "X" in axes and "Z" not in axes:
-        found = [axis.name for axis in machine.axes]
-        yield "axes", found, "an axis for Z, as the program moves it (torch.z)"
+        names = [axis.name for axis in machine.axes]
+        yield "axes", names, "an axis for Z, as the program moves it (torch.z)"
     for name in ("X", "Y"):
         axis = axes.get(name)
         if axis is not None and torch.acceleration >= axis.acceleration:
@@ -276,8 +276,8 @@ def path_faults(machine: Machine, torch: Torch) -> Iterator[Fault]:
             yield "torch.acceleration", torch.acceleration, expected
     needs = _names(machine.words.modal, "acceleration")
     if needs and not (torch.acceleration and "X" in axes):
-        found = list(machine.words.modal)
-        yield "words.modal", found, "torch.acceleration and axes X and Y for {acceleration}"
+        names = list(machine.words.modal)
+        yield "words.modal", names, "torch.acceleration and axes X and Y for {acceleration}"
 
 
 def spindle_faults(machine: Machine) -> Iterator[Fault]:

@@ -109,24 +109,28 @@ def _machine(files: tuple[TomlFile, ...]) -> Machine:
     try:
         return _described(files)
     except MachineError as error:
-        raise MachineError(tuple(_blamed(said, files) for said in error.diagnostics)) from None
+        raise MachineError(
+            tuple(_blamed(diagnostic, files) for diagnostic in error.diagnostics)
+        ) from None
 
 
-def _blamed(said: Diagnostic, files: tuple[TomlFile, ...]) -> Diagnostic:
+def _blamed(diagnostic: Diagnostic, files: tuple[TomlFile, ...]) -> Diagnostic:
     """A fault of a machine where its own file brings it about, never where a shipped one stands.
 
     The key is the first of the file without which there is no fault; else the whole file.
     """
-    if not _is_of_shipped_base(said.source, files):
-        return said
+    if not _is_of_shipped_base(diagnostic.source, files):
+        return diagnostic
     own = files[0]
     for words in keys_of(_present(own)[0]):
         try:
             _described(files, words)
         except MachineError:
             continue
-        return structs.replace(said, source=Source(own.shown, line_of(own.text, ".".join(words))))
-    return structs.replace(said, source=Source(own.shown))
+        return structs.replace(
+            diagnostic, source=Source(own.shown, line_of(own.text, ".".join(words)))
+        )
+    return structs.replace(diagnostic, source=Source(own.shown))
 
 
 def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
@@ -137,7 +141,7 @@ def _is_of_shipped_base(source: Source, files: tuple[TomlFile, ...]) -> bool:
 
 def _described(files: tuple[TomlFile, ...], but: Sequence[str] = ()) -> Machine:
     """The machine of `_machine`, its faults where the values stand; without a key of its file."""
-    remarks = tuple(said for file in files for said in _renamed(file))
+    remarks = tuple(diagnostic for file in files for diagnostic in _renamed(file))
     table, places = merged(files, but)
     place = Place(places)
     _refuse_shipped_name(files[0], table["name"], place)
@@ -183,8 +187,8 @@ def _present(file: TomlFile) -> tuple[dict[str, Any], list[tuple[str, str]]]:
         return with_present_keys(file.table)
     except KeyTwice as twice:
         source = Source(file.shown, line_of(file.text, twice.former))
-        said = KEY_TWICE.at(source, found=twice.former, expected=twice.present)
-        raise MachineError(said) from None
+        diagnostic = KEY_TWICE.at(source, found=twice.former, expected=twice.present)
+        raise MachineError(diagnostic) from None
 
 
 def _checksum(table: dict[str, Any]) -> str:
@@ -254,11 +258,11 @@ def _leaves(record: Any, key: str = "") -> Iterator[tuple[str, object]]:
 
 def files_of_machine(name: str) -> tuple[TomlFile, ...]:
     """The file of a machine and those that it is based on, the last one first said."""
-    found: list[TomlFile] = []
+    files: list[TomlFile] = []
     while True:
-        path = _find(name, found[-1] if found else None)
-        if any(path == file.path for file in found):
-            raise MachineError(BASE_LOOP.at(Source(str(found[0].path)), found=path.stem))
+        path = _find(name, files[-1] if files else None)
+        if any(path == file.path for file in files):
+            raise MachineError(BASE_LOOP.at(Source(str(files[0].path)), found=path.stem))
         shown = path.name if path.parent == SHIPPED else str(path)
         try:
             file = TomlFile(path, shown, toml_text(beginning_of(path, MAX_TOML_BYTES + 1)))
@@ -267,14 +271,14 @@ def files_of_machine(name: str) -> tuple[TomlFile, ...]:
             raise MachineError(NOT_TOML.at(Source(shown, error.line), found=error)) from error
         except OSError as error:
             expected = error.strerror or "a file that can be read"
-            said = UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
-            raise MachineError(said) from error
-        found.append(file)
+            diagnostic = UNKNOWN_MACHINE.at(Source(shown), found=name, expected=expected)
+            raise MachineError(diagnostic) from error
+        files.append(file)
         if base is None:
-            return tuple(found)
+            return tuple(files)
         if not isinstance(base, str):
             raise MachineError(_wrong_base(file, "a machine's name"))
-        if len(found) > MAX_BASES:
+        if len(files) > MAX_BASES:
             raise MachineError(_wrong_base(file, f"{MAX_BASES} files below each other at most"))
         name = base
 
@@ -368,10 +372,10 @@ def _check(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
         _check_keys(machine, place, left_behind)
     except NoValueError as error:
         key = next(key for key, value in _leaves(machine) if value == error.formula)
-        said = WRONG_VALUE.at(
+        diagnostic = WRONG_VALUE.at(
             place.child(key).source, key=key, found=repr(error.formula), expected=error.expected
         )
-        raise MachineError(said) from None
+        raise MachineError(diagnostic) from None
 
 
 def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> None:
@@ -383,8 +387,8 @@ def _check_keys(machine: Machine, place: Place, left_behind: frozenset[str]) -> 
     for faults in checks:
         for key, found, expected in faults(machine):
             source = place.child(key).source
-            said = WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
-            raise MachineError(said)
+            diagnostic = WRONG_VALUE.at(source, key=key, found=repr(found), expected=expected)
+            raise MachineError(diagnostic)
     table = {"beam": "layout", "sheet": "torch", "profile": "coper"}[machine.stock]
     if getattr(machine, table) is None:
         raise MachineError(MISSING_KEY.at(place.child(table).source, expected=table))

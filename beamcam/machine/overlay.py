@@ -99,16 +99,16 @@ def _kerf_values(machine: Machine, torch: Torch, kerf: float) -> dict[str, Any]:
     if 0.0 < kerf < least:
         takes = f"{machine.name} takes 0, or {least:g} mm or more"
         raise ValueError(f"a kerf of {kerf:g} mm; {takes}")
-    found: dict[str, Any] = {
+    kerf_values: dict[str, Any] = {
         "rows": tuple(
             replace(row, kerf=kerf) if row.process == "cut" else row for row in torch.rows
         )
     }
     if kerf == 0.0:
-        found["kerf_by"] = "none"
+        kerf_values["kerf_by"] = "none"
     elif torch.kerf_by == "none":
-        found["kerf_by"] = "offset"
-    return found
+        kerf_values["kerf_by"] = "offset"
+    return kerf_values
 
 
 def _check(machine: Machine, changed: Torch) -> None:
@@ -174,7 +174,7 @@ def _is_row(row: object) -> bool:
 
 def _merged(rows: Sequence[dict[str, Any]], more: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """The rows in the order in which the first that fits counts."""
-    found = list(rows)
+    rows_of_both = list(rows)
     for row in more:
         # A chart of one material is not left by a row that names none.
         own = {_key(other)[1]: other for other in rows if _key(other)[0] == _key(row)[0]}
@@ -182,13 +182,13 @@ def _merged(rows: Sequence[dict[str, Any]], more: Sequence[dict[str, Any]]) -> l
         new = (
             row | {"material": next(iter(own.values())).get("material", ANY)} if is_of_one else row
         )
-        same = [k for k, row in enumerate(found) if _key(row) == _key(new)]
+        same = [k for k, row in enumerate(rows_of_both) if _key(row) == _key(new)]
         if same:
-            found[same[0]] = new
+            rows_of_both[same[0]] = new
         else:
-            behind = (k for k, row in enumerate(found) if _counts_before(new, row))
-            found.insert(next(behind, len(found)), new)
-    return found
+            behind = (k for k, row in enumerate(rows_of_both) if _counts_before(new, row))
+            rows_of_both.insert(next(behind, len(rows_of_both)), new)
+    return rows_of_both
 
 
 def _key(row: dict[str, Any]) -> tuple[str, str, float]:

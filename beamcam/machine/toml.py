@@ -71,13 +71,15 @@ def _table(text: str) -> dict[str, Any]:
     return table
 
 
-def _error_of(said: str, text: str) -> TomlError:
+def _error_of(message: str, text: str) -> TomlError:
     """What the parser says, with its line."""
-    at = _AT_LINE.search(said)
+    at = _AT_LINE.search(message)
     if at is not None:
-        return TomlError(said[: at.start()], int(at[1]))
+        return TomlError(message[: at.start()], int(at[1]))
     at_end = " (at end of document)"
-    return TomlError(said.removesuffix(at_end), len(text.splitlines()) if at_end in said else 1)
+    return TomlError(
+        message.removesuffix(at_end), len(text.splitlines()) if at_end in message else 1
+    )
 
 
 def _depth(table: dict[str, Any]) -> int:
@@ -150,14 +152,14 @@ def line_of(text: str, key: str) -> int | None:
 def _lines(text: str) -> dict[str, int]:
     """The first line of each dotted key and table."""
     table, counts = "", dict[str, int]()
-    found: dict[str, int] = {}
+    lines: dict[str, int] = {}
     for number, raw in enumerate(text.split("\n"), 1):
         line = raw.strip()
         if line.startswith("[["):
             name = _bare(line[2:].partition("]]")[0])
             counts[name] = counts.get(name, -1) + 1
             here = table = f"{name}.{counts[name]}"
-            found.setdefault(name, number)
+            lines.setdefault(name, number)
         elif line.startswith("["):
             here = table = _numbered(_bare(line[1:].partition("]")[0]), counts)
         elif "=" in line and not line.startswith("#"):
@@ -165,11 +167,11 @@ def _lines(text: str) -> dict[str, int]:
             here = f"{table}.{name}" if table else name
         else:
             continue
-        found.setdefault(here, number)
+        lines.setdefault(here, number)
         while "." in here:  # [a.b] begins a too, unless a line before did
             here = here.rpartition(".")[0]
-            found.setdefault(here, number)
-    return found
+            lines.setdefault(here, number)
+    return lines
 
 
 def _numbered(table: str, counts: Mapping[str, int]) -> str:

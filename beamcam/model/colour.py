@@ -120,10 +120,10 @@ def is_transparent(text: str) -> bool:
 
 def _numbers(word: str) -> tuple[str, list[str]]:
     """The function that a colour is, rgb or hsl, and its numbers."""
-    found = _FUNCTION.match(word)
-    if found is None:
+    match = _FUNCTION.match(word)
+    if match is None:
         return "", []
-    return found[1].lower(), [c for c in re.split(r"[\s,/]+", found[2].strip()) if c]
+    return match[1].lower(), [c for c in re.split(r"[\s,/]+", match[2].strip()) if c]
 
 
 def _channel(text: str) -> float:
@@ -221,9 +221,9 @@ def key_of(lines: Contour | Dashed, table: Collection[str]) -> str | None:
 def _key_of(layer: str | None, colour: str | None, table: tuple[str, ...]) -> str | None:
     named = list(takewhile(lambda key: key != OTHERS, table))
     if layer is not None:
-        wanted = layer.casefold()
+        name = layer.casefold()
         for key in named:
-            if key.casefold() == wanted:
+            if key.casefold() == name:
                 return key
     found = None
     if colour is not None:

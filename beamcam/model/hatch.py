@@ -48,14 +48,14 @@ def not_filled(part: Part, torch: Torch) -> Iterator[tuple[str, str]]:
 
 def _hatched_looks(part: Part, torch: Torch) -> dict[str, list[Contour]]:
     """The contours of each key of the table of colours that has a hatch."""
-    found: dict[str, list[Contour]] = {}
+    by_look: dict[str, list[Contour]] = {}
     if not any(own.hatch for own in torch.settings.values()):
-        return found
+        return by_look
     for contour in part.contours:
         key = key_of(contour, torch.colours)
         if key is not None and key in torch.settings and torch.settings[key].hatch:
-            found.setdefault(key, []).append(contour)
-    return found
+            by_look.setdefault(key, []).append(contour)
+    return by_look
 
 
 def is_filled_only(contour: Contour, torch: Torch) -> bool:

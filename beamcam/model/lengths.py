@@ -85,8 +85,8 @@ def _clusters(values: Iterable[tuple[tuple[float, ...], int]]) -> list[list[int]
         and all(abs(a - b) <= SAME_PLACE for a, b in zip(value, other, strict=True))
     )
     each = groups_of(chain(zip(same, same, strict=True), near))
-    found = [sorted(index for value in group for index in same[value]) for group in each]
-    return [group for group in found if len(group) > 1]
+    clusters = [sorted(index for value in group for index in same[value]) for group in each]
+    return [group for group in clusters if len(group) > 1]
 
 
 def _overlap(spans: Sequence[tuple[float, float]]) -> float:

@@ -37,10 +37,12 @@ def remnant_of(text: str) -> Remnant:
     """`4300`, `UPN200=4300` or `UPN200/S235JR=4300`. Raises ValueError."""
     of, equals, length = text.rpartition("=")
     section, _, grade = of.partition("/")
-    found = Remnant(float(length), section.strip(), grade.strip())
-    if not (isfinite(found.length) and found.length > 0 and bool(equals) == bool(found.section)):
+    remnant = Remnant(float(length), section.strip(), grade.strip())
+    if not (
+        isfinite(remnant.length) and remnant.length > 0 and bool(equals) == bool(remnant.section)
+    ):
         raise ValueError(text)
-    return found
+    return remnant
 
 
 class Request(Struct, frozen=True):

@@ -212,7 +212,7 @@ def plate_area(part: Part) -> float:
 
 def single_contours(part: Part) -> list[Contour]:
     """The closed cut contours of a plate, of those that two faces have alike the first."""
-    found: list[tuple[Contour, tuple[float, ...]]] = []
+    contours: list[tuple[Contour, tuple[float, ...]]] = []
     for contour in part.contours:
         if not contour.closed or contour.process != "cut":
             continue
@@ -223,11 +223,11 @@ def single_contours(part: Part) -> list[Contour]:
             other.face != contour.face
             and other.kind == contour.kind
             and all(abs(a - b) <= SAME for a, b in zip(known, measures, strict=True))
-            for other, known in found
+            for other, known in contours
         )
         if not any(twins):
-            found.append((contour, measures))
-    return [contour for contour, _ in found]
+            contours.append((contour, measures))
+    return [contour for contour, _ in contours]
 
 
 def section_area(profile: Profile, outline: tuple[SectionPoint, ...] = ()) -> float | None:

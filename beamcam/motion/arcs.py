@@ -114,8 +114,8 @@ def _moves(
 
 
 def _is_move(ends: Floats) -> Flags:
-    found: Flags = (ends[:, :2] != ends[:, 2:]).any(axis=1)
-    return found
+    is_move: Flags = (ends[:, :2] != ends[:, 2:]).any(axis=1)
+    return is_move
 
 
 class _Arcs(Struct, frozen=True):
@@ -168,8 +168,8 @@ def _as_written(arcs: _Arcs, numbers: Numbers) -> tuple[Floats, Flags, Flags]:
     flat = narrow & (sagitta < numbers.step / 2)
     good = narrow & ~flat & (numbers.min_radius <= radius) & (radius <= numbers.max_radius)
     offset = np.zeros((len(radius), 2))
-    asked = np.flatnonzero(good)
-    offset[asked], good[asked] = _centres(arcs.arcs[asked], arcs.ends[asked], numbers)
+    which = np.flatnonzero(good)
+    offset[which], good[which] = _centres(arcs.arcs[which], arcs.ends[which], numbers)
     return offset, good, flat | (narrow & ~good & (sagitta <= numbers.tolerance))
 
 

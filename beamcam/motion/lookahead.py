@@ -110,20 +110,20 @@ def _add(skyline: list[SpeedSection], new: SpeedSection) -> None:
 
 def _join_stairs(skyline: list[SpeedSection]) -> list[SpeedSection]:
     """Joins neighbours too short for a rise of their own while their limits are near."""
-    found: list[SpeedSection] = []
+    speed_sections: list[SpeedSection] = []
     lowest = highest = 0.0
     for new in skyline:
         is_short = new.length > 0.0 and not _is_worth(new, new.limit / STAIR_RATIO)
         if is_short and lowest > 0.0:
             low, high = min(lowest, new.limit), max(highest, new.limit)
             if high <= STAIR_RATIO * low:
-                _absorb(found[-1], new)
-                found[-1].limit = lowest = low
+                _absorb(speed_sections[-1], new)
+                speed_sections[-1].limit = lowest = low
                 highest = high
                 continue
-        found.append(new)
+        speed_sections.append(new)
         lowest, highest = (new.limit, new.limit) if is_short else (0.0, 0.0)
-    return found
+    return speed_sections
 
 
 # --- planned --------------------------------------------------------------------------------------
@@ -321,8 +321,8 @@ def plan_speeds(points: ArrayLike, speed_mm_s: ArrayLike, rules: LookAheadRules)
 def _along(directions: Floats, axes: Sequence[float]) -> Floats:
     """The axis limits along unit vectors: the minimum of limit / |component|."""
     with np.errstate(divide="ignore"):
-        found: Floats = np.min(np.asarray(axes) / np.abs(directions), axis=1)
-    return found
+        points: Floats = np.min(np.asarray(axes) / np.abs(directions), axis=1)
+    return points
 
 
 def _junction_limits(

@@ -212,10 +212,10 @@ def ramp_seconds(change: Floats, acceleration: Floats, jerk: Floats) -> Floats:
     """Time of ramps that change the speed by `change` >= 0."""
     with np.errstate(invalid="ignore"):
         long = change * jerk >= acceleration * acceleration
-    found: Floats = np.where(
+    seconds: Floats = np.where(
         long, change / acceleration + acceleration / jerk, 2 * np.sqrt(change / jerk)
     )
-    return np.where(change > 0.0, found, 0.0)
+    return np.where(change > 0.0, seconds, 0.0)
 
 
 def peak_rises(

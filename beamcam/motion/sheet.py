@@ -93,14 +93,14 @@ def _corners(
     chain: Sequence[Curve], lengths: Sequence[float], begins: Sequence[float], angle: float
 ) -> list[float]:
     """Where a chain turns by more than an angle, at once or over curves shorter than `SHORT`."""
-    found: list[float] = []
+    corners: list[float] = []
     before = None
     for k, curve in enumerate(chain):
         if before is not None and _turn_deg(chain[before], curve) > angle:
-            found.append(begins[before + 1])
+            corners.append(begins[before + 1])
         if before is None or lengths[k] >= SHORT:
             before = k
-    return found
+    return corners
 
 
 def _turn_deg(one: Curve, other: Curve) -> float:
@@ -324,8 +324,8 @@ class Pen:
         """The moves by the controller's own word for a curve, or by arcs where that does not do."""
         moves: list[Movement] = []
         if isinstance(curve, EllipseArc):
-            found = ellipse_feeds(here, curve, self.numbers)
-            return self._by_arcs(here, curve) if found is None else found
+            feeds = ellipse_feeds(here, curve, self.numbers)
+            return self._by_arcs(here, curve) if feeds is None else feeds
         assert not isinstance(curve, Line | Arc)
         for piece in bezier_pieces(curve):
             more = parabola_feed(here, piece, self.numbers)

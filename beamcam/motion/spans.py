@@ -75,7 +75,7 @@ def span_arc(curve: Arc | EllipseArc, tolerance: float) -> ArcSpan:
 @cached("curves.division")
 def _division(degree: int, parts: int) -> Floats:
     """Matrices (parts, degree + 1, degree + 1) from control points to those of equal parts."""
-    found = np.empty((parts, degree + 1, degree + 1))
+    division = np.empty((parts, degree + 1, degree + 1))
     for k in range(parts):
         a, b = k / parts, (k + 1) / parts
         for i in range(degree + 1):
@@ -84,8 +84,8 @@ def _division(degree: int, parts: int) -> Floats:
             for r in range(degree):
                 at = b if r < i else a
                 row = row[:-1] + at * (row[1:] - row[:-1])
-            found[k, i] = row[0]
-    return found
+            division[k, i] = row[0]
+    return division
 
 
 def divided(control: Floats, parts: int) -> Floats:
@@ -151,8 +151,8 @@ def _rational_bend(control: Floats) -> Floats:
     lifted = control[..., :2] - about[:, None, :] * weight[..., None]
 
     def greatest(rows: Floats) -> Floats:
-        found: Floats = np.max(np.hypot(rows[..., 0], rows[..., 1]), axis=1)
-        return found
+        rational_bend: Floats = np.max(np.hypot(rows[..., 0], rows[..., 1]), axis=1)
+        return rational_bend
 
     least = np.min(weight, axis=1)
     reach = greatest(lifted / weight[..., None])
@@ -161,8 +161,8 @@ def _rational_bend(control: Floats) -> Floats:
     w2 = second * np.max(np.abs(np.diff(weight, n=2, axis=1)), axis=1)
     speed = (first * greatest(np.diff(lifted, axis=1)) + reach * w1) / least
     bend = second * greatest(np.diff(lifted, n=2, axis=1))
-    found: Floats = (bend + 2 * speed * w1 + reach * w2) / least
-    return found
+    rational_bend: Floats = (bend + 2 * speed * w1 + reach * w2) / least
+    return rational_bend
 
 
 def step_counts(bend: Floats, smooth: NDArray[np.bool_], tolerance: float) -> Counts:
@@ -216,8 +216,8 @@ class Numbers(Struct, frozen=True):
         """Numbers as they are written, each as `at` has it."""
         scaled = values * 10.0**self.decimals
         whole = np.rint(scaled)
-        found: Floats = whole / 10.0**self.decimals + 0.0
+        rounded: Floats = whole / 10.0**self.decimals + 0.0
         # Scaled to steps a number may come to lie on the other side of a middle.
         for place in zip(*np.nonzero(np.abs(scaled - whole) > 0.5 - DOUBT), strict=True):
-            found[place] = round(float(values[place]), self.decimals) + 0.0
-        return found
+            rounded[place] = round(float(values[place]), self.decimals) + 0.0
+        return rounded

@@ -92,8 +92,8 @@ class _Clock:
 
     def steady_us(self, way: Floats, phase: Counts) -> Floats:
         """Times within phases of steady speed."""
-        found: Floats = self.start_us[phase] + (way - self.starts[phase]) * self.pace_us[phase]
-        return found
+        times: Floats = self.start_us[phase] + (way - self.starts[phase]) * self.pace_us[phase]
+        return times
 
     def ramp_us(self, way: Floats, phase: Counts) -> Floats:
         """Times within phases of changing speed, by Newton's method from the far side."""
@@ -114,8 +114,8 @@ class _Clock:
             safe = speed > 0.0
             t = t - np.where(safe, (gone - s) / np.where(safe, speed, 1.0), 0.0)
             t = np.clip(t, 0.0, lasts)
-        found: Floats = self.start_us[phase] + np.where(back, lasts - t, t) * MICROSECONDS
-        return found
+        times: Floats = self.start_us[phase] + np.where(back, lasts - t, t) * MICROSECONDS
+        return times
 
 
 class _Axis:
@@ -133,14 +133,14 @@ class _Axis:
 
         Steps behind `until_us` are held back, as their counterparts may come in the next window.
         """
-        found, turns = self._passed(pieces)
+        steps, turns = self._passed(pieces)
         if len(self.held):
             turns = np.concatenate(([len(self.held) - 1], turns + len(self.held)))
-            found = np.concatenate((self.held, found))
-        found = self._without_turns(found, turns)
-        kept = len(found) if until_us is None else int(np.searchsorted(found, until_us << TIME_BIT))
-        self.held = found[kept:]
-        return found[:kept]
+            steps = np.concatenate((self.held, steps))
+        steps = self._without_turns(steps, turns)
+        kept = len(steps) if until_us is None else int(np.searchsorted(steps, until_us << TIME_BIT))
+        self.held = steps[kept:]
+        return steps[:kept]
 
     def _passed(self, pieces: slice) -> tuple[Counts, Counts]:
         """When middles between places are passed; and the last step before each way back."""
@@ -175,21 +175,21 @@ class _Axis:
         found |= np.repeat(np.where(sign > 0, self.forward, self.back), counts)
         return found, before[1:][sign[1:] != sign[:-1]] - 1
 
-    def _without_turns(self, found: Counts, turns: Counts) -> Counts:
+    def _without_turns(self, steps: Counts, turns: Counts) -> Counts:
         """Without pairs of steps forth and back that come too near to each other.
 
         `turns` are all places where the next step may be a step back.
         """
         while True:
-            turns = turns[turns < len(found) - 1]
-            back = (found[turns] ^ found[turns + 1]) & MOVES != 0
-            apart_us = (found[turns + 1] >> TIME_BIT) - (found[turns] >> TIME_BIT)
+            turns = turns[turns < len(steps) - 1]
+            back = (steps[turns] ^ steps[turns + 1]) & MOVES != 0
+            apart_us = (steps[turns + 1] >> TIME_BIT) - (steps[turns] >> TIME_BIT)
             pairs = turns[back & (apart_us < self.min_us)]
             if not len(pairs):
-                return found
+                return steps
             # Of pairs that share a step only the first goes in this round.
             chosen = pairs[np.append(True, np.diff(pairs) > 1)]
-            kept = np.ones(len(found), dtype=bool)
+            kept = np.ones(len(steps), dtype=bool)
             kept[chosen] = kept[chosen + 1] = False
-            found = found[kept]
-            turns = np.flatnonzero((found[1:] ^ found[:-1]) & MOVES)
+            steps = steps[kept]
+            turns = np.flatnonzero((steps[1:] ^ steps[:-1]) & MOVES)

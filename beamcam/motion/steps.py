@@ -47,7 +47,7 @@ def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
     torch = machine.needed(machine.torch, "stepping motors")
     stepper = machine.needed(machine.stepper, "stepping motors")
     rules = DensifyRules(torch.tolerance / 2)
-    found: list[Way] = []
+    ways: list[Way] = []
     here = HOME
     for op in plan.operations:
         speed = op.row.feed_mm_min / SECONDS_PER_MINUTE
@@ -55,12 +55,12 @@ def ways(plan: SheetPlan, machine: Machine) -> list[Way]:
             path = densify((*one.lead_in, *one.curves, *one.lead_out), rules)
             start = (float(path.points[0, 0]), float(path.points[0, 1]))
             if dist(start, here) > SAME_POINT:
-                found.append(Way(np.array([here, start]), stepper.traverse_mm_s, False, 0.0))
-            found.append(Way(path.points, speed, True, op.row.pierce_s))
+                ways.append(Way(np.array([here, start]), stepper.traverse_mm_s, False, 0.0))
+            ways.append(Way(path.points, speed, True, op.row.pierce_s))
             here = (float(path.points[-1, 0]), float(path.points[-1, 1]))
     if dist(here, HOME) > SAME_POINT:
-        found.append(Way(np.array([here, HOME]), stepper.traverse_mm_s, False, 0.0))
-    return found
+        ways.append(Way(np.array([here, HOME]), stepper.traverse_mm_s, False, 0.0))
+    return ways
 
 
 def stretches(job: list[Way], step: float, max_mm_s: float) -> Iterator[VelocityRow]:
@@ -93,11 +93,11 @@ FEW = 64
 def step_table(plan: SheetPlan, machine: Machine, job: str) -> StepTable:
     """The table that carries out a plan. Raises ValueError where the machine has no speed."""
     stepper = machine.needed(machine.stepper, "stepping motors")
-    found = ways(plan, machine)
+    paths = ways(plan, machine)
     planned: list[PlannedPath] = []  # with the first run through the rows
     return StepTable(
-        job, stepper.step, stepper.sequence, partial(step_rows, found, stepper, planned),
-        partial(stretches, found, stepper.step, max_speed(stepper)),
+        job, stepper.step, stepper.sequence, partial(step_rows, paths, stepper, planned),
+        partial(stretches, paths, stepper.step, max_speed(stepper)),
     )  # fmt: skip
 
 

@@ -31,12 +31,12 @@ TRUNCATION_SLACK = 1e-6  #: as in `rounding`: 0.29 is a hair less than 0.29 in b
 
 def trigger_table(plan: SheetPlan, machine: Machine, job: str) -> TriggerTable:
     """The operations that carry out a plan, from the corner of the work area and back to it."""
-    said: list[str] = []
-    operations = tuple(_operations(plan, machine, said))
-    return TriggerTable(job, operations, tuple(said), plan.thickness)
+    texts: list[str] = []
+    operations = tuple(_operations(plan, machine, texts))
+    return TriggerTable(job, operations, tuple(texts), plan.thickness)
 
 
-def _operations(plan: SheetPlan, machine: Machine, said: list[str]) -> Iterator[TriggerOp]:
+def _operations(plan: SheetPlan, machine: Machine, texts: list[str]) -> Iterator[TriggerOp]:
     triggers = machine.needed(machine.triggers, "trigger program")
     here, z = HOME, triggers.z
     clearance, home = z.clearance if z else 0.0, triggers.home_over(plan.thickness)
@@ -66,7 +66,7 @@ def _operations(plan: SheetPlan, machine: Machine, said: list[str]) -> Iterator[
             yield Switch(op.row.process, False, 0.0, op.source)
             yield from lift(clearance, op.source)
             if way.slowest < way.speed_mm_s * (1 - 1e-9):
-                said.append(f"contour {number}: arcs at {way.slowest:.3f} mm/s for the cycle time")
+                texts.append(f"contour {number}: arcs at {way.slowest:.3f} mm/s for the cycle time")
             here = (moves[-1].x, moves[-1].y) if moves else start
     if here != HOME:
         yield Travel(*HOME, triggers.traverse_mm_s)

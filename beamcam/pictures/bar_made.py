@@ -76,18 +76,18 @@ class BarMade(Struct, frozen=True):
         cuts = self.saw_planes
         if not cuts:
             return [Piece("remnant", None, None)]
-        found = [Piece("trim", None, cuts[0])]
+        pieces = [Piece("trim", None, cuts[0])]
         number = 0
         for start, end in pairwise(cuts):
             if self._is_wedge(start, end):
-                found.append(Piece("trim", start, end))
+                pieces.append(Piece("trim", start, end))
                 continue
             known = number < len(self.marks)
-            found.append(
+            pieces.append(
                 Piece("part", start, end, self.marks[number] if known else f"part {number + 1}")
             )
             number += 1
-        return [*found, Piece("remnant", cuts[-1], None)]
+        return [*pieces, Piece("remnant", cuts[-1], None)]
 
     def _is_wedge(self, start: CutPlane, end: CutPlane) -> bool:
         """Whether a piece comes to nothing at a corner: the waste beside a mitre."""

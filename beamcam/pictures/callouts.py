@@ -69,11 +69,11 @@ class Size(Struct, frozen=True):
 
 def sizes_on(features: Iterable[Feature]) -> list[Size]:
     """The sizes of the features of a face, holes first, each with its places."""
-    found: dict[tuple[Pieces, bool], list[Place]] = {}
+    sizes: dict[tuple[Pieces, bool], list[Place]] = {}
     for feature in features:
         for words, place, is_hole in _sizes(feature):
-            found.setdefault((words, is_hole), []).append(place)
-    rows = [Size(words, tuple(places), is_hole) for (words, is_hole), places in found.items()]
+            sizes.setdefault((words, is_hole), []).append(place)
+    rows = [Size(words, tuple(places), is_hole) for (words, is_hole), places in sizes.items()]
     return sorted(rows, key=lambda size: (not size.is_hole, size.places[0].is_open))
 
 

@@ -133,9 +133,9 @@ def strokes_of(program: CoperProgram, part: Part) -> list[Stroke]:
 
     Raises VerifyError for a program that is not understood, or wrong by itself.
     """
-    strokes, said = stroke_list(program.text, part, program.machine, program.name)
-    if errors_in(said):
-        raise VerifyError(said)
+    strokes, diagnostics = stroke_list(program.text, part, program.machine, program.name)
+    if errors_in(diagnostics):
+        raise VerifyError(diagnostics)
     return strokes
 
 

@@ -128,10 +128,10 @@ def _words(sides: Sequence[_Side], cut: object) -> Pieces:
     opening = Polygon(cut.points[1:]).buffer(cut.row.kerf / 2)
     ring = list(opening.exterior.coords)[:-1]
     if own.turn is None or own.part.profile.code == "M":
-        found = round_of(ring, WITHIN)
+        circle = round_of(ring, WITHIN)
     else:
-        found = drilled_of(ring, own.turn / (2 * pi), WITHIN)
-    if found is not None:
-        return ("Ø", round(found.diameter, 1))
+        circle = drilled_of(ring, own.turn / (2 * pi), WITHIN)
+    if circle is not None:
+        return ("Ø", round(circle.diameter, 1))
     left, low, right, high = opening.bounds
     return (round(right - left, 1), " x ", round(high - low, 1))

@@ -45,13 +45,19 @@ class Study(Struct, frozen=True):
 
     def figures(self) -> list[tuple[str, str]]:
         """What is lost, by name and value."""
-        found = self.precision
+        precision = self.precision
         return [
-            ("one count", f"{found.count:.4f} mm"),
-            ("largest corner error", f"{found.max_corner_error:.4f} mm, block {found.worst_line}"),
-            ("mean corner error", f"{found.mean_corner_error:.4f} mm of {found.corners} corners"),
-            ("smallest step", f"{found.smallest_step:.4f} mm"),
-            ("moves below one count", f"{found.lost_moves} of {found.moves}"),
+            ("one count", f"{precision.count:.4f} mm"),
+            (
+                "largest corner error",
+                f"{precision.max_corner_error:.4f} mm, block {precision.worst_line}",
+            ),
+            (
+                "mean corner error",
+                f"{precision.mean_corner_error:.4f} mm of {precision.corners} corners",
+            ),
+            ("smallest step", f"{precision.smallest_step:.4f} mm"),
+            ("moves below one count", f"{precision.lost_moves} of {precision.moves}"),
         ]
 
 
@@ -96,12 +102,12 @@ def encoder_scene(study: Study) -> Scene:
 
 
 def _window(study: Study) -> _Window:
-    trace, encoder, found = study.trace, study.encoder, study.precision
-    axes = _two_axes(trace, found.worst_time_s)
+    trace, encoder, precision = study.trace, study.encoder, study.precision
+    axes = _two_axes(trace, precision.worst_time_s)
     stairs = stair_times(trace, encoder)
-    corner = trace.at([found.worst_time_s])[0]
+    corner = trace.at([precision.worst_time_s])[0]
     near = np.all(np.abs((trace.at(stairs) - corner)[:, axes]) <= COUNTS * encoder.count, axis=1)
-    at = int(np.searchsorted(stairs, found.worst_time_s))
+    at = int(np.searchsorted(stairs, precision.worst_time_s))
     far = np.flatnonzero(~near)
     first = int(far[far < at][-1]) + 1 if np.any(far < at) else 0
     last = int(far[far > at][0]) - 1 if np.any(far > at) else len(stairs) - 1

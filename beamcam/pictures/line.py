@@ -38,12 +38,12 @@ def line_scene(machine: Machine) -> Scene:
 
 def _stations(machine: Machine) -> list[tuple[float, str, str]]:
     """X, class and name of each station, upstream first."""
-    found: list[tuple[float, str, str]] = []
+    stations: list[tuple[float, str, str]] = []
     if machine.saw is not None:
-        found.append((machine.saw.x, "cut", "saw"))
+        stations.append((machine.saw.x, "cut", "saw"))
     if machine.drill is not None:
-        found.append((machine.drill.x, "tool-0", "drills"))
-    return sorted(found)
+        stations.append((machine.drill.x, "tool-0", "drills"))
+    return sorted(stations)
 
 
 def _plan(machine: Machine) -> Iterator[Shape]:

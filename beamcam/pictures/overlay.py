@@ -140,7 +140,7 @@ def changed_sizes(
 
     A leader begins `radius_of` a thing from its middle.
     """
-    found: dict[Pieces, list[Place]] = {}
+    sizes: dict[Pieces, list[Place]] = {}
     for pair in pairs:
         a, b = words_of(pair.a), words_of(pair.b)
         at = pair.place_b or pair.place_a
@@ -151,8 +151,8 @@ def changed_sizes(
         else:
             words = a if a == b else ("A ", *a, ", B ", *b)
         place = Place((at[0] - origin, at[1]), radius_of(pair.b or pair.a))
-        found.setdefault(words, []).append(place)
-    return [Size(words, tuple(places), True) for words, places in found.items()]
+        sizes.setdefault(words, []).append(place)
+    return [Size(words, tuple(places), True) for words, places in sizes.items()]
 
 
 def called_on(

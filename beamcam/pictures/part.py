@@ -187,12 +187,12 @@ def _notes(part: Part, left_out: int) -> Iterator[str]:
 
 def faces_of(part: Part) -> tuple[Face, ...]:
     """The faces that are drawn, from the top of the paper down: those of the section and more."""
-    wanted = set(FACES_OF.get(part.profile.code, "v"))
+    faces = set(FACES_OF.get(part.profile.code, "v"))
     used = {face_of(f) for f in part.features}
     planes = [plane.name for plane in part.planes if plane.name in used]
     if part.measures is not None:  # a drawing
-        wanted = {"v"}
-    return (*(f for f in ("h", "o", "v", "u") if f in wanted | used), *planes)
+        faces = {"v"}
+    return (*(f for f in ("h", "o", "v", "u") if f in faces | used), *planes)
 
 
 def face_of(feature: Feature) -> Face | None:
@@ -343,21 +343,21 @@ def _section(profile: Profile) -> Sequence[Shape]:
     left, wide = WIDTH - SIDE - profile.width * scale, profile.width * scale
     frame = Frame(scale, left, 26.0 + profile.height * scale)
     styles = ("section", "paper")
-    found: list[Shape] = [
+    section: list[Shape] = [
         Polyline(style, frame.all(points), True)
         for style, points in zip(styles, outlines, strict=False)
     ]
     if len(outlines) > 1:
-        found.append(Polyline("axis", frame.all(outlines[1]), True))
+        section.append(Polyline("axis", frame.all(outlines[1]), True))
     middle, high = 26.0 + profile.height * scale / 2 + 4.0, 26.0 + profile.height * scale
-    found += [
+    section += [
         Text("heading", (left + wide / 2, 21.0), "o", 11.0, "middle"),
         Text("heading", (left + wide / 2, high + 13.0), "u", 11.0, "middle"),
         Text("heading", (left - 5.0, middle), "h", 11.0, "end"),
         Text("heading", (left + wide + 5.0, middle), "v", 11.0),
     ]
     at = (left - 22.0, 26.0)
-    found.append(Text("label", at, f"{profile.height:g} x {profile.width:g}", 10.0, "end"))
+    section.append(Text("label", at, f"{profile.height:g} x {profile.width:g}", 10.0, "end"))
     at = (left - 22.0, 39.0)
-    found.append(Text("figure", at, "seen from the start", 9.0, "end"))
-    return found
+    section.append(Text("figure", at, "seen from the start", 9.0, "end"))
+    return section

@@ -50,8 +50,8 @@ def needed_canvas() -> Any:
     try:
         from reportlab.pdfgen.canvas import Canvas
     except ImportError as error:
-        said = NEEDS.at(Source("picture"), found="no reportlab", what="PDF")
-        raise PictureError(said) from error
+        diagnostic = NEEDS.at(Source("picture"), found="no reportlab", what="PDF")
+        raise PictureError(diagnostic) from error
     return lambda stream, size: Canvas(stream, size, invariant=1)
 
 

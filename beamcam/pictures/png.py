@@ -22,8 +22,8 @@ def to_png(scene: Scene) -> bytes:
     try:
         from PIL import Image, ImageDraw
     except ImportError as error:
-        said = NEEDS.at(Source("picture"), found="no Pillow", what="PNG")
-        raise PictureError(said) from error
+        diagnostic = NEEDS.at(Source("picture"), found="no Pillow", what="PNG")
+        raise PictureError(diagnostic) from error
     width, height = (min(round(v), MAX_SIDE) for v in (scene.width, scene.height))
     fonts = _fonts()
     image = Image.new("RGB", (width * FINER, height * FINER), style_of("paper").fill)
@@ -42,8 +42,8 @@ def _fonts() -> tuple[str, str]:
     """
     found = find_spec("reportlab")
     if found is None or found.origin is None:
-        said = NEEDS.at(Source("picture"), found="no reportlab", what="PNG")
-        raise PictureError(said)
+        diagnostic = NEEDS.at(Source("picture"), found="no reportlab", what="PNG")
+        raise PictureError(diagnostic)
     folder = PurePath(found.origin).parent / "fonts"
     return str(folder / "Vera.ttf"), str(folder / "VeraBd.ttf")
 

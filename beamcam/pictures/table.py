@@ -86,8 +86,8 @@ class TableMade(Struct, frozen=True):
         block = np.cumsum(opens[: len(ways)]) - 1
         lasts = np.bincount(block, np.diff(trace.time_s) * moving)[block] if len(block) else ways
         ways = np.bincount(block, ways)[block] * moving if len(block) else ways
-        found: Floats = np.divide(ways, lasts, out=np.zeros_like(ways), where=lasts > 0.0)
-        return found
+        speeds: Floats = np.divide(ways, lasts, out=np.zeros_like(ways), where=lasts > 0.0)
+        return speeds
 
 
 def table_scene(table: TableMade, unit: Unit = "mm") -> Scene:
@@ -252,13 +252,13 @@ def _overview(machine: Machine, limits: Box, box: Box, unit: Unit) -> Iterator[S
     yield Polyline("face limits", shape, True, "the limits of the axes")
     style = "cut-edge work" if inside else "off work"
     yield Polyline(style, frame.all(_corners(box)), True, "the box of the path")
-    said = [f"X {x0} to {x1}, Y {y0} to {y1} {unit}"]
+    lines = [f"X {x0} to {x1}, Y {y0} to {y1} {unit}"]
     if machine.torch is not None:
         torch = machine.torch
-        said.insert(0, f"table {shown(torch.length, unit)} x {shown(torch.width, unit)} {unit}")
+        lines.insert(0, f"table {shown(torch.length, unit)} x {shown(torch.width, unit)} {unit}")
     if not inside:
-        said.append("the path leaves it")
-    for k, text in enumerate(said):
+        lines.append("the path leaves it")
+    for k, text in enumerate(lines):
         yield Text("label", (left - 8.0, 24.0 + 14.0 * k), text, 10.0, "end")
 
 
@@ -269,10 +269,10 @@ def _corners(box: Box) -> tuple[tuple[float, float], ...]:
 def speed_classes(speeds: Floats, fastest: float) -> Counts:
     """The colour of each speed, 0 to 7 in equal steps up to the fastest with a tool on."""
     count = len(SPEED_COLOURS)
-    found: Counts = np.clip(np.ceil(speeds / fastest * count - 1e-6) - 1, 0, count - 1).astype(
+    classes: Counts = np.clip(np.ceil(speeds / fastest * count - 1e-6) - 1, 0, count - 1).astype(
         np.int64
     )
-    return found
+    return classes
 
 
 def _runs(values: Sequence[int]) -> Iterator[tuple[int, int]]:

@@ -157,11 +157,11 @@ def figures(view: View, paper: Paper, unit: Unit, offset: float = 0.0) -> Iterat
 
 def distinct(places: Sequence[float], unit: Unit = "mm") -> list[float]:
     """Places in order, of those that would show the same figure the first alone."""
-    found: list[float] = []
+    values: list[float] = []
     for place in sorted(places):
-        if not found or shown(place, unit) != shown(found[-1], unit):
-            found.append(place)
-    return found
+        if not values or shown(place, unit) != shown(values[-1], unit):
+            values.append(place)
+    return values
 
 
 def guides(view: View, frame: Frame) -> Iterator[Polyline]:

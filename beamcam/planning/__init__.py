@@ -98,8 +98,8 @@ def remnants_of(
         fitting = [lot for lot in known if _is_of(remnant, lot)]
         if len(fitting) > 1:
             expected = " or ".join(f"{_shown(lot)}={remnant.length:g}" for lot in fitting)
-            said = rules.REMNANT_OF.at(Source("--remnant"), found=remnant, expected=expected)
-            raise PlanError(said)
+            diagnostic = rules.REMNANT_OF.at(Source("--remnant"), found=remnant, expected=expected)
+            raise PlanError(diagnostic)
         for lot in fitting:
             found.setdefault(lot, []).append(remnant.length)
     return {lot: tuple(sorted(lengths)) for lot, lengths in found.items()}
@@ -156,9 +156,9 @@ def from_store(
     return make(longest)
 
 
-def is_too_short(said: Iterable[Diagnostic]) -> bool:
+def is_too_short(diagnostics: Iterable[Diagnostic]) -> bool:
     """Whether a longer bar is all that would help."""
-    return {d.code for d in errors_in(said)} <= {
+    return {d.code for d in errors_in(diagnostics)} <= {
         rules.BAR_FULL.code,
         rules.BAR_SHORT.code,
         rules.BAR_LEFT.code,

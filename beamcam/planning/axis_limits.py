@@ -108,8 +108,8 @@ def within_axes(
     low, high = sides
     count = int(high - low)
     ys = [*(low + k for k in range(count + 1)), high]
-    found = [y for y in ys if _beyond(how, y, travel) is None]
-    return _min_and_max(found) if len(found) > 1 else None
+    reached = [y for y in ys if _beyond(how, y, travel) is None]
+    return _min_and_max(reached) if len(reached) > 1 else None
 
 
 def _beyond(how: Tooling, y: float, travel: SpindleTravel) -> Beyond | None:

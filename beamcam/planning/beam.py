@@ -159,10 +159,10 @@ def plan_bar(
     if refusals:
         raise PlanError(refusals)
     ordered = sort_along_x(cuts, strokes, machine)
-    by_hand, said = reloads(ordered, machine, source)
-    if errors_in(said):
-        raise PlanError(said)
-    told += said
+    by_hand, diagnostics = reloads(ordered, machine, source)
+    if errors_in(diagnostics):
+        raise PlanError(diagnostics)
+    told += diagnostics
     told += cutting_remarks(pieces, strokes, machine)
     outcomes = tuple(_outcomes(laid.works, strokes))
     plan = Plan(pieces[0].part.profile, pieces, laid.bar, ordered, outcomes, tuple(told), by_hand)
@@ -183,7 +183,9 @@ def _outcomes(works: Sequence[PartWork], operations: Sequence[WorkOp]) -> list[O
             how = "merged"
     outcomes = list(made.values())
     for p, work in enumerate(works):
-        outcomes += [Outcome((p, f), "skipped", said.code) for f, said in work.skipped.items()]
+        outcomes += [
+            Outcome((p, f), "skipped", diagnostic.code) for f, diagnostic in work.skipped.items()
+        ]
         outcomes += [Outcome((p, each.feature), each.how, each.by) for each in work.settled]
     outcomes.sort(key=_feature)
     return outcomes
@@ -266,7 +268,7 @@ def plan_turned(
     choices = _choose_turns(parts, machine, skips)
     plan = plan_bar([c.part for c in choices], machine, bar, skips, order)
     pieces = tuple(replace(piece, turn=choices[piece.given].turn) for piece in plan.pieces)
-    told = dict.fromkeys(said for c in choices for said in c.remarks)
+    told = dict.fromkeys(diagnostic for c in choices for diagnostic in c.remarks)
     return replace(plan, pieces=pieces, remarks=(*told, *plan.remarks))
 
 
@@ -336,9 +338,9 @@ def _choose_turns(
         choices = {id(p): _choose(p, [t for t in trials[id(p)] if t.turn.swap in allowed])
                    for p in parts}  # fmt: skip
         made = [choices[id(p)] for p in parts]
-        found = [c for c in made if c is not None]
-        if len(found) == len(made) and len({c.part.profile for c in found}) == 1:
-            return tuple(found)
+        orientations = [c for c in made if c is not None]
+        if len(orientations) == len(made) and len({c.part.profile for c in orientations}) == 1:
+            return tuple(orientations)
     return tuple(Orientation(part, AS_GIVEN, ()) for part in parts)
 
 
@@ -360,5 +362,5 @@ def _choose(part: Part, trials: Sequence[Trial]) -> Orientation | None:
         reason = f"{gain:.1f} s less than as given"
         if gain >= SKIP_WEIGHT_S / 2:
             reason = "so nothing has to be left out"
-    said = rules.TURNED.at(part.source, found=best.turn.name, reason=reason)
-    return Orientation(best.part, best.turn.name, (said,))
+    diagnostic = rules.TURNED.at(part.source, found=best.turn.name, reason=reason)
+    return Orientation(best.part, best.turn.name, (diagnostic,))

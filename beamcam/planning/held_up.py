@@ -89,11 +89,11 @@ def held_up(machine: Machine) -> tuple[HeldUp, ...]:
         return ()
     taken = machine.layout.profiles if machine.layout else ()
     name = _EXAMPLES[next((code for code in taken if code in _EXAMPLES), "I")]
-    found = measures_of(name)
-    if found is None:
+    measures = measures_of(name)
+    if measures is None:
         raise KeyError(name)
-    height, width, flange, web, radius = found[1]
-    profile = Profile(found[0], name, height, width, flange, web, radius)
+    height, width, flange, web, radius = measures[1]
+    profile = Profile(measures[0], name, height, width, flange, web, radius)
     return tuple(_at(spindle, profile, machine) for spindle in machine.spindles)
 
 

@@ -127,9 +127,9 @@ def _place_told(feature: TextMark, marks: Marks, room: Room) -> Lettered | str |
     return _put(lettered, feature, smaller, marks, room)
 
 
-def own_height(wanted: float, marks: Marks) -> float:
+def own_height(height: float, marks: Marks) -> float:
     """The height that a stamp has nearest to a wanted one, of two the smaller."""
-    return min(marks.heights, key=lambda h: (abs(h - wanted), h), default=wanted)
+    return min(marks.heights, key=lambda h: (abs(h - height), h), default=height)
 
 
 def _put(
@@ -137,18 +137,18 @@ def _put(
 ) -> Lettered | str | Diagnostic:
     """The text where it is clear; it is an obstacle from then on."""
     try:
-        found = _placed(lettered, feature.option == "z", heights, marks, room)
+        placed = _placed(lettered, feature.option == "z", heights, marks, room)
     except Exhausted:
         return TEXT_SEARCH.at(
             feature.source, text=lettered.text, face=feature.face, most=MOST_SQUARES
         )
-    if found is None:
+    if placed is None:
         return NO_ROOM
-    room.take(_box(found))
-    return found
+    room.take(_box(placed))
+    return placed
 
 
-def remarks(feature: TextMark, found: Lettered, marks: Marks) -> Iterator[Diagnostic]:
+def remarks(feature: TextMark, lettered: Lettered, marks: Marks) -> Iterator[Diagnostic]:
     """Remarks on texts that differ from the part's."""
     if marks.is_told:
         spelling = spelled_with(feature.text, marks.replace, marks.characters)
@@ -160,13 +160,13 @@ def remarks(feature: TextMark, found: Lettered, marks: Marks) -> Iterator[Diagno
     share = body_share() if marks.height_of == "body" and not marks.is_told else 1.0
     height = feature.height * share
     if marks.is_told and height != (own := own_height(height, marks)):
-        said = {"text": found.text, "found": f"{height:g}", "height": f"{own:g}"}
-        yield TEXT_HEIGHT.at(feature.source, **said)
+        values = {"text": lettered.text, "found": f"{height:g}", "height": f"{own:g}"}
+        yield TEXT_HEIGHT.at(feature.source, **values)
         height = own
-    if (found.x, found.y, found.height) != (feature.x, feature.y, height):
+    if (lettered.x, lettered.y, lettered.height) != (feature.x, feature.y, height):
         yield TEXT_MOVED.at(
-            feature.source, text=found.text, x=f"{found.x:.1f}", y=f"{found.y:.1f}",
-            height=f"{found.height:.1f}", distance=f"{marks.min_distance:g}",
+            feature.source, text=lettered.text, x=f"{lettered.x:.1f}", y=f"{lettered.y:.1f}",
+            height=f"{lettered.height:.1f}", distance=f"{marks.min_distance:g}",
             wanted_x=f"{feature.x:g}", wanted_y=f"{feature.y:g}", wanted_height=f"{height:g}",
         )  # fmt: skip
 
@@ -219,12 +219,12 @@ def _nearest(wanted: Lettered, distance: float, room: Room) -> Lettered | None:
     if place is None:
         room.without_place[shape] = wanted.height
         return None
-    found = at(*place)
+    lettered = at(*place)
     # Along or across alone is as near, as far as the squares tell, and looks meant.
-    straight = (replace(found, y=wanted.y), replace(found, x=wanted.x))
+    straight = (replace(lettered, y=wanted.y), replace(lettered, x=wanted.x))
     gap = min(BESIDE, distance)
     clear = (one for one in straight if room.clearance(_box(one), distance, gap) >= distance)
-    return next(clear, found)
+    return next(clear, lettered)
 
 
 def _box(one: Lettered) -> Placed:

@@ -272,5 +272,5 @@ class _Edges:
         passed = (ay > y) != (by > y)
         # The side of an edge on which a point lies needs no division.
         left = ((bx - ax) * (y - ay) > (x - ax) * (by - ay)) == (by > ay)
-        found: NDArray[np.bool_] = (passed & left).sum(axis=1) % 2 == 1
-        return found
+        is_steel: NDArray[np.bool_] = (passed & left).sum(axis=1) % 2 == 1
+        return is_steel

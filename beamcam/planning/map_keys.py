@@ -84,14 +84,14 @@ def _not_cut(plan: SheetPlan, torch: Torch) -> Iterator[Diagnostic]:
 
 def _boxes_cut(plan: SheetPlan) -> list[Box]:
     """The boxes of the closed contours that are cut, as they are drawn."""
-    found = []
+    boxes_cut = []
     for op in plan.operations:
         if op.closed and op.row.process == "cut":
             drawn = [plan.pieces[piece].part.features[k] for piece, k in op.features]
             curves = [c for f in drawn if isinstance(f, Contour) for c in f.curves]
             if (box := join_boxes([curve.bbox for curve in curves])) is not None:
-                found.append(box)
-    return found
+                boxes_cut.append(box)
+    return boxes_cut
 
 
 def _dashed(part: Part, torch: Torch) -> Iterator[Diagnostic]:
@@ -130,7 +130,7 @@ def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
     """Number of curves and texts of the parts that each key of the map matches."""
     keys = tuple(table)
     known: dict[tuple[str | None, str | None], str | None] = {}
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for part in parts:
         for feature in part.features:
             if isinstance(feature, Contour):
@@ -139,18 +139,18 @@ def curves_by_key(parts: Iterable[Part], table: Iterable[str]) -> Counter[str]:
                     known[look] = key_of(feature, keys)
                 key = known[look]
                 if key is not None:
-                    found[key] += len(feature.curves)
+                    counts[key] += len(feature.curves)
         for layer, count in part.measures.lettered if part.measures is not None else ():
-            found.update({key: count for key in keys if key.lower() == layer.lower()})
-    return found
+            counts.update({key: count for key in keys if key.lower() == layer.lower()})
+    return counts
 
 
 def unmatched(
-    asked: Mapping[str, str], parts: Sequence[Part], table: Iterable[str]
+    processes: Mapping[str, str], parts: Sequence[Part], table: Iterable[str]
 ) -> Iterator[Diagnostic]:
     """An error for each requested key that matches no curve of the parts."""
     used = curves_by_key(parts, table)
-    for key, process in asked.items():
+    for key, process in processes.items():
         if key not in used and key != OTHERS:
             source = parts[0].source if parts else Source("--map")
             expected = ", ".join(_looks(parts)) or "none, no curve has a colour or a layer"

@@ -86,12 +86,12 @@ def lay(works: Sequence[PartWork], line: BarLine, order: Order, length: float | 
         works = [works[i] for i in given]
     parts = [work.part for work in works]
     if line.machine.saw is None:
-        laid, said = lay_cut_part(parts, line)
+        laid, diagnostics = lay_cut_part(parts, line)
     else:
         ends = [work.ends for work in works]
-        laid, said = lay_on_bar(parts, ends, line.layout, line.saw, length)
+        laid, diagnostics = lay_on_bar(parts, ends, line.layout, line.saw, length)
     pieces = tuple(map(Piece, parts, laid.starts, given))
-    return LaidParts(pieces, tuple(works), laid.shared, laid.bar, remarks + said)
+    return LaidParts(pieces, tuple(works), laid.shared, laid.bar, remarks + diagnostics)
 
 
 def lay_on_bar(
@@ -134,15 +134,15 @@ def lay_cut_part(parts: Sequence[Part], line: BarLine) -> tuple[BarLayout, tuple
         raise PlanError(rules.NO_SAW.at(first.source, found=len(parts), machine=machine.name))
     length = first.length
     if length < layout.min_bar:
-        said = rules.BAR_SHORT.at(
+        diagnostic = rules.BAR_SHORT.at(
             first.source, found=f"{length:.3f}", expected=f"{layout.min_bar:g}"
         )
-        raise PlanError(said)
+        raise PlanError(diagnostic)
     if layout.max_bar is not None and length > layout.max_bar:
-        said = rules.BAR_LONG.at(
+        diagnostic = rules.BAR_LONG.at(
             first.source, found=f"{length:.3f}", expected=f"{layout.max_bar:g}"
         )
-        raise PlanError(said)
+        raise PlanError(diagnostic)
     account = Bar(length, 0.0, length, 0.0, 0.0)
     remark = rules.COMES_CUT.at(first.source, found=f"{length:.3f}", machine=machine.name)
     return BarLayout((0.0,), (), account), (remark,)

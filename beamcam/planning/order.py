@@ -118,15 +118,15 @@ def _sawn_at(cuts: Iterable[SawOp], resolution: float, goes_back: bool) -> dict[
     may exceed that of the cut that parts the piece off by a millimetre. A line with a gripper saws
     the end first all the same, and goes back.
     """
-    found: dict[int, list[SawOp]] = {}
+    sawn: dict[int, list[SawOp]] = {}
     before: tuple[int, SawOp] | None = None
     for cut in cuts:
         place = round(cut.x / resolution)
         if goes_back and before is not None and before[1].at == "end":
             place = max(place, before[0])
-        found.setdefault(place, []).append(cut)
+        sawn.setdefault(place, []).append(cut)
         before = place, cut
-    return found
+    return sawn
 
 
 _order = itemgetter(0, 1, 2, 3, 4)
@@ -296,10 +296,10 @@ def reloads(
     objects = {id(op.tool) for op in operations if isinstance(op, (DrillOp, PathOp))}
     if len(objects) <= min((s.stations for s in machine.spindles), default=0):
         return (), ()
-    found = tuple(load for load in tool_loads(operations, machine) if load.out is not None)
+    loads = tuple(load for load in tool_loads(operations, machine) if load.out is not None)
     remarks = []
     for spindle in machine.spindles:
-        changed = sum(load.spindle == spindle.name for load in found)
+        changed = sum(load.spindle == spindle.name for load in loads)
         if changed:
             worked = [op for op in operations if isinstance(op, (DrillOp, PathOp))]
             count = len({op.tool for op in worked if spindle.face in op.faces})
@@ -310,7 +310,7 @@ def reloads(
                     changes=changed, machine=machine.name,
                 )
             )  # fmt: skip
-    return found, tuple(remarks)
+    return loads, tuple(remarks)
 
 
 TURNING = ("drill", "countersink", "mill")  #: tools whose edge wears by its speed
@@ -340,11 +340,13 @@ def cutting_remarks(
     known = _known_of(machine)
     for grade, tools in used.items():
         key = grade, *tools.values()
-        found = known.get(key)
-        if found is None:
-            found = known.keep(key, tuple(_remarks(grade, tools.values(), machine, machine.drill)))
-        for said in found:
-            yield replace(said, source=sources[grade])
+        diagnostics = known.get(key)
+        if diagnostics is None:
+            diagnostics = known.keep(
+                key, tuple(_remarks(grade, tools.values(), machine, machine.drill))
+            )
+        for diagnostic in diagnostics:
+            yield replace(diagnostic, source=sources[grade])
     yield from _size_remarks(pieces, operations, machine.drill)
 
 

@@ -75,18 +75,18 @@ def plan_sheet(parts: Sequence[Part], machine: Machine, skips: Collection[str] =
     joined = join(assigned.wanted, curves, torch, kerf, assigned.rings)
     if machine.words.arc_cw:
         joined.shapes = [_with_arcs(shape, torch) for shape in joined.shapes]
-    shapes, said = _nested(joined, assigned, torch, kerf)
+    shapes, diagnostics = _nested(joined, assigned, torch, kerf)
     shapes, crosses = drill_small_openings(shapes, part, torch, skips, assigned)
     box = join_boxes([box, *(curve.bbox for s in crosses for curve in s.curves)]) or box
     shift = shift_of(box, torch)
     processes = {s.process for s in (*shapes, *crosses)}
     _refuse_work(part, assigned, processes, material, machine, torch)
     shapes += [*crosses, *_spots(part, assigned)]
-    remarks += [*joined.remarks, *said]
+    remarks += [*joined.remarks, *diagnostics]
     if not shapes:
         raise PlanError(_nothing(part, assigned, len(joined.small), torch.gap))
-    operations, said = operations_of(shapes, material, torch, shift, joined.repeats.share)
-    remarks += said
+    operations, diagnostics = operations_of(shapes, material, torch, shift, joined.repeats.share)
+    remarks += diagnostics
     if errors_in(remarks):
         raise PlanError(errors_in(remarks))
     refuse_size(operations, part, torch)
@@ -145,11 +145,13 @@ def _nested(
     """
     drawn = points_of([shape.curves for shape in joined.shapes], torch.tolerance / 4)
     refuse_crowds(joined.shapes, drawn, torch.tolerance)
-    shapes, said = nest(joined.shapes, drawn, assigned.wanted, torch.tolerance, torch.gap, kerf)
-    said = [*said, *refuse_order(shapes, torch)]
-    if errors := errors_in([*joined.refusals, *said]):
+    shapes, diagnostics = nest(
+        joined.shapes, drawn, assigned.wanted, torch.tolerance, torch.gap, kerf
+    )
+    diagnostics = [*diagnostics, *refuse_order(shapes, torch)]
+    if errors := errors_in([*joined.refusals, *diagnostics]):
         raise PlanError(errors)
-    return shapes, said
+    return shapes, diagnostics
 
 
 def _refuse_stock(parts: Sequence[Part], machine: Machine, torch: Torch) -> None:
@@ -207,14 +209,14 @@ def _plan_of_several(
 def _nothing(part: Part, assigned: Assigned, small: int, gap: float) -> Diagnostic:
     """Why a drawing gives no work; `small` features are too small."""
     out = len(assigned.skipped) + len(assigned.listed)
-    found = [f"{out} features left out"] if out else []
+    texts = [f"{out} features left out"] if out else []
     if small:
-        found.append(f"{small} curves no larger than {gap:g} mm")
+        texts.append(f"{small} curves no larger than {gap:g} mm")
     if part.measures is not None and part.measures.filled:
-        found.append(f"{part.measures.filled_length:.1f} mm round filled shapes without a stroke")
+        texts.append(f"{part.measures.filled_length:.1f} mm round filled shapes without a stroke")
     if part.measures is not None and part.measures.hidden:
-        found.append(f"{part.measures.hidden_length:.1f} mm on hidden layers")
-    return rules.NOTHING.at(part.source, found=", ".join(found) or "the sheet is empty")
+        texts.append(f"{part.measures.hidden_length:.1f} mm on hidden layers")
+    return rules.NOTHING.at(part.source, found=", ".join(texts) or "the sheet is empty")
 
 
 def _outcomes(

@@ -38,7 +38,7 @@ class LaidSheet(NamedTuple):
 def places_of(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> tuple[Point, ...]:
     """Position of x 0, y 0 of each part, for as many parts as the sheet holds."""
     torch = spaced(parts[0], _torch(machine)) if parts else _torch(machine)
-    found: list[Point] = []
+    points: list[Point] = []
     at_x = at_y = torch.margin
     row = 0.0  #: height of the row that is filled
     boxes: dict[int, Box] = {}  #: by the identity of the part, of which there may be many copies
@@ -52,9 +52,9 @@ def places_of(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -
             break
         if at_y + y1 - y0 > torch.width - torch.margin:
             break
-        found.append((at_x - x0, at_y - y0))
+        points.append((at_x - x0, at_y - y0))
         at_x, row = at_x + x1 - x0 + torch.spacing, max(row, y1 - y0)
-    return tuple(found)
+    return tuple(points)
 
 
 def _box(part: Part, machine: Machine, skips: Collection[str]) -> Box:

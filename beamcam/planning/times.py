@@ -58,11 +58,11 @@ class Block(Struct, frozen=True):
 
 def blocks_of(template: Sequence[str]) -> tuple[Block, ...]:
     """The lines of a template, taken apart."""
-    found = []
+    blocks = []
     for line in template:
         match = _COMMAND.match(line)
         words = [w for w in _WORD.findall(line) if w[1] or w[0] not in _NUMBERS]
-        found.append(
+        blocks.append(
             Block(
                 match[1] if match else "",
                 int(match[2]) if match else -1,
@@ -70,7 +70,7 @@ def blocks_of(template: Sequence[str]) -> tuple[Block, ...]:
                 {letter: float(number) for letter, name, number in words if not name},
             )
         )
-    return tuple(found)
+    return tuple(blocks)
 
 
 def work_time(plan: Plan, machine: Machine) -> WorkTime:
@@ -235,5 +235,5 @@ def _cycles_of(machine: Machine) -> dict[int, int]:
 
 def _draws_back_to_near(machine: Machine) -> bool:
     """Whether the header says that cycles draw back no further than R (G99 of RS274)."""
-    said = re.findall(r"\bG9[89]\b", " ".join(machine.words.header))
-    return machine.controller == "linuxcnc" and said[-1:] == ["G99"]
+    words = re.findall(r"\bG9[89]\b", " ".join(machine.words.header))
+    return machine.controller == "linuxcnc" and words[-1:] == ["G99"]

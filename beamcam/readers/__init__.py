@@ -159,13 +159,13 @@ def _is_program(data: bytes, name: str) -> bool:
 
 def _read_as(known: Format, data: bytes, name: str, options: Mapping[str, object]) -> Reading:
     taken = {k: v for k, v in options.items() if k in known.options and v is not None}
-    found = known.read(data, name, **taken)
+    reading = known.read(data, name, **taken)
     tube = options.get("wrap")
-    if tube is None or known.name not in ("dxf", "svg") or found.refused:
-        return found
+    if tube is None or known.name not in ("dxf", "svg") or reading.refused:
+        return reading
     from beamcam.readers.drawing.wrap import wrapped
 
-    return wrapped(found, str(tube))
+    return wrapped(reading, str(tube))
 
 
 TAIL_BYTES = 1 << 17  #: that are looked at; some writers leave remarks behind the end

@@ -249,11 +249,13 @@ def read(data: bytes, name: str) -> Reading:
     except _KeyTwice as error:
         return Reading("part-json", (), (JSON_KEY_TWICE.at(Source(name), key=str(error)),))
     except json.JSONDecodeError as error:
-        found = f"{error.msg} in column {error.colno}"
-        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name, error.lineno), found=found),))
+        collected = f"{error.msg} in column {error.colno}"
+        return Reading(
+            "part-json", (), (JSON_SYNTAX.at(Source(name, error.lineno), found=collected),)
+        )
     except UnicodeDecodeError as error:
-        found = f"bytes that are no UTF-8 at {error.start}"
-        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=found),))
+        collected = f"bytes that are no UTF-8 at {error.start}"
+        return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=collected),))
     except (RecursionError, ValueError) as error:
         return Reading("part-json", (), (JSON_SYNTAX.at(Source(name), found=fault_text(error)),))
     try:
@@ -277,11 +279,11 @@ def _whole(value: Any) -> Any:
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    table = dict(pairs)
+    if len(table) < len(pairs):
         keys = [key for key, _ in pairs]
         raise _KeyTwice(next(key for key in keys if keys.count(key) > 1))
-    return found
+    return table
 
 
 def _refuse_constant(name: str) -> None:

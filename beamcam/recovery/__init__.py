@@ -25,22 +25,22 @@ def recover(text: str, machine: Machine, name: str = "program", stock: Stock = S
     no parts. A program that was made for another machine is remarked upon first.
     """
     head = head_of(text)
-    said = tuple(head_remarks(head, machine, name))
+    diagnostics = tuple(head_remarks(head, machine, name))
     if machine.stock == "profile":
         from beamcam.recovery.copers import recover_coped
 
-        found = recover_coped(text, machine, name, stock)
+        recovered = recover_coped(text, machine, name, stock)
     elif machine.torch is None:
-        found = recover_bars(text, machine, name, stock)
+        recovered = recover_bars(text, machine, name, stock)
     else:
         from beamcam.recovery.sheets import recover_sheet
 
-        found = recover_sheet(text, machine, name, stock.has_thickness)
-    said += found.said
-    if errors_in(said):
-        return Recovered((), said)
+        recovered = recover_sheet(text, machine, name, stock.has_thickness)
+    diagnostics += recovered.said
+    if errors_in(diagnostics):
+        return Recovered((), diagnostics)
     if head is not None and head.by_hand:
-        said = (*said, BY_HAND.at(Source(name), found=head.by_hand))
+        diagnostics = (*diagnostics, BY_HAND.at(Source(name), found=head.by_hand))
     if head is not None and head.left_out:
-        said = (*said, LEFT_OUT.at(Source(name), found=head.left_out))
-    return Recovered(found.parts, said, found.marked)
+        diagnostics = (*diagnostics, LEFT_OUT.at(Source(name), found=head.left_out))
+    return Recovered(recovered.parts, diagnostics, recovered.marked)

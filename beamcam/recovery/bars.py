@@ -59,11 +59,11 @@ def holes_of(
     ]  # fmt: skip
     sinks = [b for b in bores if b.kind == "countersink"]
     make = _Maker(shop, profile, name)
-    found = [make.drilled(b) for b in drills]
-    found += [make.thread(b) for b in taps]
-    found += [make.sink(b, [p for p in (*drills, *taps) if _same(p, b, shop)]) for b in sinks]
-    found += [make.mark(b) for b in bores if b.kind == "punch"]
-    return sorted(found, key=lambda h: h.source.line or 0)
+    holes = [make.drilled(b) for b in drills]
+    holes += [make.thread(b) for b in taps]
+    holes += [make.sink(b, [p for p in (*drills, *taps) if _same(p, b, shop)]) for b in sinks]
+    holes += [make.mark(b) for b in bores if b.kind == "punch"]
+    return sorted(holes, key=lambda h: h.source.line or 0)
 
 
 class _Maker:
@@ -189,28 +189,30 @@ def recover_bars(text: str, machine: Machine, name: str, stock: Stock) -> Recove
     saw, drill = machine.saw, drill_of(machine)
     if saw is None:  # the parts come in cut, so that no program says where they end
         return Recovered((), (NO_PIECE.at(Source(name), cuts=0),))
-    told: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     profile = stock.profile
     if profile is None:
         first = run(text, machine, None, name)
         if errors_in(first.diagnostics):
             return Recovered((), first.diagnostics)
         profile, remark = section_of(dict(first.made.section), machine, name)
-        told.append(remark)
+        diagnostics.append(remark)
     done = run(text, machine, profile, name, (stock.grade,) if stock.grade else None)
-    told += done.diagnostics
-    told += [FACES.at(Source(name), found=face) for face in done.unseen]
-    found = _bar_pieces(done.made, machine, saw, profile)
-    if not found:
-        told.append(NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
-    if errors_in(told):
-        return Recovered((), tuple(told))
+    diagnostics += done.diagnostics
+    diagnostics += [FACES.at(Source(name), found=face) for face in done.unseen]
+    pieces = _bar_pieces(done.made, machine, saw, profile)
+    if not pieces:
+        diagnostics.append(NO_PIECE.at(Source(name), cuts=len(done.made.cuts)))
+    if errors_in(diagnostics):
+        return Recovered((), tuple(diagnostics))
     bar = _Bar(machine, ToolCatalogue(machine, drill), saw, profile, name)
-    parts = tuple([bar.part(piece, done.made, stock) for piece in found])
-    told += bar.said
-    if not errors_in(told) and profile.web_thickness is not None:
-        told += Comparison(done.made, Asked(parts), bar.shop, profile, done.choices, name).run()
-    return Recovered(parts, tuple(told))
+    parts = tuple([bar.part(piece, done.made, stock) for piece in pieces])
+    diagnostics += bar.said
+    if not errors_in(diagnostics) and profile.web_thickness is not None:
+        diagnostics += Comparison(
+            done.made, Asked(parts), bar.shop, profile, done.choices, name
+        ).run()
+    return Recovered(parts, tuple(diagnostics))
 
 
 def _bar_pieces(
@@ -288,16 +290,16 @@ class _Bar:
 
     def _path(self, trail: MachinedPath, from_x: float) -> Feature | None:
         moved = replace(trail, points=tuple([(x - from_x, y) for x, y in trail.points]))
-        found = feature_of(moved, self.shop, self.profile, Source(self.name, trail.line))
-        if isinstance(found, NotAFeature):
+        path = feature_of(moved, self.shop, self.profile, Source(self.name, trail.line))
+        if isinstance(path, NotAFeature):
             self.said.append(
                 PATH.at(
-                    Source(self.name, trail.line), kind=trail.kind, face=trail.face, x=found.x,
-                    y=found.y,
+                    Source(self.name, trail.line), kind=trail.kind, face=trail.face, x=path.x,
+                    y=path.y,
                 )
             )  # fmt: skip
             return None
-        return found
+        return path
 
     def _in(self, piece: Piece, face: Face, place: Sequence[float]) -> bool:
         """Whether a place of a face lies between the cuts of a piece."""

@@ -59,8 +59,8 @@ def corner_radius(text: str, machine: Machine, profile: Profile) -> float:
         if abs(a_deg - 90.0 * round(a_deg / 90.0)) <= STEADY_DEG:
             odd = round(a_deg / 90.0) % 2
             most[odd] = max(most[odd], abs(move.end[1]))
-    found = [profile.height / 2 - most[0], profile.width / 2 - most[1]]
-    return plain(found[0], PLACE, DECIMALS) if abs(found[0] - found[1]) <= 2 * PLACE else 0.0
+    radii = [profile.height / 2 - most[0], profile.width / 2 - most[1]]
+    return plain(radii[0], PLACE, DECIMALS) if abs(radii[0] - radii[1]) <= 2 * PLACE else 0.0
 
 
 def faces_of(surface: Shape, profile: Profile, within: float) -> Faces:

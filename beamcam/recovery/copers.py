@@ -107,17 +107,17 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     if code not in codes:
         expected = ", ".join(codes)
         return Recovered((), (coping_rules.SECTION.at(source, found=code, expected=expected),))
-    strokes, said = strokes_of(text, bare, machine, name)
-    if errors_in(said):
-        return Recovered((), tuple(said))
+    strokes, diagnostics = strokes_of(text, bare, machine, name)
+    if errors_in(diagnostics):
+        return Recovered((), tuple(diagnostics))
     tilted = next((stroke for stroke in strokes if stroke.b_deg), None)
     if tilted is not None:
-        return _tilted(text, bare, strokes, machine, coper, said, tilted, name)
+        return _tilted(text, bare, strokes, machine, coper, diagnostics, tilted, name)
     walls = [_surface(bare, strokes, coper)] if is_tube else [*_walls(bare, strokes, coper)]
     missing = [wall.face for wall in walls if wall.shape.is_empty]
     if missing:
-        said += [NOT_PARTED.at(source, face=face) for face in missing]
-        return Recovered((), tuple(said))
+        diagnostics += [NOT_PARTED.at(source, face=face) for face in missing]
+        return Recovered((), tuple(diagnostics))
     end = max(wall.shape.bounds[2] for wall in walls)
     length = bare.length if abs(end - bare.length) <= AS_SAID else plain(end, PLACE, DECIMALS)
     mark = bare.mark or name.rpartition("/")[2].partition(".")[0] or "part"
@@ -125,7 +125,7 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
     if code == "M":
         faces = faces_of(walls[0].shape, bare.profile, within)
         if faces.lost:
-            return Recovered((), (*said, CORNER.at(source, found=faces.lost)))
+            return Recovered((), (*diagnostics, CORNER.at(source, found=faces.lost)))
         part = replace(part, cuts=faces.cuts)
         find = _Features(part, None, coper.corner_radius, within)
         features = [*find.of_box(faces, walls[0].line)]
@@ -134,8 +134,10 @@ def recover_coped(text: str, machine: Machine, name: str, stock: Stock) -> Recov
         find = _Features(part, radius, coper.corner_radius, within)
         features = [feature for wall in walls for feature in find.on(wall)]
     part = as_drawn(replace(part, features=tuple(features)))
-    said += [d for d in verify_coping(text, (part,), machine, name=name) if d not in said]
-    return Recovered((part,), (*said, *_remarks(part, coper, within)), bool(bare.mark))
+    diagnostics += [
+        d for d in verify_coping(text, (part,), machine, name=name) if d not in diagnostics
+    ]
+    return Recovered((part,), (*diagnostics, *_remarks(part, coper, within)), bool(bare.mark))
 
 
 def _tilted(
@@ -270,15 +272,15 @@ def _part_of(bar: Shape, taken: Shape, begins: Sequence[tuple[Point, float]]) ->
     from shapely import Point as Place
 
     left, _, right, _ = bar.bounds
-    found = []
+    features = []
     for piece in pieces_of(bar.difference(taken)):
         first, _, last, _ = piece.bounds
         if piece.area <= SPECK or first <= left or last >= right:
             continue
         if any(piece.distance(Place(at)) <= half + BEGINS for at, half in begins):
             continue
-        found.append(piece)
-    return MultiPolygon(found)
+        features.append(piece)
+    return MultiPolygon(features)
 
 
 # --- features -------------------------------------------------------------------------------------

@@ -132,21 +132,21 @@ def curves_of(
     first = max(range(len(sides)), key=lambda k: dist(*sides[k]))
     places = _clear_of_edges([*places[first:], *places[: first + 1]], within, edges)
     on_edge = [any(abs(y - edge) <= PLACE for edge in edges) for _, y in places]
-    found: list[Line | Arc] = []
+    curves: list[Line | Arc] = []
     begin = 0
     for k, (a, b) in enumerate(pairwise(places)):
         if on_edge[k] or on_edge[k + 1]:
-            found += arcs_and_lines(places[begin : k + 1], within)
-            found.append(Line(a, b))
+            curves += arcs_and_lines(places[begin : k + 1], within)
+            curves.append(Line(a, b))
             begin = k + 1
-    found += arcs_and_lines(places[begin:], within)
-    if not any(isinstance(curve, Line) for curve in found):
-        return tuple(found)
+    curves += arcs_and_lines(places[begin:], within)
+    if not any(isinstance(curve, Line) for curve in curves):
+        return tuple(curves)
     ends = [
         _plain_place(_joint(before, curve, within))
-        for before, curve in zip([found[-1], *found[:-1]], found, strict=True)
+        for before, curve in zip([curves[-1], *curves[:-1]], curves, strict=True)
     ]
-    around = zip(found, ends, [*ends[1:], ends[0]], strict=True)
+    around = zip(curves, ends, [*ends[1:], ends[0]], strict=True)
     return tuple([_between(curve, a, b, within) for curve, a, b in around if a != b])
 
 
@@ -185,7 +185,7 @@ def _with_corners(ring: Sequence[Point]) -> list[Point]:
     count = len(ring)
     first = max(range(count), key=sides.__getitem__)
     order = [(first + k) % count for k in range(count)]
-    found: list[Point] = []
+    points: list[Point] = []
     k = 0
     while k < count:
         i, total, more = order[k], 0.0, 0  # the fan begins at the i-th place
@@ -196,12 +196,12 @@ def _with_corners(ring: Sequence[Point]) -> list[Point]:
         behind = ring[(i + more + 1) % count]
         corner = _meeting(ring[i - 1], fan[0], fan[-1], behind) if more else None
         if corner is not None and LineString(fan).distance(Place(corner)) <= FAN_DEEP:
-            found.append(corner)
+            points.append(corner)
             k += more + 1
         else:
-            found.append(ring[i])
+            points.append(ring[i])
             k += 1
-    return found
+    return points
 
 
 def _meeting(a: Point, b: Point, c: Point, d: Point) -> Point | None:

@@ -51,16 +51,16 @@ def recover_sheet(text: str, machine: Machine, name: str, is_known: bool) -> Rec
     Unless its thickness `is_known`, one of the machine's cut chart is taken that the program suits.
     """
     torch = machine.needed(machine.torch, "torch")
-    found = _recovered(text, machine, torch, name)
-    if is_known or not errors_in(found.said):
-        return found
+    recovered = _recovered(text, machine, torch, name)
+    if is_known or not errors_in(recovered.said):
+        return recovered
     for thickness in sorted({row.up_to for row in torch.rows} - {torch.thickness}):
         fitted = replace(torch, thickness=thickness)
         other = _recovered(text, replace(machine, torch=fitted), fitted, name)
         if not errors_in(other.said):
             note = FITTED.at(Source(name), found=f"{thickness:g}")
             return Recovered(other.parts, (*other.said, note))
-    return found
+    return recovered
 
 
 def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovered:
@@ -70,20 +70,20 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
         name.rpartition("/")[2].partition(".")[0] or "part",
         Profile("B", "", 0.0, 0.0, 0.0, thickness), 0.0, Source(name), grade=torch.material,
     )  # fmt: skip
-    done, told = table_run(text, machine, name)
+    done, diagnostics = table_run(text, machine, name)
     rows = rows_of(sheet, torch)
     if not rows:
         material = torch.material or "any material"
         shown = "unknown thickness:" if thickness is None else f"{thickness:g}"
-        told.append(SHEET.at(Source(name), found=shown, material=material))
-    if errors_in(told):
-        return Recovered((), tuple(told))
+        diagnostics.append(SHEET.at(Source(name), found=shown, material=material))
+    if errors_in(diagnostics):
+        return Recovered((), tuple(diagnostics))
     strokes, more = strokes_of(
         done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
     )
-    told += more
-    if errors_in(told):
-        return Recovered((), tuple(told))
+    diagnostics += more
+    if errors_in(diagnostics):
+        return Recovered((), tuple(diagnostics))
     strokes, _ = unchained(strokes, torch, machine.format.resolution)
     paths = _paths(strokes, torch, ROUNDED * machine.format.resolution, name)
     spots = [
@@ -93,12 +93,14 @@ def _recovered(text: str, machine: Machine, torch: Torch, name: str) -> Recovere
     paths = [path for path in paths if path.process != "spot"]
     crossings = _crossings(paths, torch.tolerance * LOOK_SHARE)
     if crossings > MOST_CROSSINGS:
-        told.append(CROWDED.at(Source(name), found=f"{crossings:.1g}"))
-        return Recovered((), tuple(told))
-    part = _placed(sheet, _contours(paths, torch, told), spots, torch)
-    if not errors_in(told):
-        told += [d for d in verify_sheet(text, (part,), machine, name=name) if d not in told]
-    return Recovered((part,), tuple(told))
+        diagnostics.append(CROWDED.at(Source(name), found=f"{crossings:.1g}"))
+        return Recovered((), tuple(diagnostics))
+    part = _placed(sheet, _contours(paths, torch, diagnostics), spots, torch)
+    if not errors_in(diagnostics):
+        diagnostics += [
+            d for d in verify_sheet(text, (part,), machine, name=name) if d not in diagnostics
+        ]
+    return Recovered((part,), tuple(diagnostics))
 
 
 def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path]:
@@ -107,7 +109,7 @@ def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path
     Ends within `fine` are one place.
     """
     legs, near = list(strokes.moves.each()), max(torch.gap, fine)
-    found: list[_Path] = []
+    paths: list[_Path] = []
     waiting: list[Curves] = []  #: stretches of a contour that did not close yet
     for stroke in strokes.each:
         own = legs[stroke.first : stroke.last]
@@ -117,15 +119,15 @@ def _paths(strokes: Strokes, torch: Torch, fine: float, name: str) -> list[_Path
             if waiting and dist(waiting[-1][-1].end, curves[0].start) <= reach:
                 waiting.append(curves)
             else:
-                found += [_path((w,), stroke, torch, fine, name) for w in waiting]
+                paths += [_path((w,), stroke, torch, fine, name) for w in waiting]
                 waiting = [curves]
             one = _path(waiting, stroke, torch, fine, name)
             if one.closed:
-                found.append(one)
+                paths.append(one)
                 waiting = []
             continue
-        found.append(_path((curves,), stroke, torch, fine, name))
-    return found + [_path((w,), strokes.each[-1], torch, fine, name) for w in waiting]
+        paths.append(_path((curves,), stroke, torch, fine, name))
+    return paths + [_path((w,), strokes.each[-1], torch, fine, name) for w in waiting]
 
 
 def _path(
@@ -145,7 +147,7 @@ def _path(
     return _Path(stroke.process, curves, ring is not None, kerf, Source(name, stroke.line))
 
 
-def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> list[Contour]:
+def _contours(paths: Sequence[_Path], torch: Torch, diagnostics: list[Diagnostic]) -> list[Contour]:
     """The contours of the paths, in their order."""
     from beamcam.geometry.offset import Vanished, offset_chains
 
@@ -158,12 +160,12 @@ def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> l
     for k, offset in zip(moved, offsets, strict=True):
         path = paths[k]
         if isinstance(offset, Vanished):
-            told.append(KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))
+            diagnostics.append(KERF.at(path.source, found=abs(offset.area), kerf=path.kerf))
         else:
             chains[k] = max(
                 zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0])
             )[1]
-    found = []
+    contours = []
     for k, path in enumerate(paths):
         curves = chains.get(k, path.curves)
         kind: ContourKind = "open"
@@ -172,8 +174,10 @@ def _contours(paths: Sequence[_Path], torch: Torch, told: list[Diagnostic]) -> l
         if kind == "outer" and signed_area(curves) < 0.0:
             curves = tuple([c.reversed() for c in reversed(curves)])
         process = MARK if path.process == "mark" else path.process
-        found.append(Contour("v", kind, curves, path.source, cast("Process", process), path.closed))
-    return found
+        contours.append(
+            Contour("v", kind, curves, path.source, cast("Process", process), path.closed)
+        )
+    return contours
 
 
 def _crossings(paths: Sequence[_Path], tolerance: float) -> float:

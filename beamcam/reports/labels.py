@@ -114,10 +114,10 @@ def as_pdf(labels: Iterable[Label], size: Size, code: Code = "qr") -> bytes:
 
 def code_fault(label: Label, code: Code, source: Source) -> Diagnostic | None:
     """Why no code can hold what is on a label; None if one can."""
-    found = len(label.code.encode("utf-8"))
-    if found <= MOST_BYTES[code]:
+    size = len(label.code.encode("utf-8"))
+    if size <= MOST_BYTES[code]:
         return None
-    return CODE.at(source, found=found, expected=MOST_BYTES[code])
+    return CODE.at(source, found=size, expected=MOST_BYTES[code])
 
 
 def _font() -> str:

@@ -203,9 +203,9 @@ class CutBar(Struct, frozen=True):
     machine: str
 
 
-def part_list(wanted: Iterable[PartCount]) -> Table:
+def part_list(part_counts: Iterable[PartCount]) -> Table:
     """A row for each part; what is not known is empty. Those that are not made are marked."""
-    counts = tuple(wanted)
+    counts = tuple(part_counts)
     rows = tuple(_part_row(one) for one in counts)
     decimals = (None, None, 3, None, None, 3, 3, 3, 3, 3, *(None,) * 12)
     marked = frozenset(k for k, one in enumerate(counts) if one.refused)
@@ -218,7 +218,9 @@ def _part_row(one: PartCount) -> tuple[Cell, ...]:
     weight = weights.finished
     lines = [c for c in part.contours if c.process != "cut"]
     points = [hole for hole in part.holes if hole.kind == "mark"]
-    why = next((f"{said.code}: {said.message}" for said in errors_in(one.refused)), None)
+    why = next(
+        (f"{diagnostic.code}: {diagnostic.message}" for diagnostic in errors_in(one.refused)), None
+    )
     return (
         part.mark, part.profile.name, part.length, quantity, part.grade, weight,
         None if weight is None else weight * quantity, weights.gross, weights.catalogue,

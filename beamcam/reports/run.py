@@ -159,21 +159,22 @@ class Counts(Struct):
         return ", ".join([*counts, *(f"{count} {how}" for how, count in left.items() if count)])
 
 
-def as_message(said: Diagnostic) -> Message:
+def as_message(diagnostic: Diagnostic) -> Message:
     """A diagnostic as data."""
-    source = said.source
+    source = diagnostic.source
     return {
         "file": source.file, "line": source.line, "where": source.where,
-        "severity": said.severity.value, "code": said.code, "message": said.message,
+        "severity": diagnostic.severity.value, "code": diagnostic.code,
+        "message": diagnostic.message,
     }  # fmt: skip
 
 
-def message_line(said: Message, file: bool = True) -> str:
+def message_line(message: Message, file: bool = True) -> str:
     """A message as the one line that it is printed as; without its file where that is known."""
-    place = [said["file"] if file else None, said["line"], said["where"]]
+    place = [message["file"] if file else None, message["line"], message["where"]]
     shown = ":".join(str(word) for word in place if word is not None)
-    text = f"{shown}{': ' if shown else ''}{said['severity']} {said['code']}: {said['message']}"
-    return terminal_text(text)
+    what = f"{message['severity']} {message['code']}: {message['message']}"
+    return terminal_text(f"{shown}: {what}" if shown else what)
 
 
 def dumped(data: object) -> bytes:
@@ -201,14 +202,14 @@ def encoded(text: str) -> bytes:
     return text.encode("utf-8", "backslashreplace")
 
 
-def as_json(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iterator[bytes]:
+def as_json(rows: Iterable[Row], counts: Counts, messages: Iterable[Message]) -> Iterator[bytes]:
     """The report as JSON, piece by piece: a row a line, so that rows are found by line too."""
     import json
 
     head = {status: getattr(counts, status) for status in STATUSES}
     yield encoded(
         f'{{"schema": "{SCHEMA}", "counts": {json.dumps(head)}, '
-        f'"messages": {json_text(json.dumps(list(said), ensure_ascii=False))},\n"files": ['
+        f'"messages": {json_text(json.dumps(list(messages), ensure_ascii=False))},\n"files": ['
     )
     comma = b""
     for row in rows:
@@ -260,7 +261,7 @@ HEAD = (
 )  # fmt: skip
 
 
-def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iterator[bytes]:
+def as_csv(rows: Iterable[Row], counts: Counts, messages: Iterable[Message]) -> Iterator[bytes]:
     """The report as CSV, piece by piece, with a head. What is said of the run ends it as rows."""
     yield _line(HEAD)
     for row in rows:
@@ -273,7 +274,7 @@ def as_csv(rows: Iterable[Row], counts: Counts, said: Iterable[Message]) -> Iter
             # What is said of a file stands in its first row, so that sums over a column hold.
             yield _line((*file, *cells, *(weights if number == 0 else (0, 0, 0)),
                          text if number == 0 else ""))  # fmt: skip
-    for message in said:
+    for message in messages:
         severity = message["severity"]
         weights = tuple(int(severity == kind) for kind in ("error", "warning", "note"))
         yield _line(

@@ -41,7 +41,7 @@ class Total(Struct):
 
 
 def as_html(
-    read: Callable[[], Iterable[Row]], counts: Counts, said: Iterable[Message],
+    read: Callable[[], Iterable[Row]], counts: Counts, messages: Iterable[Message],
     extras: Mapping[str, Extra] | None = None, style: str = "",
 ) -> Iterator[bytes]:  # fmt: skip
     """The report as HTML, piece by piece; `read` gives its rows as often as it is called.
@@ -49,14 +49,14 @@ def as_html(
     `extras` are by the name of the output, `style` is that of their pictures.
     """
     totals, whole = _totals(read())
-    found = extras or {}
+    extras_of = extras or {}
     pieces = template("reports", "run").stream(
         counts={"": str(counts)} | {status: getattr(counts, status) for status in STATUSES},
-        statuses=STATUSES, said=said, totals=totals, whole=whole, columns=COLUMNS,
+        statuses=STATUSES, said=messages, totals=totals, whole=whole, columns=COLUMNS,
         rows=_refused_first(read), style=as_it_stands(style),
         static=lambda name: static_text("reports", name), message=message_line, ledger=ledger_line,
         file=_broken, machine_time_s=_machine_time_s, quote=quote,
-        extras=lambda output: found.get(output, Extra()),
+        extras=lambda output: extras_of.get(output, Extra()),
         picture=lambda extra: as_it_stands(extra.picture),
     )  # fmt: skip
     pieces.enable_buffering(100)
@@ -70,12 +70,12 @@ def _refused_first(read: Callable[[], Iterable[Row]]) -> Iterator[Row]:
 
 def _totals(rows: Iterable[Row]) -> tuple[dict[str, Total], Total]:
     """Machine time, pieces, stock and tools of the programs by machine, and those of all."""
-    found: dict[str, Total] = {}
+    totals: dict[str, Total] = {}
     passed_on = 0  # pieces that another machine finishes
     for row in rows:
         for part in row["parts"]:
             passed_on += part["quantity"] if part["rest"] is not None else 0
-            total = found.setdefault(part["machine"], Total(tools=Counter()))
+            total = totals.setdefault(part["machine"], Total(tools=Counter()))
             runs = part["quantity"] / part["pieces"]
             total.seconds += (part["machine_time_s"] or 0.0) * runs
             total.programs += 1
@@ -83,10 +83,10 @@ def _totals(rows: Iterable[Row]) -> tuple[dict[str, Total], Total]:
             total.stock += part["bar"] * runs
             total.tools.update(part["tools"])
     whole = Total(
-        sum(t.seconds for t in found.values()), sum(t.programs for t in found.values()),
-        sum(t.pieces for t in found.values()) - passed_on, sum(t.stock for t in found.values()),
+        sum(t.seconds for t in totals.values()), sum(t.programs for t in totals.values()),
+        sum(t.pieces for t in totals.values()) - passed_on, sum(t.stock for t in totals.values()),
     )  # fmt: skip
-    return found, whole
+    return totals, whole
 
 
 def _machine_time_s(row: Row) -> float:

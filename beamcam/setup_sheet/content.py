@@ -61,17 +61,17 @@ def _round(positions: Floats, part: Part, coper: Coper) -> Floats:
         return around
     if coper.turns == "bar":
         place = tube_section(part, coper).place
-        found: Floats = np.array([place(*row)[0] for row in positions[:, 1:].tolist()])
-        return found
+        sizes: Floats = np.array([place(*row)[0] for row in positions[:, 1:].tolist()])
+        return sizes
     a, pivot = np.radians(a_deg), coper.pivot
     if tilts:
         pivot = pivot * np.cos(np.radians(tilts[0]))
     tip_y, tip_z = y + pivot * np.sin(a), z - pivot * np.cos(a)
     beside = profile.width - tip_z
-    found = np.select(
+    sizes = np.select(
         [a_deg < -45.0, a_deg > 45.0], [profile.height + beside, -beside], default=tip_y
     )
-    return found
+    return sizes
 
 
 def coper_operations(program: CoperProgram, made: TableMade) -> tuple[Operation, ...]:
@@ -101,16 +101,16 @@ def bar_totals(operations: Sequence[Operation], trace: Trace) -> tuple[Total, ..
     rows: dict[str, list[Operation]] = {}
     for op in operations:
         rows.setdefault(op.tool or "saw", []).append(op)
-    found = [
+    totals = [
         Total(
             tool, len(ops), float(lasts[np.isin(trace.line, [op.line for op in ops])].sum()),
             sum(op.seconds for op in ops),
         )
         for tool, ops in rows.items()
     ]  # fmt: skip
-    work = sum(row.work_s for row in found)
+    work = sum(row.work_s for row in totals)
     travel = Total("travel and changes", None, 0.0, trace.duration_s - work)
-    return (*found, travel, Total("together", len(operations), work, trace.duration_s))
+    return (*totals, travel, Total("together", len(operations), work, trace.duration_s))
 
 
 def table_totals(table: TableMade) -> tuple[Total, ...]:
@@ -246,9 +246,11 @@ def content_of(source: SheetSources, unit: Unit = "mm") -> Content:
     )  # fmt: skip
 
 
-def _without_folder(said: Diagnostic) -> Diagnostic:
+def _without_folder(diagnostic: Diagnostic) -> Diagnostic:
     """A message that is the same in each folder."""
-    return replace(said, source=replace(said.source, file=PurePath(said.source.file).name))
+    return replace(
+        diagnostic, source=replace(diagnostic.source, file=PurePath(diagnostic.source.file).name)
+    )
 
 
 def _header(program: ReadProgram, trace: Trace) -> Sequence[tuple[str, str]]:
@@ -290,12 +292,12 @@ def _bar_tools(source: SheetSources, operations: Sequence[Operation]) -> tuple[T
             for load in tool_loads(source.plan.operations, machine)
         )  # fmt: skip
     names: dict[str, str] = {s.face: s.name for s in machine.spindles}
-    found = {
+    tools = {
         (names.get(face, face), op.tool): None
         for op in operations if op.tool for face in op.faces
     }  # fmt: skip
-    order = list(dict.fromkeys([*names.values(), *(where for where, _ in found)]))
-    rows = sorted(found, key=lambda row: order.index(row[0]))
+    order = list(dict.fromkeys([*names.values(), *(where for where, _ in tools)]))
+    rows = sorted(tools, key=lambda row: order.index(row[0]))
     return tuple(ToolRow(where, "", tool) for where, tool in rows)
 
 

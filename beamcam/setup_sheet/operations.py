@@ -42,11 +42,11 @@ def operations_of(bar: BarMade, trace: Trace) -> tuple[Operation, ...]:
     for op in bar.made.order:
         rows.setdefault(op.line, []).append(op)
     ends, depths = _ends(trace, list(rows)), bar.depths
-    found, begin = [], 0.0
+    operations, begin = [], 0.0
     for (line, ops), end in zip(rows.items(), ends, strict=True):
-        found.append(_operation(numbers[line], ops, end - begin, depths))
+        operations.append(_operation(numbers[line], ops, end - begin, depths))
         begin = end
-    return tuple(found)
+    return tuple(operations)
 
 
 def _operation(number: int, ops: Sequence[Thing], seconds: float, depths: SteelDepths) -> Operation:
@@ -120,16 +120,16 @@ def table_operations(table: TableMade) -> tuple[Operation, ...]:
     trace = table.trace
     speeds = table.speeds_mm_s
     ways = np.hypot(*np.diff(trace.positions[:, :2], axis=0).T)
-    found, begin = [], 0.0
+    operations, begin = [], 0.0
     for number, (first, last, process) in enumerate(table.strokes, 1):
         moving: Counts = first + np.flatnonzero(ways[first:last] > MIN_MOVE)
         x, y = trace.positions[first, :2].tolist()
         fastest = float(speeds[moving].max(initial=0.0)) * SECONDS_PER_MINUTE
         end = float(trace.time_s[last])
         line = int(trace.line[moving[0]] if len(moving) else trace.line[first])
-        found.append(
+        operations.append(
             Operation(number, line, process, process, (), x, y, None, fastest or None, None,
                       end - begin, float(ways[first:last].sum()))
         )  # fmt: skip
         begin = end
-    return tuple(found)
+    return tuple(operations)

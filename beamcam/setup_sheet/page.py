@@ -77,12 +77,12 @@ def verdict_of(content: Content) -> str:
     """Verdict of the read-back, in a sentence."""
     if content.verdict != "made":
         return VERDICTS[content.verdict]
-    told = {said.code for said in content.messages}
-    by_hand = content.left_out or content.hand or BY_HAND.code in told
+    codes = {diagnostic.code for diagnostic in content.messages}
+    by_hand = content.left_out or content.hand or BY_HAND.code in codes
     lacking = ["what is left for manual work"] if by_hand else []
     # Whether a coper had sharp corners to round is known from a plan only.
     is_coped = content.program.machine.coper is not None and not content.ledger
-    if ROUNDED.code in told or is_coped:
+    if ROUNDED.code in codes or is_coped:
         lacking.append("corners that are cut round")
     if not lacking:
         return VERDICTS["made"]

@@ -58,18 +58,18 @@ def trace_data(trace: Trace) -> dict[str, Any]:
 
 def _squeezed(column: Counts) -> list[Any]:
     """Numbers with runs of zeros as `[0, n]`."""
-    found: list[Any] = []
+    values: list[Any] = []
     zeros = 0
     for value in [*column.tolist(), None]:
         if value == 0:
             zeros += 1
             continue
         if zeros:
-            found.append([0, zeros] if zeros > 1 else 0)
+            values.append([0, zeros] if zeros > 1 else 0)
             zeros = 0
         if value is not None:
-            found.append(value)
-    return found
+            values.append(value)
+    return values
 
 
 def _runs(states: Counts) -> list[list[int]]:

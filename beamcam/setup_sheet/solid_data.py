@@ -63,12 +63,12 @@ def solids_of(program: ReadProgram, made: BarMade | TableMade) -> Solids:
     pieces: tuple[dict[str, Any], ...] = ()
     try:
         for chord in CHORDS[_first(made) :]:
-            found = (
+            solids = (
                 _bar(program, made, chord)
                 if isinstance(made, BarMade)
                 else [("part", name, mesh) for name, mesh in _torched(program, made, chord)]
             )
-            pieces = tuple(_packed(*one) for one in found)
+            pieces = tuple(_packed(*one) for one in solids)
             if len(json.dumps(pieces)) <= LIMIT:
                 stock = "bar" if program.machine.stock == "profile" else "sheet"
                 without = "" if pieces else f"nothing comes free of the {stock}"

@@ -83,8 +83,8 @@ def _along(face: str, low: Floats, top: Floats) -> Floats:
     at = np.tile((low + top) / 2, (len(SHARES), 1))
     at[:, 0] = low[0] + np.array(SHARES) * (top[0] - low[0])
     at[:, axis] = (top if way > 0 else low)[axis]
-    found: Floats = at
-    return found
+    points: Floats = at
+    return points
 
 
 def _letter_place(places: Floats, pixels: Any) -> Floats:
@@ -95,8 +95,8 @@ def _letter_place(places: Floats, pixels: Any) -> Floats:
         about = pixels[max(y - LETTER, 0) : y + LETTER + 1, max(x - LETTER, 0) : x + LETTER + 1]
         return float((about != pixels[y, x]).any(axis=2).mean()) if about.size else 1.0
 
-    found: Floats = min(places, key=differing)
-    return found
+    letter_place: Floats = min(places, key=differing)
+    return letter_place
 
 
 def _unpacked(piece: dict[str, Any]) -> tuple[Floats, Counts]:
@@ -112,8 +112,8 @@ def _unpacked(piece: dict[str, Any]) -> tuple[Floats, Counts]:
 def _numbers(data: bytes, count: int, wide: int) -> Counts:
     planes = np.frombuffer(data[: count * wide], dtype=np.uint8).reshape(wide, count)
     steps = sum(planes[k].astype(np.int64) << 8 * k for k in range(wide))
-    found: Counts = np.cumsum(steps) % 256**wide
-    return found
+    numbers: Counts = np.cumsum(steps) % 256**wide
+    return numbers
 
 
 class _Canvas:

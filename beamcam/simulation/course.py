@@ -99,15 +99,15 @@ class _Simulation:
         word = self.dialect.m_words.get(event.number)
         role = word.role if word else "other"
         takes_s = 0.0
-        said = {}
+        values = {}
         if word is not None:
-            said = {field: event.words[at] for at, field in word.fields if at in event.words}
+            values = {field: event.words[at] for at, field in word.fields if at in event.words}
         if word is not None and role == "choose":
-            number = int(said.get("spindle", self.dialect.only_spindle or 0))
+            number = int(values.get("spindle", self.dialect.only_spindle or 0))
             kind = word.cycle.kind if word.cycle else "drill"
-            diameter = said.get("diameter", 0.0)
-            if "tool" in said:
-                known = self.dialect.numbered.get(int(said["tool"]), (kind, diameter))
+            diameter = values.get("diameter", 0.0)
+            if "tool" in values:
+                known = self.dialect.numbered.get(int(values["tool"]), (kind, diameter))
                 kind, diameter = known
             takes_s = self.cell.choose(number, kind, diameter)
             self.state = replace(self.state, spindle=number, diameter=diameter)
@@ -123,8 +123,8 @@ class _Simulation:
             self.state = replace(self.state, coolant=role == "coolant-on")
         elif role == "saw":
             # No blade goes down at 0 or below; the read-back refuses that, a trace takes its own.
-            feed = max(said.get("feed", 0.0), 0.0) * self.per_minute or None
-            legs = self.cell.cut(said.get("angle", 0.0), said.get("tilt", 0.0), feed)
+            feed = max(values.get("feed", 0.0), 0.0) * self.per_minute or None
+            legs = self.cell.cut(values.get("angle", 0.0), values.get("tilt", 0.0), feed)
             for leg, sawing in legs:
                 self.state = replace(self.state, sawing=sawing)
                 yield self._stretch(event.line, leg)

@@ -71,11 +71,11 @@ class Precision(Struct, frozen=True):
 
 def stair_times(trace: Trace, encoder: Encoder) -> Floats:
     """The knots of a trace, and each time at which an axis passes from count to count."""
-    found = [trace.time_s]
+    times = [trace.time_s]
     for k, axis in enumerate(trace.axes):
         if axis.is_read:
-            found.append(_crossings(trace, encoder.counts(trace.positions[:, k])))
-    return np.unique(np.concatenate(found))
+            times.append(_crossings(trace, encoder.counts(trace.positions[:, k])))
+    return np.unique(np.concatenate(times))
 
 
 def _crossings(trace: Trace, counts: Floats) -> Floats:

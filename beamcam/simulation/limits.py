@@ -77,12 +77,12 @@ def strikes(trace: Trace, machine: Machine, section: Mapping[str, float]) -> tup
         placed = {b.name: _placed(b, trace, at, values) for b in machine.bodies}
         for k, (one, other) in enumerate(pairs):
             depths[k, own] = _depth(placed[one.name], placed[other.name])
-    found = [
+    collisions = [
         strike
         for (one, other), depth in zip(pairs, depths, strict=True)
         for strike in _runs(one.name, other.name, trace, times, depth)
     ]
-    return tuple(sorted(found, key=lambda strike: (strike.time_s, strike.one, strike.other)))
+    return tuple(sorted(collisions, key=lambda strike: (strike.time_s, strike.one, strike.other)))
 
 
 def looks(trace: Trace) -> Floats:
@@ -96,8 +96,8 @@ def looks(trace: Trace) -> Floats:
     interval = np.repeat(np.arange(len(counts)), counts)
     number = np.arange(len(interval)) - np.repeat(np.cumsum(counts) - counts, counts)
     lasts = np.diff(trace.time_s)
-    found: Floats = trace.time_s[interval] + lasts[interval] * number / counts[interval]
-    return np.append(found, trace.duration_s)
+    times: Floats = trace.time_s[interval] + lasts[interval] * number / counts[interval]
+    return np.append(times, trace.duration_s)
 
 
 def _placed(body: Body, trace: Trace, at: Floats, values: Mapping[str, float]) -> _Placed:
@@ -137,8 +137,8 @@ def _depth(a: _Placed, b: _Placed) -> Floats:
 def _reach(body: _Placed, angle: Floats) -> Floats:
     """Extent of a body from its middle in a direction, in plan view."""
     own = angle - body.turn_rad
-    found: Floats = body.half[0] * np.abs(np.cos(own)) + body.half[1] * np.abs(np.sin(own))
-    return found
+    reach: Floats = body.half[0] * np.abs(np.cos(own)) + body.half[1] * np.abs(np.sin(own))
+    return reach
 
 
 def _runs(one: str, other: str, trace: Trace, times: Floats, depth: Floats) -> Iterator[Collision]:
@@ -162,13 +162,13 @@ def run_warnings(
     """Each place where an axis leaves its limits, a cut its reach, or bodies or tips strike, by
     line.
     """
-    found = [
+    diagnostics = [
         *_beyond_limits(trace, machine, name),
         *_beyond_reach(trace, machine, section, name),
         *_struck(trace, machine, section, name),
         *_met(trace, machine, section, name),
     ]
-    return tuple(sorted(found, key=lambda said: (said.source.line or 0, said.code)))
+    return tuple(sorted(diagnostics, key=lambda said: (said.source.line or 0, said.code)))
 
 
 def _beyond_limits(trace: Trace, machine: Machine, name: str) -> Iterator[Diagnostic]:

@@ -147,12 +147,12 @@ class Client:
 
     def read(self, address: int, count: int) -> list[int]:
         """Read holding registers."""
-        found: list[int] = []
-        while len(found) < count:
-            at, many = address + len(found), min(MAX_READ, count - len(found))
+        values: list[int] = []
+        while len(values) < count:
+            at, many = address + len(values), min(MAX_READ, count - len(values))
             answer = self._asked(partial(self._client.read_holding_registers, at, count=many))
-            found += answer.registers
-        return found
+            values += answer.registers
+        return values
 
     def _asked(self, call: Callable[[], Any]) -> Any:
         try:
@@ -206,15 +206,15 @@ ANY_DEVICE = 0  #: the server answers whatever unit it is asked as
 def serve(
     rows: Iterable[TraceRow], modbus: Modbus, host: str, port: int, pace: float = 1.0,
     ready: Callable[[str, int], None] = lambda host, port: None, is_held: bool = True,
-    asked: Asked = NEVER,
+    interrupt: Asked = NEVER,
 ) -> None:  # fmt: skip
-    """Show every row when it is due, then the last one until it is `asked` to end, if `is_held`.
+    """Show every row when it is due; if `is_held`, the last one until `interrupt` asks for the end.
 
     `pace` is how many seconds of the wall one second of the machine takes; `ready` is called with
     the address when the server answers. Raises VerifyError if it cannot listen there, or if
     pymodbus is not installed.
     """
-    asyncio.run(_serve(rows, modbus, host, port, pace, ready, is_held, asked))
+    asyncio.run(_serve(rows, modbus, host, port, pace, ready, is_held, interrupt))
 
 
 async def _serve(

@@ -86,10 +86,10 @@ def _coper(text: str, machine: Machine, name: str) -> Simulated:
     from beamcam.controllers import cell_events
     from beamcam.simulation.copers import coper_trace
 
-    events, said = cell_events(text, machine, name)
-    if errors_in(said):
-        raise VerifyError(said)
-    return Simulated(coper_trace(events, machine), tuple(said))
+    events, diagnostics = cell_events(text, machine, name)
+    if errors_in(diagnostics):
+        raise VerifyError(diagnostics)
+    return Simulated(coper_trace(events, machine), tuple(diagnostics))
 
 
 def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Simulated:
@@ -99,9 +99,9 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
     from beamcam.simulation.sheets import sheet_trace
 
     torch = machine.needed(machine.torch, "torch")
-    done, said = table_run(text, machine, name)
-    if errors_in(said):
-        raise VerifyError(said)
+    done, diagnostics = table_run(text, machine, name)
+    if errors_in(diagnostics):
+        raise VerifyError(diagnostics)
     rows = rows_of(parts[0], torch) if parts else torch.rows
     strokes, _ = strokes_of(
         done, machine, torch, rows, lambda blocks: table_events(blocks, machine)[0], name
@@ -110,7 +110,7 @@ def _sheet(text: str, machine: Machine, name: str, parts: Sequence[Part]) -> Sim
     stops = {done.others[stroke.off][1].line for stroke in strokes.each if stroke.off >= 0}
     offset = max((stroke.radius for stroke in strokes.each if stroke.side), default=0.0)
     return Simulated(
-        sheet_trace(done.events(), starts, stops, machine), tuple(said), kerf_offset=offset
+        sheet_trace(done.events(), starts, stops, machine), tuple(diagnostics), kerf_offset=offset
     )
 
 
@@ -118,16 +118,16 @@ def _triggers(text: str, machine: Machine, name: str) -> Simulated:
     from beamcam.controllers.simotion import read_program
     from beamcam.controllers.simotion.rules import SPEED
 
-    job, said = read_program(text, machine, name)
+    job, diagnostics = read_program(text, machine, name)
     if job is None:
-        raise VerifyError(said)
+        raise VerifyError(diagnostics)
     for op in job.operations:
         if (op.kind == 0 or op.kind >= ARC) and not op.speed > 0.0:  # it would never arrive
             wrong = SPEED.at(
                 Source(name, op.line), found=f"{op.speed:g}", what="move", expected="above 0"
             )
-            raise VerifyError((*said, wrong))
-    return Simulated(trigger_trace(job, machine), tuple(said))
+            raise VerifyError((*diagnostics, wrong))
+    return Simulated(trigger_trace(job, machine), tuple(diagnostics))
 
 
 def _steps(data: str | bytes, machine: Machine, name: str, style: str) -> Simulated:

@@ -85,8 +85,8 @@ def json_data(
             for axis in trace.axes
         ],
         "warnings": [
-            {"code": said.code, "line": said.source.line, "message": said.message}
-            for said in warnings
+            {"code": diagnostic.code, "line": diagnostic.source.line, "message": diagnostic.message}
+            for diagnostic in warnings
         ],
     }
     if encoder is not None:

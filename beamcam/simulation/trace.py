@@ -155,8 +155,8 @@ class TraceBuilder:
     @property
     def here(self) -> Floats:
         """Axis positions."""
-        found: Floats = self._chunks[-1][1][-1] if self._chunks else self._start[0]
-        return found
+        place: Floats = self._chunks[-1][1][-1] if self._chunks else self._start[0]
+        return place
 
     def add(
         self, seconds: ArrayLike, ends: ArrayLike, slopes: ArrayLike, line: ArrayLike, state: State

@@ -86,17 +86,17 @@ class Reach(Struct, frozen=True):
 def reaches(machine: Machine, profile: Profile) -> dict[int, tuple[Reach, ...]]:
     """The spindles that each number of the program chooses, where the section has their wall."""
     sides = walls(profile)
-    found: dict[str, Reach] = {
+    reaches_of: dict[str, Reach] = {
         s.face: _reach(s, machine, profile, sides[s.face])
         for s in machine.spindles
         if s.face in sides
     }
     chosen: dict[int, tuple[Reach, ...]] = {
-        s.number: (found[s.face],) for s in machine.spindles if s.face in found
+        s.number: (reaches_of[s.face],) for s in machine.spindles if s.face in reaches_of
     }
     for pair in machine.pairs:
-        if all(face in found for face in pair.faces):
-            chosen[pair.number] = tuple(found[face] for face in pair.faces)
+        if all(face in reaches_of for face in pair.faces):
+            chosen[pair.number] = tuple(reaches_of[face] for face in pair.faces)
     return chosen
 
 
@@ -160,10 +160,10 @@ class Work(Struct, frozen=True):
     section: dict[str, float]  #: what it says of its bar
 
 
-def lying(part: Part, said: dict[str, float]) -> Part:
+def lying(part: Part, sizes: dict[str, float]) -> Part:
     """A part whose section lies as a program's words have it: angles and tubes also on the side."""
     p = part.profile
-    size = said.get("height", p.height), said.get("width", p.width)
+    size = sizes.get("height", p.height), sizes.get("width", p.width)
     if size == (p.height, p.width) or size != (p.width, p.height) or p.code not in ("L", "M"):
         return part
     other = replace(
@@ -176,13 +176,13 @@ def lying(part: Part, said: dict[str, float]) -> Part:
 def said_of_section(events: Iterable[BarEvent], machine: Machine) -> dict[str, float]:
     """Height, width and number of the section by a program's own words."""
     words = dialect_of(machine).m_words
-    said: dict[str, float] = {}
+    sizes: dict[str, float] = {}
     for event in events:
         if isinstance(event, Switch) and event.number in words:
             word = words[event.number]
             if word.role == "section":
-                said |= {name: event.words[at] for at, name in word.fields if at in event.words}
-    return said
+                sizes |= {name: event.words[at] for at, name in word.fields if at in event.words}
+    return sizes
 
 
 def work_of(events: Iterable[BarEvent], machine: Machine, part: Part) -> Work:
@@ -350,10 +350,10 @@ def points_of(machine: Machine, parts: Sequence[Part]) -> dict[tuple[str, float]
     Of two countersinks of one diameter, which a program does not tell apart, the one that has the
     cone of the parts' sinks.
     """
-    wanted = {h.angle or 180.0 for part in parts for h in part.holes if h.kind == "countersink"}
-    found: dict[tuple[str, float], float] = {}
+    angles = {h.angle or 180.0 for part in parts for h in part.holes if h.kind == "countersink"}
+    points: dict[tuple[str, float], float] = {}
     for tools in machine.tools:
         for size in tools.sizes:
-            if (tools.kind, size) not in found or tools.point_deg in wanted:
-                found[tools.kind, size] = tools.point_deg
-    return found
+            if (tools.kind, size) not in points or tools.point_deg in angles:
+                points[tools.kind, size] = tools.point_deg
+    return points

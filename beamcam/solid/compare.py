@@ -192,7 +192,7 @@ def without_left_out(
         return fit, []
     wide = _by_feature(bodies.part, bodies.wide)
     narrow = _by_feature(bodies.part, bodies.narrow)
-    told: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     extra = fit.extra
     x0, y0, z0, x1, y1, z1 = fit.laid.bounding_box()
     within = kernel().Manifold.cube((x1 - x0, y1 - y0, z1 - z0)).translate((x0, y0, z0))
@@ -211,18 +211,18 @@ def without_left_out(
         before = sum(one.volume() for one in extra)
         extra = [lump for one in extra for lump in lumps(one - taken)]
         volume = before - sum(one.volume() for one in extra)
-        told.append(left_out(feature, volume, name))
-    return Fit(fit.laid, fit.missing, extra), told
+        diagnostics.append(left_out(feature, volume, name))
+    return Fit(fit.laid, fit.missing, extra), diagnostics
 
 
 def _by_feature(part: Part, margins: Margins) -> "dict[int, tuple[Feature, Manifold]]":
     """What each feature takes in all, by its number."""
-    found: dict[int, tuple[Feature, Manifold]] = {}
+    bodies: dict[int, tuple[Feature, Manifold]] = {}
     numbers = {id(feature): k for k, feature in enumerate(part.features)}
     for feature, body in voids(part, margins):
         at = numbers[id(feature)]
-        found[at] = feature, (found[at][1] + body if at in found else body)
-    return found
+        bodies[at] = feature, (bodies[at][1] + body if at in bodies else body)
+    return bodies
 
 
 def left_out(feature: Feature, volume: float, name: str) -> Diagnostic:

@@ -109,14 +109,14 @@ def coper_faults(
     near = [pieces[k] for cost, k in costs if cost <= costs[0][0] + ALIKE]
     best = min((fit_of(piece, one.bodies) for piece in near), key=lambda fit: fit.differs)
     beyond = best.extra
-    best, told = without_left_out(best, one.bodies, "the piece", request.skips)
+    best, diagnostics = without_left_out(best, one.bodies, "the piece", request.skips)
     if not best.differs:
-        return [*_known(best.laid, beyond, one), *told]
+        return [*_known(best.laid, beyond, one), *diagnostics]
     off = sum(lump.volume() for lump in best.missing) - sum(lump.volume() for lump in best.extra)
     mirror: Iterator[Manifold] = iter(())
     if abs(off) < best.differs / 2:  # a mirror image has as much steel
         mirror = ways_to_lie(best.laid, one.bodies.part, one.bodies, True)
-    return [*told, *differences(best, mirror, one.bodies, "the piece", source)]
+    return [*diagnostics, *differences(best, mirror, one.bodies, "the piece", source)]
 
 
 def as_tube(part: Part, coper: Coper) -> Part:
@@ -152,15 +152,15 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
     whole = replace(part, features=(*part.features, *(part.made or ())), made=None)
     wide = Margins(lambda _: slack, 0.0, slack, slack, skin=SKIN)
     narrow = Margins(lambda _: -slack, 0.0, -slack, -slack, skin=-SKIN)
-    found = bodies_of(whole, wide, narrow, 2 * slack, slack)
+    bodies = bodies_of(whole, wide, narrow, 2 * slack, slack)
     as_cut, square = _cut_square(whole)
     corners, count = _corners(whole, narrow, coper.corner_radius)
-    plain = found.most
+    plain = bodies.most
     most = (part_solid(as_cut, narrow) if square else plain) + corners
-    least = found.least
+    least = bodies.least
     if part.profile.code == "M" or (part.profile.code == "RO" and skew_ends(whole)):
         least, most = square_to_surface(least, most, whole, narrow)
-    drawn = part_solid(as_cut) if square else found.drawn
+    drawn = part_solid(as_cut) if square else bodies.drawn
     ends: list[Manifold] = list(square_ends(part, coper, burns, slack))
     ledges: list[Manifold] = []
     if part.made is None:
@@ -178,8 +178,8 @@ def _asked(part: Part, machine: Machine, coper: Coper, burns: Sequence[Burn]) ->
         on_tube = [one ^ stock_solid(part, replace(narrow, end=-FREE)) for one in on_rounds]
         more = [*ends, *ledges, *steps, *on_tube]
         most = m.Manifold.batch_boolean([most, *more], m.OpType.Add)
-    found = replace(found, least=least, most=most)
-    return Asked(found, plain, corners, count, coper.corner_radius, square)
+    bodies = replace(bodies, least=least, most=most)
+    return Asked(bodies, plain, corners, count, coper.corner_radius, square)
 
 
 def _known(piece: "Manifold", beyond: "Sequence[Manifold]", one: Asked) -> Iterator[Diagnostic]:
@@ -212,11 +212,11 @@ def _cut_square(part: Part) -> tuple[Part, str]:
             holes += 1
             feature = Contour("v", "inner", tuple(_drilled(feature, part)), feature.source)
         features.append(feature)
-    said = [f"{bevels} edge(s) with a bevel"] if bevels else []
+    texts = [f"{bevels} edge(s) with a bevel"] if bevels else []
     skew = skew_ends(part) if part.profile.code in ("M", "RO") else 0
-    said += [f"{skew} end(s) skew through the wall"] if skew else []
-    said += [f"{holes} hole(s) round its axis"] if holes else []
-    return replace(part, features=tuple(features)), ", ".join(said)
+    texts += [f"{skew} end(s) skew through the wall"] if skew else []
+    texts += [f"{holes} hole(s) round its axis"] if holes else []
+    return replace(part, features=tuple(features)), ", ".join(texts)
 
 
 def _drilled(hole: Hole, part: Part) -> Iterator[Line]:
@@ -240,22 +240,22 @@ def _corners(part: Part, margins: Margins, radius: float) -> "tuple[Manifold, in
     """The steel that the re-entrant corners of contours keep, and how many there are."""
     m = kernel()
     taken: list[Manifold] = []
-    found: set[tuple[str, float, float]] = set()
+    corners: set[tuple[str, float, float]] = set()
     if part.profile.code == "RO":
         skin, wall = skin_of(part)
         turn = skin.turn
         for (x, u), one in _rounds(_steel_of_tube(part, turn), part.contours, radius):
             taken.append(wrapped(one, skin, -FREE, wall + FREE))
-            found.add(("v", round(x, 2), round(u % turn, 2) % round(turn, 2)))
+            corners.add(("v", round(x, 2), round(u % turn, 2) % round(turn, 2)))
     sides = walls(part.profile)
     for face in ("v", "o", "u", "h") if part.profile.code != "RO" else ():
         if face in sides:
             own = [c for c in part.contours if _wall_of(c.face, part) == face]
             for (x, q), one in _rounds(_steel_of(part, face, sides[face]), own, radius):
                 taken += rounds_on(face, (x, q), one, radius, sides[face], part)
-                found.add((face, x, q))
+                corners.add((face, x, q))
     whole = m.Manifold.batch_boolean([m.Manifold(), *taken], m.OpType.Add)
-    return (whole ^ stock_solid(part, margins)) - part_solid(part), len(found)
+    return (whole ^ stock_solid(part, margins)) - part_solid(part), len(corners)
 
 
 def _wall_of(face: str, part: Part) -> str:

@@ -108,7 +108,7 @@ def sheet_meshes(
     ]
     tree = STRtree([one for _, one in cuts])
     line_of = np.array([line for line, _ in cuts], dtype=np.int64)
-    found = []
+    meshes = []
     for piece in pieces:
         mesh = _mesh(prism(piece.simplify(chord), 0.0, thickness, AS_DRAWN), {})
         corners = mesh.points[mesh.triangles]
@@ -118,8 +118,8 @@ def sheet_meshes(
         lines = np.zeros(len(mesh.triangles), dtype=np.int64)
         if len(middles):
             lines[walls] = line_of[tree.nearest(points(middles[:, :2]))]
-        found.append(Mesh(mesh.points, mesh.triangles, lines))
-    return found
+        meshes.append(Mesh(mesh.points, mesh.triangles, lines))
+    return meshes
 
 
 def _is_slug(piece: Any, other: Any, whole: Any) -> bool:

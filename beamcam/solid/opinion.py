@@ -135,7 +135,7 @@ def _of_bar(text: str, request: Request, bar: float | None) -> list[Diagnostic]:
     if len(pieces) < len(parts):
         found = f"{len(pieces)} piece(s)"
         return [PIECES.at(source, found=found, expected=f"{len(parts)}, one for each part")]
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     free = {*range(len(pieces))}
     for number, one in enumerate(bodies, 1):
         costs = [(cost, k) for cost, k in likely(pieces, one) if k in free]
@@ -147,9 +147,9 @@ def _of_bar(text: str, request: Request, bar: float | None) -> list[Diagnostic]:
         free.remove(chosen)
         mirror = ways_to_lie(pieces[chosen], stock, one, True)
         best, told = without_left_out(best, one, f"piece {number}", request.skips)
-        said += (*told, *differences(best, mirror, one, f"piece {number}", source))
-    said += _surplus([pieces[k] for k in sorted(free)], stock, [*known.values()], source)
-    return said
+        diagnostics += (*told, *differences(best, mirror, one, f"piece {number}", source))
+    diagnostics += _surplus([pieces[k] for k in sorted(free)], stock, [*known.values()], source)
+    return diagnostics
 
 
 def _fit(piece: "Manifold", stock: Part, bodies: Bodies) -> Fit | None:

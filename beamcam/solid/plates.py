@@ -58,10 +58,10 @@ class Plate(Struct, frozen=True):
 
 def thickness_of(part: Part, torch: Torch) -> float:
     """Of the part's sheet, or the machine's where the part does not say. Raises BeamcamError."""
-    found = part.profile.web_thickness or torch.thickness or 0.0
-    if not found > 0.0:
+    thickness = part.profile.web_thickness or torch.thickness or 0.0
+    if not thickness > 0.0:
         raise no_solid(part, "a sheet without a thickness")
-    return found
+    return thickness
 
 
 def plate_of(part: Part, torch: Torch, skips: tuple[str, ...]) -> Plate:
@@ -259,14 +259,14 @@ def sheet_faults(text: str, parts: Sequence[Part], request: Request) -> list[Dia
     events, _ = table_events(text, machine, name)
     pieces = pieces_cut(strokes_of(events, machine, rows, name), kerf)
     copies = torch.copies[0] * torch.copies[1]
-    wanted = [
+    expected = [
         one
         for part in parts
         for one in list(_expected(plates[part], machine, torch, kerf)) * copies
     ]
     return [
-        *_compared(pieces, wanted, torch.rotate, request),
-        *(said for part in parts for said in _by_hand(plates[part])),
+        *_compared(pieces, expected, torch.rotate, request),
+        *(diagnostic for part in parts for diagnostic in _by_hand(plates[part])),
     ]
 
 
@@ -282,7 +282,7 @@ def _expected(plate: Plate, machine: Machine, torch: Torch, kerf: float) -> Iter
 
 
 def _compared(
-    pieces: Sequence[Shape], wanted: Sequence[Expected], turn: float, request: Request
+    pieces: Sequence[Shape], expected: Sequence[Expected], turn: float, request: Request
 ) -> Iterator[Diagnostic]:
     """Each piece that is wanted beside the likeliest one that is free."""
     source = Source(request.name)
@@ -290,11 +290,11 @@ def _compared(
     cut_out = {
         k for k, one in enumerate(pieces) if any(_within(one, o) for o in pieces if o is not one)
     }
-    for number, one in enumerate(wanted, 1):
+    for number, one in enumerate(expected, 1):
         costs = sorted((_unlike(pieces[k], one.drawn), k) for k in free)
         if not costs:
             found = f"{len(pieces)} piece(s) that come free"
-            yield PIECES.at(source, found=found, expected=f"{len(wanted)}, and their cut-outs")
+            yield PIECES.at(source, found=found, expected=f"{len(expected)}, and their cut-outs")
             return
         near = [k for cost, k in costs if cost <= costs[0][0] + ALIKE]
         near.sort(key=cut_out.__contains__)  # a cut-out may be as large as a part
@@ -305,7 +305,7 @@ def _compared(
         free.remove(chosen)
     for k in sorted(free):
         if k not in cut_out:
-            for one in dict.fromkeys(wanted):
+            for one in dict.fromkeys(expected):
                 alike = abs(pieces[k].area - one.drawn.area) <= SAME_AREA * one.drawn.area
                 if alike and _lies(pieces[k], one, turn):
                     mark = one.plate.part.mark or "part"

@@ -67,7 +67,7 @@ def starting_words(machine: Machine) -> tuple[Starting, ...]:
     Of several M words it is the one that the file calls so, else M3 or M4, else one that it says
     nothing of; M7 to M9 only where there is no other.
     """
-    found = []
+    startings = []
     for process in PROCESSES:
         several = []
         for line in getattr(machine.words, f"{process}_on"):
@@ -79,16 +79,16 @@ def starting_words(machine: Machine) -> tuple[Starting, ...]:
             addresses = _ADDRESS.findall(match[2])
             fixed = frozenset((a, float(value)) for a, name, value in addresses if not name)
             carried = tuple((a, name) for a, name, _ in addresses if name and name != "feed")
-            found.append(Starting(process, int(match[1]), fixed, carried))
-    return tuple(found)
+            startings.append(Starting(process, int(match[1]), fixed, carried))
+    return tuple(startings)
 
 
 def _place(number: int, carried: str, machine: Machine) -> int | None:
     """How likely an M word is to start a tool, 0 first; None of one that does something else."""
-    said = {f"{letter}{float(value):g}" for letter, _, value in _ADDRESS.findall(carried) if value}
+    words = {f"{letter}{float(value):g}" for letter, _, value in _ADDRESS.findall(carried) if value}
     for key, meaning in machine.codes.items():
         match = _M_WORD.match(key)
-        if match and int(match[1]) == number and (not match[2] or match[2].strip() in said):
+        if match and int(match[1]) == number and (not match[2] or match[2].strip() in words):
             return 0 if meaning in ("torch on", "cutting oxygen on") else None
     return 1 if number in (3, 4) else 3 if number in (7, 8, 9) else 2
 

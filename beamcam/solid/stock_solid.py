@@ -60,11 +60,11 @@ def shape_of(curves: tuple[Curve, ...]) -> Shape:
     """The inside of a closed chain of curves, chords within CHORD of it."""
     from shapely import Polygon
 
-    found = polylines(curves, CHORD)
+    outline = polylines(curves, CHORD)
     ring = [
         tuple(point)
         for k in range(len(curves))
-        for point in found.points[found.begins[k] : found.begins[k + 1] - 1].tolist()
+        for point in outline.points[outline.begins[k] : outline.begins[k + 1] - 1].tolist()
     ]
     ring.append(curves[-1].end)
     return Polygon(ring).buffer(0) if len(ring) > 2 else Polygon()
@@ -157,12 +157,12 @@ def _drawn(part: Part, faces: str, side: int) -> tuple[float, Contour | None]:
     outer = [
         c for c in part.contours if c.face in faces and c.kind == "outer" and c.process == "cut"
     ]  # fmt: skip
-    found = [_line_across(c, part, side) for c in outer]
+    lines = [_line_across(c, part, side) for c in outer]
     two_flanges = part.profile.code in ("I", "U", "C", "M")
     there = not two_flanges or {c.face for c in outer} == set(faces)
-    if part.profile.code == "B" or not found or not there or max(found) - min(found) > AGREE_DEG:
+    if part.profile.code == "B" or not lines or not there or max(lines) - min(lines) > AGREE_DEG:
         return 0.0, None
-    return found[0], outer[0] if found[0] else None
+    return lines[0], outer[0] if lines[0] else None
 
 
 def _line_across(contour: Contour, part: Part, side: int) -> float:

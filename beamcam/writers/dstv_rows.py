@@ -216,10 +216,10 @@ def _in_dstv_curves(contour: Contour, tolerance: float | None) -> Contour:
     first_of: list[int] = []
     count_of: list[int] = []
     for curve in contour.curves:
-        found = _pieces(curve, contour, tolerance)
+        curves = _pieces(curve, contour, tolerance)
         first_of.append(len(pieces))
-        count_of.append(len(found))
-        pieces += found
+        count_of.append(len(curves))
+        pieces += curves
     if len(pieces) == len(contour.curves):
         return replace(contour, curves=tuple(pieces))
     bevels = tuple(

@@ -93,12 +93,12 @@ def run(
     Where they are not given, the section is what the program says, and any grade may be meant.
     """
     known = _known_of(machine)
-    events, said = cell_events(text, machine, name)
+    events, diagnostics = cell_events(text, machine, name)
     if profile is None and known.dialect.section_fields:
         profile = section_said(events, known.dialect, machine)
     done = run_of_events(events, machine, profile, name, grades, lip)
     told = comment_faults(stop_comments(text), done.tools, machine, name)
-    return replace(done, diagnostics=(*said, *done.diagnostics, *told))
+    return replace(done, diagnostics=(*diagnostics, *done.diagnostics, *told))
 
 
 def run_of_events(
@@ -111,9 +111,9 @@ def run_of_events(
     cell = Cell(machine, known.dialect, choices, known.data(grades), name)
     made = cell.run(events)
     unseen = tuple(sorted(cell.unseen))
-    said = (*cell.said, *place_faults(made, machine, name))
+    diagnostics = (*cell.said, *place_faults(made, machine, name))
     tools = tuple(cell.tools)
-    return BarRun(made, tuple(events), said, known.dialect, choices, unseen, tools)
+    return BarRun(made, tuple(events), diagnostics, known.dialect, choices, unseen, tools)
 
 
 def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine) -> Profile:
@@ -121,15 +121,15 @@ def section_said(events: Sequence[BarEvent], dialect: Dialect, machine: Machine)
 
     A number that may mean several kinds says none of them.
     """
-    said: dict[str, float] = {}
+    sizes: dict[str, float] = {}
     for event in events:
         if type(event) is Switch:
             word = dialect.m_words.get(event.number)
             if word is not None and word.role == "section":
-                said |= {f: event.words[at] for at, f in word.fields if at in event.words}
-    codes = machine.sections_of(said.get("section", -1))
+                sizes |= {f: event.words[at] for at, f in word.fields if at in event.words}
+    codes = machine.sections_of(sizes.get("section", -1))
     code = codes[0] if len(codes) == 1 else "SO"
-    height, width = said.get("height", 0.0), said.get("width", 0.0)
+    height, width = sizes.get("height", 0.0), sizes.get("width", 0.0)
     return Profile(code, "", height, width, 0.0, None)  # type: ignore[arg-type]
 
 
@@ -185,18 +185,21 @@ def compared(
     Where nothing is, also what a `head` says otherwise.
     """
     known = _known_of(machine)
-    asked = Asked(parts, skips, order != "given", turn, bar)
+    job = Asked(parts, skips, order != "given", turn, bar)
     comparison = Comparison(
-        done.made, asked, known.shop, profile, known.choices(profile), name
+        done.made, job, known.shop, profile, known.choices(profile), name
     )  # fmt: skip
-    said = (*comparison.run(), *bar_faults(comparison.laid, machine, comparison.saw, bar, name))
-    if head is None or errors_in(said):
-        return said
+    diagnostics = (
+        *comparison.run(),
+        *bar_faults(comparison.laid, machine, comparison.saw, bar, name),
+    )
+    if head is None or errors_in(diagnostics):
+        return diagnostics
     laid = sorted(comparison.laid, key=attrgetter("start"))
     lie = [(one.part, (one.start,)) for one in laid]
     return (
-        *said, *stock_faults(head, parts, section_told(parts), machine, name),
-        *part_faults(head, lie, machine.format.resolution, asked.free, name),
+        *diagnostics, *stock_faults(head, parts, section_told(parts), machine, name),
+        *part_faults(head, lie, machine.format.resolution, job.free, name),
     )  # fmt: skip
 
 
@@ -207,7 +210,7 @@ def section_of(text: str, machine: Machine, part: Part, turn: bool) -> Profile:
 
 def _lying_section(made: MachinedFeatures, part: Part) -> Profile:
     """The section of a part as it lies by what the program says of it."""
-    said = dict(made.section)
-    size = said.get("height"), said.get("width")
+    sizes = dict(made.section)
+    size = sizes.get("height"), sizes.get("width")
     fitting = (p.profile for p in standing(part) if (p.profile.height, p.profile.width) == size)
     return next(fitting, part.profile)

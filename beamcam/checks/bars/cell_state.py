@@ -228,12 +228,12 @@ class CellState:
 
     def _take_numbered(self, line: int, values: Values) -> None:
         """The tool that a number means, which has to be of the size that is said beside it."""
-        found = self.dialect.numbered.get(int(values["tool"]))
-        if found is None:
+        tool = self.dialect.numbered.get(int(values["tool"]))
+        if tool is None:
             known = ", ".join(map(str, sorted(self.dialect.numbered)))
             self.say(WORD, line, found=f"tool {values['tool']:g}", expected=f"one of {known}")
             return
-        kind, size = found
+        kind, size = tool
         if "diameter" in values and self.diameter != size:
             expected = f"{size:g}, the size of tool {values['tool']:g}"
             self.say(WORD, line, found=f"diameter {self.diameter:g}", expected=expected)

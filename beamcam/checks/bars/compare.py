@@ -61,10 +61,10 @@ class Comparison:
     """Comparison of one program with the required parts; `said` holds its faults."""
 
     def __init__(
-        self, made: MachinedFeatures, asked: Asked, shop: ToolCatalogue, profile: Profile,
+        self, made: MachinedFeatures, job: Asked, shop: ToolCatalogue, profile: Profile,
         choices: dict[int, Choice], name: str,
     ) -> None:  # fmt: skip
-        self.made, self.asked, self.shop, self.saw = made, asked, shop, saw_of(shop.machine)
+        self.made, self.asked, self.shop, self.saw = made, job, shop, saw_of(shop.machine)
         self.machine: Machine = shop.machine
         self.profile, self.name = profile, name
         self.paths = PathsAlong(made.paths)
@@ -83,11 +83,11 @@ class Comparison:
         laid = self.laid = self._lay_out()
         parts = [one.part for one in laid]
         required = _Required()
-        told = self._told_texts()
+        texts = self._told_texts()
         for p, one in enumerate(laid):
             self.said += left_to_hand(one.part, self.machine)
-            if told is not None:
-                self.said += told.check(p, one.part, one.ends, one.start)
+            if texts is not None:
+                self.said += texts.check(p, one.part, one.ends, one.start)
             elif TextMark in map(type, one.part.features):
                 self._find_texts(p, one, required.led)
             self._require(p, one, required)
@@ -102,24 +102,24 @@ class Comparison:
         done = [Done(w.part, self.holes.bores[i]) for i, w in self.holes.made.items()]
         shapes = [(w.part, shape_of(w.target)) for w in self.holes.made.values()]
         if self.made.paths or required.led:
-            found = check_paths(
+            paths = check_paths(
                 self.made.paths, required.led, parts, self.shop, self.profile, self.name
             )
-            self.said += found.said
-            done += (Done(led.part, path) for path, led in found.taken)
-            milled = [(p, w.target) for p, w in found.taken if isinstance(w.target, Pocket)]
+            self.said += paths.said
+            done += (Done(led.part, path) for path, led in paths.taken)
+            milled = [(p, w.target) for p, w in paths.taken if isinstance(w.target, Pocket)]
             self.said += entry_faults(self.made, milled, self.shop, self.name)
-            shapes += ((led.part, shape_of(led.target)) for _, led in found.taken)
+            shapes += ((led.part, shape_of(led.target)) for _, led in paths.taken)
         for p, one in enumerate(laid):
             own = {s.feature: s for q, s in shapes if q == p and s is not None}
             self.said += steel_faults(tuple(own.values()), one.part, one.ends, self.machine)
-        if told is not None:
-            done += (Done(part, text) for part, text in told.taken)
+        if texts is not None:
+            done += (Done(part, text) for part, text in texts.taken)
         self.said += parting_faults(
             self.made, laid, done, self.cuts, self.machine, self.profile, self.name
         )
-        if told is not None:
-            self.said += told.extra()
+        if texts is not None:
+            self.said += texts.extra()
         return tuple(self.said)
 
     def _require(self, p: int, one: LaidPart, required: "_Required") -> None:
@@ -157,9 +157,11 @@ class Comparison:
         from beamcam.checks.bars.texts import texts_of
 
         from_x = self.shop.drill.x + one.start
-        found, said = texts_of(one.part, one.ends, self.made.paths, from_x, self.shop)
-        led += (RequiredPath(p, target, from_x) for target in found)
-        self.said += said
+        marking_paths, diagnostics = texts_of(
+            one.part, one.ends, self.made.paths, from_x, self.shop
+        )
+        led += (RequiredPath(p, target, from_x) for target in marking_paths)
+        self.said += diagnostics
 
     def _targets_of(self, part: Part, ends: tuple[End, End]) -> list[Target]:
         known = self.targets.get(id(part))
@@ -171,12 +173,12 @@ class Comparison:
         """The parts on the bar; faults of its cuts are reported."""
         if self.machine.saw is None:
             return self._come_cut()
-        asked, saw = self.asked, self.saw
+        job, saw = self.asked, self.saw
         cuts = self.cuts
-        found = pieces(cuts, asked.bar)
-        laid = lay_out(found, asked.parts, self.machine, saw, asked.free, asked.turn, self._faults)
-        if len(laid) == len(asked.parts):
-            used = wedge_cuts(laid, cuts, self.machine, saw, asked.bar)
+        found = pieces(cuts, job.bar)
+        laid = lay_out(found, job.parts, self.machine, saw, job.free, job.turn, self._faults)
+        if len(laid) == len(job.parts):
+            used = wedge_cuts(laid, cuts, self.machine, saw, job.bar)
             for one in laid:
                 if one.piece is not None and used is not None:
                     used |= {one.piece.start.cut.line, one.piece.end.cut.line}
@@ -187,23 +189,23 @@ class Comparison:
 
     def _come_cut(self) -> list[LaidPart]:
         """The parts on a line without a saw: the only one begins where the bar does."""
-        asked = self.asked
+        job = self.asked
         for cut in self.made.cuts:
             source = Source(self.name, cut.line)
             self.said.append(rules.CUT_EXTRA.at(source, angle=f"{cut.angle:g}", x=f"{cut.x:g}"))
-        for part in asked.parts[1:]:
+        for part in job.parts[1:]:
             self.said.append(rules.ONE_PART.at(part.source, mark=part.mark))
-        first = asked.parts[0]
+        first = job.parts[0]
         ways = [part for part in standing(first) if part.profile == self.profile]
-        meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if asked.turn else [first])]
+        meant = [Candidate(p, 0, ends_of(p, self.saw)) for p in (ways if job.turn else [first])]
         best = min(meant, key=lambda candidate: self._faults(candidate, 0.0))
         return [LaidPart(best.part, 0, best.ends, 0.0, None)]
 
     def _complain_of_cuts(self, laid: Sequence[LaidPart]) -> list[LaidPart]:
         """The parts placed by the nearest cuts; faults of the cuts are reported."""
-        asked = self.asked
-        parts: list[Part] = list(asked.parts)
-        if asked.free or asked.turn:  # those that are found stay as they lie
+        job = self.asked
+        parts: list[Part] = list(job.parts)
+        if job.free or job.turn:  # those that are found stay as they lie
             missing = {*range(len(parts))} - {one.given for one in laid}
             parts = [*(one.part for one in laid), *(parts[i] for i in sorted(missing))]
         ends = [ends_of(part, self.saw) for part in parts]

@@ -305,16 +305,16 @@ class CutFaults:
         """The start of a part: where its first cut fits one at its other end, if there is any."""
         height = part.profile.height
         at, reach = (e.blade(self.saw, height) for e in ends)
-        found = [x - at for x in self._places(ends[0])]
+        offsets = [x - at for x in self._places(ends[0])]
         last = self._places(ends[1])
-        for start in found:
+        for start in offsets:
             if self._is_there(start + reach, last):
                 return start
         others = [place - reach for place in last]
         near = begin
         if near is None and self.machine.layout is not None:
             near = self.machine.layout.front_trim
-        return min((*found, *others), key=lambda s: abs(s - (near or 0.0)), default=near or 0.0)
+        return min((*offsets, *others), key=lambda s: abs(s - (near or 0.0)), default=near or 0.0)
 
     def _take(self, end: End, bar_x: float, part: Part) -> Cut | None:
         """The cut at `bar_x`, taken from those that are left; what is wrong with it is said."""
@@ -322,8 +322,8 @@ class CutFaults:
         here = [c for c in self.left if abs(c.x - x) <= self.tolerance]
         best = min(self._like(end, here), key=lambda c: abs(c.x - x), default=None)
         if best is None:
-            best, said = self._instead(end, x, here, part)
-            self.said.append(said)
+            best, diagnostic = self._instead(end, x, here, part)
+            self.said.append(diagnostic)
         if best is not None:
             self.left.remove(best)
         return best

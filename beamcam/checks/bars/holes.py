@@ -239,12 +239,12 @@ class HoleCheck:
             self.made[best] = want
             yield self._not_right(want, self.bores[best], parts)
         for want in astray:
-            found = self._nearest(want)
-            if found is None:
+            nearest = self._nearest(want)
+            if nearest is None:
                 yield self._missing(want, parts)
             else:
-                self.made[found] = want
-                yield self._elsewhere(want, self.bores[found], parts)
+                self.made[nearest] = want
+                yield self._elsewhere(want, self.bores[nearest], parts)
         for i, bore in enumerate(self.bores):
             if i not in self.made:
                 yield rules.HOLE_EXTRA.at(

@@ -195,7 +195,7 @@ def _side_by_side(shapes: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:
     holes = [k for k, shape in enumerate(shapes) if shape.hole is not None]
     holes.sort(key=lambda k: (shapes[k].face, shapes[k].centres[0][0]))
     widest = max((shapes[k].radius for k in holes), default=0.0)
-    found: list[tuple[int, int]] = []
+    pairs: list[tuple[int, int]] = []
     for place, k in enumerate(holes):
         one = shapes[k]
         for at in range(place + 1, len(holes)):
@@ -205,8 +205,8 @@ def _side_by_side(shapes: Sequence[Shape]) -> Iterator[tuple[Shape, Shape]]:
                 break
             if other.centres[0][0] - one.centres[0][0] > one.radius + widest:
                 break
-            found.append((min(k, i), max(k, i)))
-    return ((shapes[k], shapes[i]) for k, i in sorted(found))
+            pairs.append((min(k, i), max(k, i)))
+    return ((shapes[k], shapes[i]) for k, i in sorted(pairs))
 
 
 def _beyond_end(shape: Shape, profile: Profile, ends: tuple[End, End], step: float) -> str:

@@ -188,18 +188,18 @@ class PathsAlong:
 
 
 def check_paths(
-    paths: Sequence[MachinedPath], wanted: Sequence[RequiredPath], parts: Sequence[Part],
+    paths: Sequence[MachinedPath], required_paths: Sequence[RequiredPath], parts: Sequence[Part],
     shop: ToolCatalogue, profile: Profile, name: str,
 ) -> CheckedPaths:  # fmt: skip
     """Faults of the paths: each pocket and line once, by the path that fits it best."""
     allowed = _allowed(shop)
-    left, said = PathsAlong(paths), list[Diagnostic]()
+    left, diagnostics = PathsAlong(paths), list[Diagnostic]()
     taken: list[tuple[MachinedPath, RequiredPath]] = []
-    for want in wanted:
+    for want in required_paths:
         target, mark = want.target, parts[want.part].mark
         path = _meant(left, want, allowed)
         if path is None:
-            said.append(
+            diagnostics.append(
                 rules.NOT_MADE.at(target.source.source, found=f"the {target.what}", mark=mark)
             )
             continue
@@ -207,23 +207,23 @@ def check_paths(
         taken.append((path, want))
         off = _off(path, want)
         if off > allowed:
-            said.append(rules.PATH.at(
+            diagnostics.append(rules.PATH.at(
                 Source(name, path.line), what=f"the {target.what}", mark=mark,
                 found=f"{off:.3f}", expected=f"{allowed:g}",
             ))  # fmt: skip
-        said += _tool_and_depth(path, target, mark, shop, profile, Source(name, path.line))
+        diagnostics += _tool_and_depth(path, target, mark, shop, profile, Source(name, path.line))
         if isinstance(target, MarkingPath) and in_stem(target.curves, profile, target.face):
             x, y = target.curves[0].start
-            said.append(rules.HOLE_STEEL.at(
+            diagnostics.append(rules.HOLE_STEEL.at(
                 target.source.source, what=target.what, face=target.face, mark=mark, x=f"{x:g}",
                 y=f"{y:g}", found="in the stem", expected="it clear of the stem",
             ))  # fmt: skip
     for path in left.rest:
         x, y = path.points[0]
-        said.append(rules.PATH_EXTRA.at(
+        diagnostics.append(rules.PATH_EXTRA.at(
             Source(name, path.line), kind=path.kind, face=path.face, x=f"{x:g}", y=f"{y:g}"
         ))  # fmt: skip
-    return CheckedPaths(tuple(said), tuple(taken))
+    return CheckedPaths(tuple(diagnostics), tuple(taken))
 
 
 def is_led(

@@ -61,9 +61,9 @@ class Piece(Struct, frozen=True, gc=False):
 def planes(cuts: Sequence[Cut], saw: Saw, profile: Profile) -> list[CutPlane]:
     """The planes of the cuts in their order along the bar, by the middle of the section."""
     rise = (-0.5 if saw.pivot == "o" else 0.5) * profile.height
-    found = [_plane(cut, saw) for cut in cuts]
-    found.sort(key=lambda p: (p.along(rise, profile.width / 2), p.cut.line))
-    return found
+    planes = [_plane(cut, saw) for cut in cuts]
+    planes.sort(key=lambda p: (p.along(rise, profile.width / 2), p.cut.line))
+    return planes
 
 
 def pieces(cuts: Sequence[CutPlane], bar: float | None = None) -> list[Piece]:
@@ -71,11 +71,11 @@ def pieces(cuts: Sequence[CutPlane], bar: float | None = None) -> list[Piece]:
 
     The bar's own end counts as a cut of line 0.
     """
-    found = [Piece(a, b) for a, b in pairwise(cuts)]
+    pieces = [Piece(a, b) for a, b in pairwise(cuts)]
     if bar is not None and cuts:
         end = CutPlane(Cut(0, bar, nan, 0.0), 0.0, 0.0, bar, 0.0, 0.0, 0.0)
-        found.append(Piece(cuts[-1], end))
-    return found
+        pieces.append(Piece(cuts[-1], end))
+    return pieces
 
 
 def overlapping(cuts: Sequence[CutPlane]) -> bool:
@@ -137,7 +137,7 @@ Faults = Callable[[Candidate, float], tuple[int, int]]
 
 
 def lay_out(
-    found: Sequence[Piece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
+    pieces: Sequence[Piece], parts: Sequence[Part], machine: Machine, saw: Saw, free: bool,
     turn: bool, faults: Faults,
 ) -> list[LaidPart]:  # fmt: skip
     """The parts that pieces are, from one end of the bar to the other.
@@ -147,7 +147,7 @@ def lay_out(
     ways: Ways = {}
     waiting = [_candidates(part, i, saw, turn, ways) for i, part in enumerate(parts)]
     laid: list[LaidPart] = []
-    for piece in found:
+    for piece in pieces:
         if not waiting:
             break
         choices = waiting if free else waiting[:1]
@@ -219,7 +219,7 @@ def wedge_cuts(
     where the bar ends with the part; where the next part starts square, the cut that gives it its
     start is the one.
     """
-    found: set[int] = set()
+    numbers: set[int] = set()
     place = {plane.cut.line: i for i, plane in enumerate(cuts)}
     for index, one in enumerate(laid):
         end = one.piece.end if one.piece is not None else None
@@ -232,7 +232,7 @@ def wedge_cuts(
             if start is end:
                 continue
             if following.ends[0].square and start is cuts[at]:
-                found.add(start.cut.line)
+                numbers.add(start.cut.line)
                 continue
         x = one.start + one.part.length + one.ends[1].kerf(saw) / 2
         if at >= len(cuts) and following is None and _ends_with(bar, x, one, machine, saw):
@@ -242,8 +242,8 @@ def wedge_cuts(
             return None
         if abs(cuts[at].at_pivot - x) > machine.format.resolution + 1e-6:
             return None
-        found.add(cuts[at].cut.line)
-    return found
+        numbers.add(cuts[at].cut.line)
+    return numbers
 
 
 def _ends_with(bar: float | None, x: float, last: LaidPart, machine: Machine, saw: Saw) -> bool:

@@ -59,13 +59,13 @@ def verify_remainder(
     both = run_of_events([*done, *moved], machine, profile, name, grades)
     told_stops = [c for c in stop_comments(whole) if c.line <= done[-1].line]
     told_stops += (replace(c, line=c.line + after) for c in stop_comments(rest))
-    found = (
+    diagnostics = (
         *both.diagnostics, *comment_faults(told_stops, both.tools, machine, name),
         *compared(both, parts, machine, profile, skips, name, order, turn, bar),
     )  # fmt: skip
-    told = {(one.code, one.source.line, one.values) for one in said}
-    placed = (_placed(one, after, name, whole_name) for one in found)
-    said += [one for one in placed if (one.code, one.source.line, one.values) not in told]
+    keys = {(one.code, one.source.line, one.values) for one in said}
+    placed = (_placed(one, after, name, whole_name) for one in diagnostics)
+    said += [one for one in placed if (one.code, one.source.line, one.values) not in keys]
     return tuple(said)
 
 
@@ -107,10 +107,10 @@ def _role(event: BarEvent, dialect: Dialect) -> str:
     return word.role if word else ""
 
 
-def _placed(said: Diagnostic, after: int, name: str, whole_name: str) -> Diagnostic:
+def _placed(diagnostic: Diagnostic, after: int, name: str, whole_name: str) -> Diagnostic:
     """A message at its line of the remainder, or of the whole program."""
-    line = said.source.line
-    if said.source.file != name or line is None:
-        return said
+    line = diagnostic.source.line
+    if diagnostic.source.file != name or line is None:
+        return diagnostic
     source = Source(whole_name, line) if line <= after else Source(name, line - after)
-    return replace(said, source=source)
+    return replace(diagnostic, source=source)

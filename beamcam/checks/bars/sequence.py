@@ -188,15 +188,15 @@ class StopComment(Struct, frozen=True):
 
 def stop_comments(text: str) -> tuple[StopComment, ...]:
     """What a program tells the operator about tools, in its order."""
-    found = []
+    comments = []
     for number, line in enumerate(text.splitlines(), 1):
         match = _STOP.search(line.lower()) if "station" in line.lower() else None
         if match is not None:
             spindle, station, kind, size, old_kind, old_size = match.groups()
             old = (old_kind, float(old_size)) if old_kind else None
             name = " ".join(spindle.split()).lstrip("([;")
-            found.append(StopComment(number, name, int(station), (kind, float(size)), old))
-    return tuple(found)
+            comments.append(StopComment(number, name, int(station), (kind, float(size)), old))
+    return tuple(comments)
 
 
 def comment_faults(
@@ -220,7 +220,7 @@ def comment_faults(
 
 
 def _of_spindle(
-    spindle: Spindle, said: dict[int, StopComment], tools: Sequence[Chosen | Changed],
+    spindle: Spindle, comments: dict[int, StopComment], tools: Sequence[Chosen | Changed],
     machine: Machine, name: str,
 ) -> Iterator[Diagnostic]:  # fmt: skip
     """Faults of what is said of the stations of one spindle."""
@@ -239,7 +239,7 @@ def _of_spindle(
                     )  # fmt: skip
                 held.add(one.tool)
             continue
-        comment = said.get(one.line)
+        comment = comments.get(one.line)
         is_of = one.spindle == spindle.number
         if one.spindle is None:
             is_of = comment is not None and comment.spindle == spindle.name.lower()

@@ -112,7 +112,7 @@ Target = Round | Pocket | MarkingPath | Unmakeable
 def targets_of(part: Part, ends: tuple[End, End], shop: ToolCatalogue) -> list[Target]:
     """Requirements of every feature of a part; duplicate holes count once."""
     kinds: dict[tuple[object, ...], tuple[RoundKind, ...] | None] = {}
-    found: list[Target] = []
+    targets: list[Target] = []
     for f, feature in _once(part, shop):
         if type(feature) is Hole and feature.kind in PLAIN_KINDS:
             key = feature.face, feature.diameter, feature.depth
@@ -120,10 +120,10 @@ def targets_of(part: Part, ends: tuple[End, End], shop: ToolCatalogue) -> list[T
             if known == ():
                 known = kinds[key] = _drilled(feature, part, shop)
             if known:
-                found.append(Round(f, feature.x, feature.y, feature.face, known[0]))
+                targets.append(Round(f, feature.x, feature.y, feature.face, known[0]))
                 continue
-        found += _targets(f, feature, part, ends, shop)
-    return found
+        targets += _targets(f, feature, part, ends, shop)
+    return targets
 
 
 Either = TypeVar("Either", bound=Hole | Slot)

@@ -53,7 +53,7 @@ def texts_of(
     it is left for manual work.
     """
     courses: list[MarkingPath] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     texts: dict[Face, list[tuple[int, TextMark]]] = {}
     for f, feature in enumerate(part.features):
         if (
@@ -64,12 +64,12 @@ def texts_of(
             texts.setdefault(feature.face, []).append((f, feature))
     for face, group in texts.items():
         if shop.works_on(face, part) and any(shop.of("scribe", face)):
-            found, more = _on_face(face, group, part, ends, paths, from_x, shop)
-            courses += found
-            said += more
+            marking_paths, more = _on_face(face, group, part, ends, paths, from_x, shop)
+            courses += marking_paths
+            diagnostics += more
         else:
-            said += (by_hand(feature, part, shop.machine) for _, feature in group)
-    return courses, said
+            diagnostics += (by_hand(feature, part, shop.machine) for _, feature in group)
+    return courses, diagnostics
 
 
 class PrintedTexts:
@@ -117,13 +117,13 @@ class PrintedTexts:
         ]
         options = [
             [
-                found if _is_told_as(text, one) and _is_over(text, found, *of) else None
-                for one, found in zip(over, founds, strict=True)
+                drawn if _is_told_as(text, one) and _is_over(text, drawn, *of) else None
+                for one, drawn in zip(over, founds, strict=True)
             ]
             for text in texts
         ]
         result = assigned(texts, options, steel, self.shop.machine.marks)
-        for k in (k for found in result if found is not None for k in found.taken):
+        for k in (k for drawn in result if drawn is not None for k in drawn.taken):
             self.left.remove(over[k])
             self.taken.append((p, over[k]))
         return result
@@ -136,17 +136,17 @@ class PrintedTexts:
         smallest = replace(marks, min_height=min(marks.heights, default=marks.min_height))
         boxes = [box_of(t, f.x, f.y, f.height) if f is not None else None for t, f in group]
         places = Places(steel, [box for box in boxes if box is not None], smallest)
-        for k, (text, found) in enumerate(group):
+        for k, (text, drawn) in enumerate(group):
             others = [box for j, box in enumerate(boxes) if j != k and box is not None]
             feature = text.feature
-            if found is not None:
-                if marks.heights and found.height not in marks.heights:
+            if drawn is not None:
+                if marks.heights and drawn.height not in marks.heights:
                     expected = "a height that the machine has"
                     yield TEXT.at(
-                        feature.source, text=text.text, x=f"{found.x:.1f}", y=f"{found.y:.1f}",
-                        height=f"{found.height:g}", expected=expected,
+                        feature.source, text=text.text, x=f"{drawn.x:.1f}", y=f"{drawn.y:.1f}",
+                        height=f"{drawn.height:g}", expected=expected,
                     )  # fmt: skip
-                yield from judge(text, found, steel, others, marks)
+                yield from judge(text, drawn, steel, others, marks)
             elif places.has(text):
                 yield TEXT_MISSING.at(
                     feature.source, text=text.text, face=face, mark=part.mark,
@@ -169,9 +169,9 @@ def _is_told_as(text: Wanted, one: StampedText) -> bool:
     return one.text == text.text and apart < ANGLE_DEG
 
 
-def _is_over(text: Wanted, found: DrawnText, part: Part, ends: tuple[End, End]) -> bool:
+def _is_over(text: Wanted, drawn: DrawnText, part: Part, ends: tuple[End, End]) -> bool:
     """Whether the middle of a text lies between the ends of a part; others of the bar may too."""
-    middle = box_of(text, found.x, found.y, found.height).centroid
+    middle = box_of(text, drawn.x, drawn.y, drawn.height).centroid
     first, last = (_ends_at(end, text.feature.face, part.profile, middle.y) for end in ends)
     return bool(min(first) - OVER <= middle.x <= max(last) + OVER)
 
@@ -192,19 +192,19 @@ def _on_face(
         if all(-OVER <= x - from_x <= part.length + OVER for x in (a[0], b[0]))
     ]
     drawn = DrawnPieces(pieces, shop.drill.path_tolerance + 2 * shop.machine.format.resolution)
-    asked = [wanted(feature, marks) for _, feature in texts]
+    required = [wanted(feature, marks) for _, feature in texts]
     standing = standings(
-        asked, drawn, steel, sure, marks, lambda text, one: _is_over(text, one, part, ends)
+        required, drawn, steel, sure, marks, lambda text, one: _is_over(text, one, part, ends)
     )
     courses: list[MarkingPath] = []
-    said: list[Diagnostic] = []
-    for (f, feature), text, one in zip(texts, asked, standing, strict=True):
+    diagnostics: list[Diagnostic] = []
+    for (f, feature), text, one in zip(texts, required, standing, strict=True):
         if one is None:
-            said.append(by_hand(feature, part, shop.machine))
+            diagnostics.append(by_hand(feature, part, shop.machine))
         else:
-            said += one.said
+            diagnostics += one.said
             courses += _strokes(f, text, one.x, one.y, one.height)
-    return courses, said
+    return courses, diagnostics
 
 
 def _strokes(f: int, text: Wanted, x: float, y: float, height: float) -> Iterator[MarkingPath]:

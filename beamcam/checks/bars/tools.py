@@ -208,16 +208,16 @@ class CuttingData:
 
     def _run(self, kind: str, diameter: float, pitch: float) -> CuttingRange | None:
         """Permitted speed and feed of a tool; None without cutting data for its kind."""
-        found = [self._of(row, kind, diameter, pitch) for row in self._rows(kind, diameter)]
-        if not found:
+        figures = [self._of(row, kind, diameter, pitch) for row in self._rows(kind, diameter)]
+        if not figures:
             return None
         drill = self._drill
-        feeds = [feed for _, feed, _ in found]
-        speed = max(speed for speed, _, _ in found)
+        feeds = [feed for _, feed, _ in figures]
+        speed = max(speed for speed, _, _ in figures)
         return CuttingRange(
             LEAST * min(feeds), max(feeds), min(MOST * max(feeds), drill.max_feed_mm_min) + 0.1,
             speed, min(MOST * speed, drill.max_speed_rpm) + 0.6,
-            MOST * max(per_turn for _, _, per_turn in found),
+            MOST * max(per_turn for _, _, per_turn in figures),
         )  # fmt: skip
 
     def _of(
@@ -310,9 +310,9 @@ limits_of_cell = PerObject("verify.cells", _limits)
 
 def _max_pecks(machine: Machine) -> dict[float, float]:
     """How deep a drill of each size may be fed at once, where its size has a limit."""
-    found: dict[float, float] = {}
+    pecks: dict[float, float] = {}
     for tools in machine.tools:
         if tools.kind == "drill":
             for size in tools.sizes:
-                found[size] = max(found.get(size, 0.0), tools.max_peck or inf)
-    return {size: peck for size, peck in found.items() if peck < inf}
+                pecks[size] = max(pecks.get(size, 0.0), tools.max_peck or inf)
+    return {size: peck for size, peck in pecks.items() if peck < inf}

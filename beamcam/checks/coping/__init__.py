@@ -37,23 +37,23 @@ def verify_coping(
     from beamcam.checks.coping.wanted import may_be_left
 
     coper = machine.needed(machine.coper, "coper")
-    events, said = cell_events(text, machine, name)
-    if errors_in(said) or not parts:
-        return tuple(said)
+    events, diagnostics = cell_events(text, machine, name)
+    if errors_in(diagnostics) or not parts:
+        return tuple(diagnostics)
     if len(parts) > 1:
-        return (*said, rules.PARTS.at(Source(name), found=len(parts)))
+        return (*diagnostics, rules.PARTS.at(Source(name), found=len(parts)))
     part = unrolled_pipe(parts[0]) if coper.turns == "bar" else parts[0]
     codes = ["RO", "M"] if coper.turns == "bar" else ["I", "U", "L", "T"]
     codes = ["RO"] if coper.a_unit == "mm" else codes
     code = part.profile.code
     if code not in codes:
         expected = ", ".join(codes)
-        return (*said, rules.SECTION.at(Source(name), found=code, expected=expected))
+        return (*diagnostics, rules.SECTION.at(Source(name), found=code, expected=expected))
     if code == "M":
         size, wall = part.profile, tube_section(part, coper)
         most = min(size.height, size.width) / 2
         if not wall.wall <= wall.radius <= most:
-            return (*said, rules.RADIUS.at(
+            return (*diagnostics, rules.RADIUS.at(
                 part.source, found=f"{wall.radius:g}", name=size.name or "a tube",
                 least=f"{wall.wall:g}", most=f"{most:g}",
             ))  # fmt: skip
@@ -63,12 +63,12 @@ def verify_coping(
     left = may_be_left(part, machine, coper, skips)
     if coper.turns == "bar":
         events = in_degrees(events, coper, part.profile.height)
-        said += tube_faults(events, part, machine, coper, rows, left, name)
+        diagnostics += tube_faults(events, part, machine, coper, rows, left, name)
     else:
-        said += _profile_faults(events, part, machine, coper, rows, left, name)
-    if errors_in(said):
-        return tuple(said)
-    return (*said, *left_to_hand(part, machine), *left_out(part, left))
+        diagnostics += _profile_faults(events, part, machine, coper, rows, left, name)
+    if errors_in(diagnostics):
+        return tuple(diagnostics)
+    return (*diagnostics, *left_to_hand(part, machine), *left_out(part, left))
 
 
 def _profile_faults(
@@ -87,18 +87,18 @@ def _profile_faults(
     section = Section(part.profile)
     torch = ProfileTorch(machine, coper, section, rows, name)
     torch.follow(events)
-    said = [*torch.said, *strike_faults(torch.ways, section, coper, name)]
-    if errors_in(said):
-        return said
+    diagnostics = [*torch.said, *strike_faults(torch.ways, section, coper, name)]
+    if errors_in(diagnostics):
+        return diagnostics
     stock = stock_of(part, section, coper)
     asked = walls_asked(part, section, coper, rows, left, stock, torch.strokes)
-    said += compare(
+    diagnostics += compare(
         torch.strokes, asked.wanted, asked.ends, asked.passes, stock, section, coper, rows,
         machine.format.resolution, name,
     )  # fmt: skip
-    said += root_faults(torch.strokes, section, coper, name)
+    diagnostics += root_faults(torch.strokes, section, coper, name)
     hand = (
         by_hand(f, part, machine) for k, f in enumerate(part.features)
         if k not in left and (is_outline_of(f, asked.off) or asked.has_bevels_left(k, f, coper))
     )  # fmt: skip
-    return [*said, *hand]
+    return [*diagnostics, *hand]

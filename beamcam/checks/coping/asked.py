@@ -253,13 +253,13 @@ def _depth(face: str, end: SkewEnd, section: Section, strokes: Sequence[Stroke])
     """How deep the passes through a root cut near an end, square to the flange."""
     back, front = section.root(face)
     at, more = end.on(face, section, 0.0)
-    found = 0.0
+    depth = 0.0
     for stroke in strokes:
         ys = [y for _, y in stroke.points]
         beyond = any(end.side * (x - at - more * y) > 0.0 for x, y in stroke.points)
         if stroke.face == face and beyond and min(ys) <= back and max(ys) >= front:
-            found = max(found, stroke.row.up_to)
-    return found
+            depth = max(depth, stroke.row.up_to)
+    return depth
 
 
 def is_outline_of(feature: Feature, off: Mapping[str, float]) -> bool:

@@ -65,7 +65,7 @@ def passes_of(part: Part, section: Section, coper: Coper, strokes: Sequence[Stro
     """The bevels of a part that strokes make, each stroke once."""
     from shapely import Polygon
 
-    found: list[Pass] = []
+    passes: list[Pass] = []
     for f, contour in enumerate(part.features):
         if not isinstance(contour, Contour) or contour.kind != "outer":
             continue
@@ -86,13 +86,13 @@ def passes_of(part: Part, section: Section, coper: Coper, strokes: Sequence[Stro
             thick = section.thickness(face)
             one = next(
                 (s for s in strokes if s.face == face
-                 and all(s is not other.stroke for other in found)
+                 and all(s is not other.stroke for other in passes)
                  and _makes(s, asked, ends[0], ends[1], thick, coper.over)),
                 None,
             )  # fmt: skip
             if one is not None:
-                found.append(Pass(f, asked, one, ends[0], ends[1], thick, bevel))
-    return found
+                passes.append(Pass(f, asked, one, ends[0], ends[1], thick, bevel))
+    return passes
 
 
 def _at_edge(place: Point, wide: float) -> Point:

@@ -38,11 +38,11 @@ def head_part(head: Head | None, profile: Profile, name: str) -> Part:
     """A part of a section with the length, the grade and the names that a head has; no features."""
     if head is None or not head.parts:
         return Part("", profile, 0.0, Source(name), grade=head.grade if head else "")
-    told = head.parts[0]
-    said = _NAMED.fullmatch(told.texts)
-    mark, drawing, order = (text or "" for text in said.groups()) if said else ("", "", "")
+    part = head.parts[0]
+    match = _NAMED.fullmatch(part.texts)
+    mark, drawing, order = (text or "" for text in match.groups()) if match else ("", "", "")
     return Part(
-        mark, profile, told.size[0] if told.size else 0.0, Source(name),
+        mark, profile, part.size[0] if part.size else 0.0, Source(name),
         order=order, drawing=drawing, grade=head.grade,
     )  # fmt: skip
 
@@ -55,9 +55,9 @@ def strokes_of(
     Raises TypeError for a machine without a coper.
     """
     coper = machine.needed(machine.coper, "coper")
-    events, said = cell_events(text, machine, name)
-    if errors_in(said):
-        return [], list(said)
+    events, diagnostics = cell_events(text, machine, name)
+    if errors_in(diagnostics):
+        return [], list(diagnostics)
     material = material_said(part.grade, coper.material)
     rows = [row for row in coper.rows if is_row_for(row.material, material)]
     if coper.turns == "bar":
@@ -67,4 +67,4 @@ def strokes_of(
     else:
         torch = ProfileTorch(machine, coper, Section(part.profile), rows, name)
     torch.follow(events)
-    return torch.strokes, [*said, *torch.said]
+    return torch.strokes, [*diagnostics, *torch.said]

@@ -56,7 +56,7 @@ class SkewEnd(Struct, frozen=True):
 
 def skew_ends(part: Part, section: Section) -> tuple[SkewEnd | None, SkewEnd | None]:
     """The ends of a part as it lies that are not square."""
-    found: list[SkewEnd | None] = []
+    skew_ends: list[SkewEnd | None] = []
     flanges = ("o", "u") if section.has_upper else ("u",)
     for k, (web, flange) in enumerate((
         (part.cuts.web_start, part.cuts.flange_start), (part.cuts.web_end, part.cuts.flange_end)
@@ -75,13 +75,13 @@ def skew_ends(part: Part, section: Section) -> tuple[SkewEnd | None, SkewEnd | N
             for y in (y0, y1) for z in (z0, z1)
         ]  # fmt: skip
         c = part.length + min(corners) if k else max(corners)
-        found.append(SkewEnd(1 if k else -1, c, by_y, by_z) if by_y or by_z else None)
-    return found[0], found[1]
+        skew_ends.append(SkewEnd(1 if k else -1, c, by_y, by_z) if by_y or by_z else None)
+    return skew_ends[0], skew_ends[1]
 
 
 def _drawn(part: Part, face: str, wide: float, k: int) -> float | None:
     """The angle of the side of an outline that goes from edge to edge at an end."""
-    found = None
+    lines = None
     for contour in part.contours:
         if contour.face != face or contour.kind != "outer" or contour.process != "cut":
             continue
@@ -94,8 +94,8 @@ def _drawn(part: Part, face: str, wide: float, k: int) -> float | None:
                 x0, y0, x1, y1 = x1, y1, x0, y0
             is_end = (x0 + x1) / 2 > sum(xs) / len(xs)
             if y0 <= AT_EDGE and y1 >= wide - AT_EDGE and is_end == bool(k):
-                found = degrees(atan((x0 - x1) / (y1 - y0)))
-    return found
+                lines = degrees(atan((x0 - x1) / (y1 - y0)))
+    return lines
 
 
 class EndOnWall(Struct, frozen=True):

@@ -40,15 +40,15 @@ def outline_ring(
     Only ends of straight sides are moved, to an edge and then by `at_end`; those of an arc that
     runs into an edge are steel that is asked for.
     """
-    found: list[Point] = []
+    points: list[Point] = []
     for k, curve in enumerate(curves):
         first, *rest = _places(curve)
         sides = [one for one in (curves[k - 1], curve) if isinstance(one, Line)]
         x, y = first
         on = [edge for edge in edges if any(_is_edge(side, edge, seam_from) for side in sides)]
         first = (x, on[0] if on else y)
-        found += [at_end(first) if sides else first, *rest]
-    return found
+        points += [at_end(first) if sides else first, *rest]
+    return points
 
 
 def _is_edge(side: Line, edge: float, seam_from: float) -> bool:
@@ -166,7 +166,7 @@ def _plane(
         for y in (low_y, high_y) for z in (low_z, high_z)
     )  # fmt: skip
     outer = min if pick is max else max
-    found = {}
+    plane = {}
     for face in section.faces:
         if face == "v":
             xs = [[c - y * by_y - z * by_z for z in (section.back, section.front)] for y in (0, 1)]
@@ -174,5 +174,5 @@ def _plane(
             inside = section.high - section.flange if face == "o" else 0.0
             ys = (inside, inside + section.flange)
             xs = [[c - y * by_y - z * by_z for y in ys] for z in (0, 1)]
-        found[face] = (outer(xs[0]), outer(xs[1]), abs(xs[0][0] - xs[0][1]))
-    return found
+        plane[face] = (outer(xs[0]), outer(xs[1]), abs(xs[0][0] - xs[0][1]))
+    return plane

@@ -137,8 +137,8 @@ class Torch(ABC):
     def _wrong(self, line: int, found: str, expected: str) -> None:
         self._say(rules.TORCH.at(Source(self._name, line), found=found, expected=expected))
 
-    def _say(self, said: Diagnostic) -> None:
-        add_few(self.said, said)
+    def _say(self, diagnostic: Diagnostic) -> None:
+        add_few(self.said, diagnostic)
 
     def _switch(self, event: Switch) -> None:
         if event.said in self._on_words:

@@ -191,7 +191,7 @@ def tube_faults(
         ]
         leans += [hypot(*end[1:]) for _, end in planes_of(part, left, section)]
         off = {"v": deep} if (deep := section.wall * max(leans)) >= LEAST_OFF else {}
-    found = [
+    diagnostics = [
         *said,
         *_compared(torch.strokes, drawn, wanted, part, section, coper, rows, slack, name),
         *tube_zone_faults(torch.strokes, torch.ways, part.length, section, coper, slack, name),
@@ -200,14 +200,14 @@ def tube_faults(
         outline = isinstance(feature, Contour) and feature.kind == "outer" and feature.face in off
         plane = isinstance(feature, EndPlane) and off
         if cut_square(feature, coper) or ((outline or plane) and k not in left):
-            found.append(by_hand(feature, part, machine))
-    return found
+            diagnostics.append(by_hand(feature, part, machine))
+    return diagnostics
 
 
 def _compared(
     strokes: Sequence[Stroke],
     drawn: Shape,
-    wanted: Shape,
+    expected: Shape,
     part: Part,
     section: TubeSection,
     coper: Coper,
@@ -221,9 +221,9 @@ def _compared(
 
     turn, wall = section.turn, section.wall
     fits = row_for(rows, coper, wall)
-    kept = wanted.buffer(-slack, join_style="mitre")
+    kept = expected.buffer(-slack, join_style="mitre")
     prepare(kept)
-    edges = {row.kerf: wanted.boundary.buffer(row.kerf / 2 + slack)
+    edges = {row.kerf: expected.boundary.buffer(row.kerf / 2 + slack)
              for row in {stroke.row for stroke in strokes}}  # fmt: skip
     gone: list[Shape] = []
     bar = box(-coper.trim, -turn / 2, part.length + coper.trim, 1.5 * turn)
@@ -270,9 +270,9 @@ def _compared(
     mine = MultiPolygon([p for p in pieces if p.intersection(core).area > SPECK])
     if mine.is_empty:
         yield rules.GONE.at(Source(name), face="v")
-    for piece in pieces_of(mine.difference(wanted.buffer(slack, join_style="mitre"))):
+    for piece in pieces_of(mine.difference(expected.buffer(slack, join_style="mitre"))):
         if piece.area > SPECK:
-            far = max(wanted.distance(Point(p)) for p in _places(piece))
+            far = max(expected.distance(Point(p)) for p in _places(piece))
             x, u = piece.representative_point().coords[0]
             yield rules.LEFT.at(
                 Source(name),

@@ -130,7 +130,7 @@ def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
     from shapely import Point as Place
 
     long = [curve for curve in curves if curve.length > FINE]
-    found: list[Point] = []
+    points: list[Point] = []
     for k, after in enumerate(long):
         (ax, ay), (bx, by) = _way(long[k - 1], 1.0), _way(after, 0.0)
         cross, dot = ax * by - ay * bx, ax * bx + ay * by
@@ -138,8 +138,8 @@ def corners_of(curves: tuple[Curve, ...], steel: Shape) -> list[Point]:
             continue
         disc = Place(after.start).buffer(LOOK)
         if disc.intersection(steel).area > disc.area / 2:
-            found.append(after.start)
-    return found
+            points.append(after.start)
+    return points
 
 
 def _way(curve: Curve, t: float) -> Point:

@@ -37,13 +37,13 @@ def verify_sheet(
     from beamcam.checks.sheets.work import told_apart, with_contours
 
     torch = machine.needed(machine.torch, "torch")
-    done, said = table_run(text, machine, name)
-    said = [*said, *radius_faults(done.moves, machine, torch, name)]
-    if errors_in(said) or not parts:
-        return tuple(said)
+    done, diagnostics = table_run(text, machine, name)
+    diagnostics = [*diagnostics, *radius_faults(done.moves, machine, torch, name)]
+    if errors_in(diagnostics) or not parts:
+        return tuple(diagnostics)
     sheet, asked = as_one(parts, machine, skips), machine
     part, machine = sheet.part, sheet.machine
-    torch, said = machine.torch or torch, [*said, *sheet.said]
+    torch, diagnostics = machine.torch or torch, [*diagnostics, *sheet.said]
     rows = rows_of(part, torch)
     torch = torch.by(next((row for row in rows if row.process == "cut"), None))
     machine = machine if torch is machine.torch else replace(machine, torch=torch)
@@ -52,17 +52,17 @@ def verify_sheet(
     strokes, more = strokes_of(
         done, machine, torch, rows, lambda blocks: table_events(blocks, telling)[0], name
     )
-    said += more
-    said += switching_faults(done, strokes, machine, torch, name)
+    diagnostics += more
+    diagnostics += switching_faults(done, strokes, machine, torch, name)
     if is_far(strokes.moves, torch):
-        return tuple(said)
+        return tuple(diagnostics)
     strokes = passes_folded(strokes, rows)
     need = need_of(part, machine, torch, skips)
     shift = shift_of(need, torch)
     strokes = told_apart(strokes, need, torch, shift)
     strokes, links = unchained(strokes, torch, machine.format.resolution)
-    said += link_faults(links, strokes, need, torch, shift, name)
+    diagnostics += link_faults(links, strokes, need, torch, shift, name)
     places = sheet.places or ([shift] if need.curves else [])
-    said += compare_part(strokes, need, part, machine, torch, name)
-    said = with_contours(said, done.moves, need, shift, torch.tolerance / 8)
-    return with_told(said, head, parts, places, asked, skips, name)
+    diagnostics += compare_part(strokes, need, part, machine, torch, name)
+    diagnostics = with_contours(diagnostics, done.moves, need, shift, torch.tolerance / 8)
+    return with_told(diagnostics, head, parts, places, asked, skips, name)

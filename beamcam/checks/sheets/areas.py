@@ -56,11 +56,11 @@ def on_own_side(work: Work, samples: Samples, points: Floats, pairs: Pairs) -> P
     at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
     way = path.places(pairs.element, at) - points[pairs.point]
     below = np.sum(way * to_waste[pairs.point], axis=1) < -BELOW * pairs.away
-    asked = np.flatnonzero(below & (pairs.away > 0.0))
-    step = _off(work, owner[pairs.point[asked]]) / pairs.away[asked]
-    beside = points[pairs.point[asked]] + step[:, None] * way[asked]
+    which = np.flatnonzero(below & (pairs.away > 0.0))
+    step = _off(work, owner[pairs.point[which]]) / pairs.away[which]
+    beside = points[pairs.point[which]] + step[:, None] * way[which]
     kept = np.ones(len(below), dtype=bool)
-    kept[asked[work.region.in_part(beside)]] = False
+    kept[which[work.region.in_part(beside)]] = False
     return pairs.kept(kept)
 
 
@@ -74,17 +74,17 @@ def waste_sides(work: Work) -> Floats:
     """Of each way 1 if the waste lies left of it, -1 right of it, 0 if it bounds no part."""
     assert work.region is not None
     need = work.need
-    found = np.zeros(need.count)
+    sides = np.zeros(need.count)
     rings = work.region.rings
     longest = np.array([max(ring, key=lambda m: need.lengths[m[0]])[0] for ring in rings])
     if not len(longest):
-        return found
+        return sides
     left = _sides_at(work, need.first(longest), np.full(len(longest), 0.5))
     for ring, way, side in zip(rings, longest.tolist(), left.tolist(), strict=True):
         turned = dict(ring)
         for k, back in ring:
-            found[k] = side if back == turned[way] else -side
-    return found
+            sides[k] = side if back == turned[way] else -side
+    return sides
 
 
 def _sides_at(work: Work, element: Counts, share: Floats) -> Floats:
@@ -109,7 +109,7 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     if work.region is None:
         return []
     keeps_off = np.array([t.half_kerf > 0.0 for t in traced])
-    said = _bites(work, traced, keeps_off)
+    diagnostics = _bites(work, traced, keeps_off)
     places = work.path.starts[[t.first for t in traced]]
     for k in np.flatnonzero(keeps_off & work.region.in_part(places))[:SHOWN].tolist():
         # For a kerf that is less than what a path may be off, no side is judged.
@@ -118,8 +118,10 @@ def band_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
             continue
         x, y = places[k].tolist()
         source = Source(work.name, traced[k].stroke.line)
-        said.append(rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=work.contour(way)))
-    return said
+        diagnostics.append(
+            rules.SIDE.at(source, x=f"{x:.3f}", y=f"{y:.3f}", contour=work.contour(way))
+        )
+    return diagnostics
 
 
 def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagnostic]:
@@ -137,21 +139,21 @@ def _bites(work: Work, traced: Sequence[Traced], keeps_off: Flags) -> list[Diagn
     hit = np.flatnonzero(away < least[b])
     _, firsts = np.unique(a[hit], return_index=True)
     is_ring = on_contour(work, traced)
-    said = []
+    diagnostics = []
     for k in hit[firsts][:SHOWN].tolist():
         # The place on the path, and the line that leads there.
         near, _ = shapely.get_coordinates(shapely.shortest_line(ways[a[k]], contours[b[k]]))
         x, y = near.tolist()
         way = work.path.nearest_to(near)[1]
         rule = rules.BAND if is_ring[way] else rules.LEAD
-        said.append(
+        diagnostics.append(
             rule.at(
                 Source(work.name, int(work.moves.line[way])), found=f"{away[k]:.3f}",
                 contour=work.contour(int(closed[b[k]])), x=f"{x:.3f}", y=f"{y:.3f}",
                 expected=f"{work.half_kerf:g}",
             )
         )  # fmt: skip
-    return said
+    return diagnostics
 
 
 # --- rests ----------------------------------------------------------------------------------------
@@ -228,8 +230,8 @@ def _has_room(work: Work, element: Counts, share: Floats) -> Flags:
     middles = need.elements.places(element, share) + half * _to_waste(work, element, share, sides)
     pairs = need.near(middles, half)
     pairs = pairs.kept(work.beside[need.owner[pairs.element]])
-    found: Flags = need.nearest_of(pairs, len(middles))[0] >= half - 2 * work.fine
-    return found
+    is_free: Flags = need.nearest_of(pairs, len(middles))[0] >= half - 2 * work.fine
+    return is_free
 
 
 def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
@@ -246,7 +248,7 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
     is_end = ~np.isin(_complex(points), _complex(corners))
     room, of_area = shapely.get_coordinates(kept_off, return_index=True)
     firsts = np.searchsorted(of_area, np.arange(len(areas) + 1))
-    found = []
+    uncut_corners = []
     begins = np.searchsorted(own, np.arange(len(rests) + 1)).tolist()
     sizes = shapely.area(rests).tolist()
     for k, (low, high) in enumerate(pairwise(begins)):
@@ -270,8 +272,8 @@ def _corners(work: Work, ways: Counts) -> list[UncutCorner]:
         depth = float(depths[deepest])
         if depth <= SHALLOW * half or sizes[k] <= NARROWS * mouth * depth:
             x, y = ring[deepest].tolist()
-            found.append(UncutCorner(rests[k], depth, (x, y), middle))
-    return found
+            uncut_corners.append(UncutCorner(rests[k], depth, (x, y), middle))
+    return uncut_corners
 
 
 def _complex(points: Floats) -> NDArray[np.complex128]:
@@ -317,10 +319,12 @@ def left_faults(work: Work, corners: Sequence[UncutCorner]) -> list[Diagnostic]:
         if corner.depth > TOLD * 2 * work.half_kerf:
             way = work.need.nearest_to(np.array(corner.place))[1]
             deepest[int(work.region.ring_of[way])] = corner, way
-    said = []
+    diagnostics = []
     for number, (corner, way) in sorted(deepest.items()):
         first = min(k for k, _ in work.region.rings[number]) if number >= 0 else way
         x, y = (np.array(corner.place) - np.array(work.shift)).tolist()
         source = work.asked.source(work.process, first)
-        said.append(UNCUT.at(source, found=f"{corner.depth:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"))
-    return said
+        diagnostics.append(
+            UNCUT.at(source, found=f"{corner.depth:.3f}", x=f"{x:.3f}", y=f"{y:.3f}")
+        )
+    return diagnostics

@@ -43,7 +43,7 @@ def as_asked(
     """
     if torch is None:
         return tuple(parts), []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     laid: list[Part] = []
     if len(parts) == 1:
         parts = (pulled_apart(parts[0], torch),)
@@ -53,10 +53,10 @@ def as_asked(
     for part in parts:
         if torch.mirror != "none" or torch.rotate or torch.copies != (1, 1):
             whole = _outlined(part)
-            said += _faults(whole, torch)
-            part = whole if said else _copied(whole, torch)
+            diagnostics += _faults(whole, torch)
+            part = whole if diagnostics else _copied(whole, torch)
         laid.append(hatched(part, torch) if torch.settings else part)
-    return tuple(laid), said
+    return tuple(laid), diagnostics
 
 
 def between(part: Part, torch: Torch) -> float:
@@ -94,10 +94,10 @@ def pulled_apart(part: Part, torch: Torch) -> Part:
     moves: dict[int, list[float]] = {}
     for some, slants in touching(outer):
         mine = {k: outer[k] for k in some}
-        found = by_slants(mine, width) if slants else _by_axes(mine, width)
-        if found is None:
+        places = by_slants(mine, width) if slants else _by_axes(mine, width)
+        if places is None:
             return part
-        moves |= found
+        moves |= places
     features = list(part.features)
     for k, feature in enumerate(features):
         middle = _somewhere(feature)
@@ -138,10 +138,10 @@ def _somewhere(feature: Feature) -> tuple[float, float] | None:
 
 
 def _lies_turned(part: Part, torch: Torch) -> bool:
-    asked = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
+    changed = torch.rotate or torch.mirror != "none" or torch.copies != (1, 1)
     where_drawn = torch.origin == "table" and torch.place != "corner"
     whole = _outlined(part)
-    if asked or where_drawn or next(_faults(whole, torch), None) is not None:
+    if changed or where_drawn or next(_faults(whole, torch), None) is not None:
         return False
     worked = [
         feature for feature in whole.features

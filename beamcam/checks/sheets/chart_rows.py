@@ -51,10 +51,10 @@ def rows_on(part: Part, torch: Torch) -> list[TorchRow]:
     """The row of each process on the part's sheet, as the machine's file has it."""
     thickness = thickness_of(part, torch)
     material = material_said(part.grade, torch.material)
-    found: dict[TorchProcess, TorchRow] = {}
+    rows: dict[TorchProcess, TorchRow] = {}
     for row in torch.rows:
         if 0.0 < thickness <= row.up_to and is_row_for(row.material, material):
-            found.setdefault(row.process, _at_feed(row, torch, thickness))
-    if torch.drilled == "spot" and "cut" in found:
-        found.setdefault("spot", found["cut"].spotting())
-    return list(found.values())
+            rows.setdefault(row.process, _at_feed(row, torch, thickness))
+    if torch.drilled == "spot" and "cut" in rows:
+        rows.setdefault("spot", rows["cut"].spotting())
+    return list(rows.values())

@@ -77,13 +77,13 @@ def compare_part(
     if not need.curves and not strokes.each:
         return need.said
     shift = shift_of(need, torch)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     traced: list[Traced] = []
     works: dict[TorchProcess, Work] = {}
     if torch.kerf_by == "machine":
-        strokes, said = beam_of(strokes, name)
-        if said:
-            return need.said + said
+        strokes, diagnostics = beam_of(strokes, name)
+        if diagnostics:
+            return need.said + diagnostics
     processes = dict.fromkeys([*need.curves, *(s.process for s in strokes.each)])
     for process in processes:
         work = work_of(
@@ -91,31 +91,31 @@ def compare_part(
         )
         works[process] = work
         mine, more = _compared(work)
-        said += [*more, *dark_faults(work, mine, bool(machine.words.close))]
+        diagnostics += [*more, *dark_faults(work, mine, bool(machine.words.close))]
         traced += mine
         if any(own.hatch_one_way for own in torch.settings.values()) and process in need.curves:
-            said += one_way_faults(work)
+            diagnostics += one_way_faults(work)
         if torch.overscan and not stepped:
-            said += overscan_faults(work)
+            diagnostics += overscan_faults(work)
     if torch.settings or any(row.passes > 1 for row in need.rows.values()):
-        said += _settings(works, traced, name)
+        diagnostics += _settings(works, traced, name)
     if any(own.hatch for own in torch.settings.values()):
-        said += hatch_faults(need, torch, name)
-    said += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
-    return need.said + said
+        diagnostics += hatch_faults(need, torch, name)
+    diagnostics += order_faults(sorted(traced, key=lambda t: t.stroke.line), works, name)
+    return need.said + diagnostics
 
 
 def _settings(
     works: Mapping[TorchProcess, Work], traced: Sequence[Traced], name: str
 ) -> list[Diagnostic]:
     """Strokes whose settings or place in the order differ from their colour or layer."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     turns: list[OrderPlace] = []
     for process, work in works.items():
         faults, more = settings_faults(work, [t for t in traced if t.stroke.process == process])
-        said += faults
+        diagnostics += faults
         turns += more
-    return said + turn_faults(turns, name)
+    return diagnostics + turn_faults(turns, name)
 
 
 def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
@@ -125,21 +125,21 @@ def _compared(work: Work) -> tuple[Sequence[Traced], list[Diagnostic]]:
         away, expected = "on no contour", f"nothing to {work.process}"
         return [], [work.extra(line, place, away, expected)]
     if not work.strokes:
-        asked = np.flatnonzero(~work.small)
-        return [], [work.missing(k, work.need.starts[k]) for k in asked[:1].tolist()]
-    traced, said = follow(work)
+        which = np.flatnonzero(~work.small)
+        return [], [work.missing(k, work.need.starts[k]) for k in which[:1].tolist()]
+    traced, diagnostics = follow(work)
     find_small(work, traced)
-    said += cover(work, traced)
-    said += overcut_faults(work, traced)
-    said += direction_faults(work, traced)
-    said += hole_faults(work, traced)
+    diagnostics += cover(work, traced)
+    diagnostics += overcut_faults(work, traced)
+    diagnostics += direction_faults(work, traced)
+    diagnostics += hole_faults(work, traced)
     if work.bridged:
-        said += tab_faults(work, traced)
+        diagnostics += tab_faults(work, traced)
     if work.half_kerf:
-        said += band_faults(work, traced)
+        diagnostics += band_faults(work, traced)
     led = work.torch.lead != "none" and work.torch.kerf_by == "offset"
     if work.half_kerf and led and not work.stepped:
-        said += pierce_faults(work, traced)
-        said += middle_faults(work, traced)
-        said += edge_faults(work, traced)
-    return traced, said
+        diagnostics += pierce_faults(work, traced)
+        diagnostics += middle_faults(work, traced)
+        diagnostics += edge_faults(work, traced)
+    return traced, diagnostics

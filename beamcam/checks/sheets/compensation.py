@@ -209,7 +209,7 @@ class _OffsetPath:
             self._shorten(self._waiting, self._waiting.end)
             moves = [*self._done, self._waiting]
         here = self._first
-        found = []
+        legs = []
         for move in moves:
             curve = None
             if move.centre is not None:
@@ -218,9 +218,9 @@ class _OffsetPath:
                 size = dist(here, move.centre)
                 curve = Arc(move.centre, size, degrees(start), degrees(sweep))
             if curve is not None or here != move.end:
-                found.append(Move(move.line, False, here, move.end, feed, False, curve))
+                legs.append(Move(move.line, False, here, move.end, feed, False, curve))
             here = move.end
-        return found
+        return legs
 
 
 def _polar(at: Point, away: float, angle: float) -> Point:
@@ -243,7 +243,7 @@ def beam_of(strokes: Strokes, name: str) -> tuple[Strokes, list[Diagnostic]]:
     Those that it would not carry out are left as they are programmed.
     """
     legs = list(strokes.moves.each())
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     each: list[HeadStroke] = []
     moved: list[HeadMove] = []
     for stroke in strokes.each:
@@ -252,10 +252,12 @@ def beam_of(strokes: Strokes, name: str) -> tuple[Strokes, list[Diagnostic]]:
             try:
                 own = compensated(own, stroke.side, stroke.radius)
             except CompensationError as error:
-                said.append(rules.COMPENSATION.at(Source(name, error.line), found=error.found))
+                diagnostics.append(
+                    rules.COMPENSATION.at(Source(name, error.line), found=error.found)
+                )
         each.append(replace(stroke, first=len(moved), last=len(moved) + len(own)))
         moved += own
-    return Strokes(each, moves_of(moved)), said
+    return Strokes(each, moves_of(moved)), diagnostics
 
 
 # --- radii ----------------------------------------------------------------------------------------

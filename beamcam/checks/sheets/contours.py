@@ -40,14 +40,14 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     pairs = _pairs(work, traced, samples, points)
     away, feet = work.path.feet(pairs, len(points))
     missing = np.flatnonzero((away > reach) & ~work.small[owner])
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     if len(missing) and work.half_kerf:
         missing = missing[~work.on_kept_off(points[missing]) | beside[owner[missing]]]
         is_left, corners = in_corners(work, traced, missing, samples)
         missing = missing[~is_left]
-        said = left_faults(work, corners)
+        diagnostics = left_faults(work, corners)
     bends, lost = _left_at_bends(work, traced)
-    said += _missing(
+    diagnostics += _missing(
         work,
         traced,
         np.concatenate((points[missing], bends)),
@@ -58,7 +58,7 @@ def cover(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     if work.half_kerf:
         places = np.where((away <= reach)[:, None], feet, points)
     pairs = work.path.near(places, float(work.slack.max(initial=0.0)))
-    return said + _twice(work, traced, places, owner, work.slack[owner], covered, pairs)
+    return diagnostics + _twice(work, traced, places, owner, work.slack[owner], covered, pairs)
 
 
 def _reaches(work: Work) -> Floats:
@@ -122,20 +122,20 @@ def _twice(
     passes = _path_passes(work, traced, pairs, is_long, reach)
     doubtful = np.flatnonzero(passes > 1)
     doubtful = doubtful[passes[doubtful] > _permitted(work, points[doubtful], reach)]
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for way in sorted(set(owner[doubtful].tolist()))[:SHOWN]:
         mine = doubtful[owner[doubtful] == way]
         if len(mine) < 2 or np.min(np.diff(mine)) > 1:
             continue
         x, y = (points[mine[0]] - np.array(work.shift)).tolist()
         worst = int(np.max(passes[mine]))
-        said.append(
+        diagnostics.append(
             rules.TWICE.at(
                 Source(work.name), contour=work.contour(int(way)),
                 x=f"{x:.3f}", y=f"{y:.3f}", found=worst,
             )
         )  # fmt: skip
-    return said
+    return diagnostics
 
 
 def _path_passes(
@@ -185,8 +185,8 @@ def _overlap(work: Work, traced: Sequence[Traced], near: Pairs) -> Flags:
     ends = path.begins[lasts] + path.lengths[lasts]
     stroke = work.of_way[path.owner[near.element]]
     over = OVER * work.half_kerf + work.torch.lead_out + work.most_over
-    found: Flags = path.at(near.element, near.along) > ends[stroke] - over
-    return found
+    overlap: Flags = path.at(near.element, near.along) > ends[stroke] - over
+    return overlap
 
 
 def _loops(path: Toolpaths, traced: Sequence[Traced]) -> Loops:
@@ -210,11 +210,11 @@ def _passes(
     new = np.ones(len(sample), dtype=bool)
     new[1:] = (sample[1:] != sample[:-1]) | (stroke[1:] != stroke[:-1])
     new[1:] |= at[1:] - at[:-1] > apart
-    found: Counts = np.bincount(sample[new], minlength=count)
+    passes: Counts = np.bincount(sample[new], minlength=count)
     change = np.flatnonzero((sample[1:] != sample[:-1]) | (stroke[1:] != stroke[:-1])) + 1
     first, last = np.append(0, change), np.append(change, len(sample)) - 1
     begins, ends, closed = (column[stroke[first]] for column in loops)
     over = closed & (at[first] - begins + ends - at[last] <= apart)
     over &= np.add.reduceat(new, first) > 1
-    np.subtract.at(found, sample[first[over]], 1)
-    return found
+    np.subtract.at(passes, sample[first[over]], 1)
+    return passes

@@ -47,7 +47,7 @@ def told_limits(machine: Machine) -> PathLimits | None:
 
 def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Floats:
     """The feed in mm/min that each move should have, at most what is asked for it, (n,)."""
-    asked = asked_mm_min / SECONDS_PER_MINUTE
+    feeds = asked_mm_min / SECONDS_PER_MINUTE
     radius = np.where(moves.is_arc, moves.arcs[:, 2], inf)
     for k, curve in moves.curves.items():
         radius[k] = _min_radius(curve)
@@ -59,8 +59,8 @@ def expected_feeds(moves: Moves, asked_mm_min: Floats, limits: PathLimits) -> Fl
     greatest = np.where(
         straight, _straight_mm_s(moves, limits), np.minimum(limits.speed_mm_s, turning)
     )
-    greatest[straight & (asked <= limits.speed_mm_s)] = inf
-    return np.where(greatest < asked, greatest * SECONDS_PER_MINUTE, asked_mm_min)
+    greatest[straight & (feeds <= limits.speed_mm_s)] = inf
+    return np.where(greatest < feeds, greatest * SECONDS_PER_MINUTE, asked_mm_min)
 
 
 def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
@@ -71,8 +71,8 @@ def _straight_mm_s(moves: Moves, limits: PathLimits) -> Floats:
     reached = np.divide(
         length[:, None] * speeds, ways, out=np.full(ways.shape, inf), where=ways > 0.0
     )
-    found: Floats = reached.min(axis=1, initial=inf)
-    return found
+    straight_mm_s: Floats = reached.min(axis=1, initial=inf)
+    return straight_mm_s
 
 
 def _min_radius(curve: Bezier | EllipseArc) -> float:
@@ -211,7 +211,7 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
     if torch is None or len(parts) == 1:
         return SharedSheet(parts[0], machine, [], [])
     features: list[Feature] = []
-    said = [
+    diagnostics = [
         rules.OTHER_SHEET.at(
             part.source, found=_shown(part, torch), expected=_shown(parts[0], torch)
         )
@@ -238,7 +238,7 @@ def as_one(parts: Sequence[Part], machine: Machine, skips: Collection[str]) -> S
             features.append(Contour("v", "open", (line,), source, closed=False))
     whole = replace(parts[0], features=tuple(features), measures=Measures(), length=torch.length)
     machine = replace(machine, torch=replace(torch, place="drawn"))
-    return SharedSheet(whole, machine, [place for place, _ in lie], said)
+    return SharedSheet(whole, machine, [place for place, _ in lie], diagnostics)
 
 
 def _places(
@@ -266,13 +266,13 @@ def _box(need: Need) -> tuple[float, float, float, float]:
 
 
 def with_told(
-    said: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
+    diagnostics: Sequence[Diagnostic], head: str, parts: Sequence[Part], places: Sequence[Point],
     machine: Machine, skips: Collection[str], name: str,
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """What was said of a program; of a sound one also what its head says otherwise."""
-    if not head or errors_in(said):
-        return tuple(said)
-    return (*said, *told_faults(head, parts, places, machine, skips, name))
+    if not head or errors_in(diagnostics):
+        return tuple(diagnostics)
+    return (*diagnostics, *told_faults(head, parts, places, machine, skips, name))
 
 
 def told_faults(
@@ -367,9 +367,9 @@ def _measures(moves: Moves) -> tuple[Floats, Floats, Floats]:
     if len(arcs):
         radius, first, sweep = moves.arcs[arcs, 2:5].T
         lengths[arcs] = radius * np.abs(np.radians(sweep))
-        for found, angle in ((enters, first), (leaves, first + sweep)):
+        for angles, angle in ((enters, first), (leaves, first + sweep)):
             rad = np.radians(angle)
-            found[arcs] = np.sign(sweep)[:, None] * np.column_stack((-np.sin(rad), np.cos(rad)))
+            angles[arcs] = np.sign(sweep)[:, None] * np.column_stack((-np.sin(rad), np.cos(rad)))
     for k, curve in moves.curves.items():
         lengths[k], enters[k], leaves[k] = curve.length, curve.tangent(0.0), curve.tangent(1.0)
     return lengths, enters, leaves
@@ -382,10 +382,10 @@ def turn_deg(one: Floats, other: Floats) -> float:
 
 def _covered(begins: Floats, ends: Floats, corners: Sequence[float], reach: float) -> Floats:
     """How much of each move, from where it begins to where it ends, is so near to a corner."""
-    found = np.zeros(len(begins))
+    covered = np.zeros(len(begins))
     last = -np.inf
     for place in sorted(corners):
         low, high = max(place - reach, last), place + reach
-        found += np.clip(np.minimum(ends, high) - np.maximum(begins, low), 0.0, None)
+        covered += np.clip(np.minimum(ends, high) - np.maximum(begins, low), 0.0, None)
         last = max(last, high)
-    return found
+    return covered

@@ -73,23 +73,23 @@ class Elements:
         """The places of elements at shares of their lengths, (n, 2)."""
         start_x, start_y, way_x, way_y = (column.take(which) for column in self.columns)
         along = self.chord.take(which) * share
-        found = np.stack((start_x + along * way_x, start_y + along * way_y))
+        places = np.stack((start_x + along * way_x, start_y + along * way_y))
         bent = np.flatnonzero(self.is_arc.take(which))
         if len(bent):
             x, y, radius, first, sweep = self.arcs[which[bent]].T
             turn = first + sweep * share[bent]
-            found[:, bent] = x + radius * np.cos(turn), y + radius * np.sin(turn)
-        return found.T
+            places[:, bent] = x + radius * np.cos(turn), y + radius * np.sin(turn)
+        return places.T
 
     def directions(self, which: Counts, share: Floats) -> Floats:
         """The direction of travel at shares of elements, (n, 2)."""
-        found = np.column_stack([column[which] for column in self.along])
+        directions = np.column_stack([column[which] for column in self.along])
         bent = np.flatnonzero(self.is_arc[which])
         arcs = self.arcs[which[bent]]
         turn = arcs[:, 3] + arcs[:, 4] * share[bent]
         sign = np.sign(arcs[:, 4])
-        found[bent] = np.column_stack((-np.sin(turn) * sign, np.cos(turn) * sign))
-        return found
+        directions[bent] = np.column_stack((-np.sin(turn) * sign, np.cos(turn) * sign))
+        return directions
 
     def distances(self, x: Floats, y: Floats, which: Counts) -> tuple[Floats, Floats]:
         """How far places are from an element each, and how far along it the nearest place lies."""
@@ -252,18 +252,18 @@ class Grid:
         at = np.searchsorted(self._cells, key)
         at[at == len(self._cells)] = 0
         known = inside & (self._cells[at] == key) if len(self._cells) else inside & False
-        found = np.flatnonzero(known)
-        at = at[found]
+        which = np.flatnonzero(known)
+        at = at[which]
         total = np.cumsum(self._sizes[at])
-        if not len(found):
-            yield Pairs(found, found, x[:0], x[:0])
+        if not len(which):
+            yield Pairs(which, which, x[:0], x[:0])
         elif total[-1] > max(MOST_MEASURED, MOST_AT_A_POINT * len(points)):
             raise _crowded(int(total[-1]), points)
         begin = 0
-        while begin < len(found):
+        while begin < len(which):
             done = int(total[begin - 1]) if begin else 0
             end = max(begin + 1, int(np.searchsorted(total, done + MOST_PAIRS, "right")))
-            yield self._measured(x, y, found[begin:end], at[begin:end], reach)
+            yield self._measured(x, y, which[begin:end], at[begin:end], reach)
             begin = end
 
     def _measured(self, x: Floats, y: Floats, which: Counts, cell: Counts, reach: float) -> Pairs:
@@ -275,16 +275,16 @@ class Grid:
         element = self._members.take(member)
         elements = self._elements
         away, along = elements.from_chords(x.take(point), y.take(point), element)
-        found = Pairs(point, element, away, along)
+        pairs = Pairs(point, element, away, along)
         if self._bent:
             # An arc is looked at only where its chord is no farther than it may lie beside that.
-            found = found.kept(np.flatnonzero(away <= elements.rise.take(element) + reach))
-            bent = np.flatnonzero(elements.is_arc.take(found.element))
-            at = found.point[bent]
-            found.away[bent], found.along[bent] = elements.from_arcs(
-                x[at], y[at], found.element[bent]
+            pairs = pairs.kept(np.flatnonzero(away <= elements.rise.take(element) + reach))
+            bent = np.flatnonzero(elements.is_arc.take(pairs.element))
+            at = pairs.point[bent]
+            pairs.away[bent], pairs.along[bent] = elements.from_arcs(
+                x[at], y[at], pairs.element[bent]
             )
-        return found.kept(np.flatnonzero(found.away <= reach))
+        return pairs.kept(np.flatnonzero(pairs.away <= reach))
 
 
 def _crowded(count: int, points: Floats) -> VerifyError:

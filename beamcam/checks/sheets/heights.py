@@ -104,10 +104,10 @@ class _Watch:
         if self._stroke is None or False not in rapids:
             return
         line = int(self._lines[first + rapids.index(False)])
-        asked = self._stroke.row.cut_height
-        if self._follows and asked and self._off(asked):
+        height = self._stroke.row.cut_height
+        if self._follows and height and self._off(height):
             found, process = f"a feed {_shown(self._height)}", self._stroke.process
-            yield self._fault(rules.HEIGHT, line, found, f"{asked:g} mm to {process}")
+            yield self._fault(rules.HEIGHT, line, found, f"{height:g} mm to {process}")
         if self._stroke.process == "cut":
             feeds = self._feeds[first:last][~self._rapid[first:last]]
             slow = feeds < SLOWER * self._stroke.row.feed_mm_min
@@ -121,14 +121,14 @@ class _Watch:
     def starts(self, line: int, stroke: HeadStroke) -> Iterator[Diagnostic]:
         """What is wrong as a tool is started."""
         self._stroke, self._moved = stroke, False
-        asked = stroke.row.pierce_height or stroke.row.cut_height
-        if self._follows and asked and not self._touched:
+        height = stroke.row.pierce_height or stroke.row.cut_height
+        if self._follows and height and not self._touched:
             when = "since it was traversed" if self._torch.touch == "each" else "before"
             expected = f"the sheet touched {when} (torch.touch)"
             yield self._fault(rules.HEIGHT, line, "a start without a touch", expected)
-        elif self._follows and asked and self._off(asked):
+        elif self._follows and height and self._off(height):
             found, process = f"the tool started {_shown(self._height)}", stroke.process
-            yield self._fault(rules.HEIGHT, line, found, f"{asked:g} mm to {process}")
+            yield self._fault(rules.HEIGHT, line, found, f"{height:g} mm to {process}")
         if self._by_program and self._thc:
             found = "a start with the height control on"
             yield self._fault(rules.THC, line, found, "it off until the torch is at its height")

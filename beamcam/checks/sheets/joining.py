@@ -48,7 +48,7 @@ def whole(toolpaths: Toolpaths, fine: float) -> Stretches:
 
 
 def trim(
-    found: Stretches, toolpaths: Toolpaths, loose: Sequence[int], rank: Counts, same: float
+    stretches: Stretches, toolpaths: Toolpaths, loose: Sequence[int], rank: Counts, same: float
 ) -> None:
     """Trim the ends of loose lines and arcs where they lie on a way of lower rank.
 
@@ -66,10 +66,10 @@ def trim(
         np.hypot(*(toolpaths.starts[other] - places[pairs.point]).T),
         np.hypot(*(toolpaths.ends[other] - places[pairs.point]).T),
     )
-    asked = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
-    if not len(asked):
+    which = np.flatnonzero((rank[other] < rank[own]) & (at_end > same))
+    if not len(which):
         return
-    asked = asked[_of_one_course(toolpaths, own[asked], other[asked], same)]
+    which = which[_of_one_course(toolpaths, own[which], other[which], same)]
     ends = STRtree(shapely.points(places))
 
     def is_lost(place: Floats, w: int, v: int) -> bool:
@@ -79,29 +79,29 @@ def trim(
         return not _of_one_course(toolpaths, third, np.full(len(third), w), same).all()
 
     spans: dict[int, list[float]] = {}
-    for k in asked.tolist():
+    for k in which.tolist():
         w, v, place = int(own[k]), int(other[k]), places[pairs.point[k]]
         at_start = bool(pairs.point[k] < len(numbers))
         for end in (toolpaths.starts[v], toolpaths.ends[v]):
-            at = _beginning_of_overlap(found, w, v, end, at_start, same)
+            at = _beginning_of_overlap(stretches, w, v, end, at_start, same)
             if at is not None and not is_lost(end, w, v) and not is_lost(place, w, v):
-                whole = [0.0, _line(found, w).length]
+                whole = [0.0, _line(stretches, w).length]
                 spans.setdefault(w, whole)[0 if at_start else 1] = at
     for w, (low, high) in spans.items():
         if low < high:
-            _replace(found, w, np.array(substring(_line(found, w), low, high).coords))
+            _replace(stretches, w, np.array(substring(_line(stretches, w), low, high).coords))
 
 
 def _beginning_of_overlap(
-    found: Stretches, w: int, v: int, end: Floats, at_start: bool, same: float
+    stretches: Stretches, w: int, v: int, end: Floats, at_start: bool, same: float
 ) -> float | None:
     """How far along way `w` an end of `v` lies, if `w` lies on `v` from its own end up to there."""
-    line, point = _line(found, w), shapely.Point(end)
+    line, point = _line(stretches, w), shapely.Point(end)
     at: float = line.project(point)
     if line.distance(point) > same or not same < at < line.length - same:
         return None
     middle = line.interpolate(at / 2 if at_start else (at + line.length) / 2)
-    return None if _line(found, v).distance(middle) > same else at
+    return None if _line(stretches, v).distance(middle) > same else at
 
 
 def _of_one_course(toolpaths: Toolpaths, some: Counts, others: Counts, same: float) -> Flags:
@@ -116,21 +116,21 @@ def _of_one_course(toolpaths: Toolpaths, some: Counts, others: Counts, same: flo
         away = ends[some] - toolpaths.starts[others]
         aside = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0])
         off = np.where(kinds[some] == 0, np.maximum(off, aside), off)
-    found: Flags = alike & (off <= same)
-    return found
+    is_same: Flags = alike & (off <= same)
+    return is_same
 
 
-def _line(found: Stretches, way: int) -> shapely.LineString:
-    return shapely.LineString(found.points[found.rows(way)])
+def _line(stretches: Stretches, way: int) -> shapely.LineString:
+    return shapely.LineString(stretches.points[stretches.rows(way)])
 
 
-def _replace(found: Stretches, way: int, points: Floats) -> None:
+def _replace(stretches: Stretches, way: int, points: Floats) -> None:
     """Puts other points in the place of a way's."""
-    low, high = found.begins[way], found.begins[way + 1]
-    found.points = np.concatenate((found.points[:low], points, found.points[high:]))
-    found.begins = found.begins.copy()
-    found.begins[way + 1 :] += len(points) - (high - low)
-    found.starts[way], found.ends[way] = points[0], points[-1]
+    low, high = stretches.begins[way], stretches.begins[way + 1]
+    stretches.points = np.concatenate((stretches.points[:low], points, stretches.points[high:]))
+    stretches.begins = stretches.begins.copy()
+    stretches.begins[way + 1 :] += len(points) - (high - low)
+    stretches.starts[way], stretches.ends[way] = points[0], points[-1]
 
 
 # --- rings ----------------------------------------------------------------------------------------
@@ -170,27 +170,27 @@ def closed_rings(toolpaths: Stretches, which: Sequence[int], features: Counts) -
     _, place = np.unique(keys, axis=0, return_inverse=True)
     again = np.bincount(place.ravel())[place.ravel()] > 1
     twice = np.logical_or.reduceat(again, begins).tolist()
-    found: list[Chain] = []
+    rings: list[Chain] = []
     for k, end in enumerate(np.append(begins[1:], len(which)).tolist()):
         rows = range(int(begins[k]), end)
         ring = [(which[row], False) for row in rows]
-        found += _apart(ring, place.ravel()[rows.start : end].tolist()) if twice[k] else [ring]
-    return found
+        rings += _apart(ring, place.ravel()[rows.start : end].tolist()) if twice[k] else [ring]
+    return rings
 
 
 def _apart(ring: Chain, places: Sequence[int]) -> list[Chain]:
     """The rings that one is made of which passes some of its places again."""
-    found: list[Chain] = []
+    rings: list[Chain] = []
     chain: Chain = []
     passed: list[int] = []
     for way, place in zip(ring, places, strict=True):
         if place in passed:
             at = passed.index(place)
-            found.append(chain[at:])
+            rings.append(chain[at:])
             del chain[at:], passed[at:]
         passed.append(place)
         chain.append(way)
-    return [*found, chain]
+    return [*rings, chain]
 
 
 def rings_of(toolpaths: Stretches, which: Sequence[int], gap: float) -> list[Chain]:
@@ -212,14 +212,14 @@ def _places(ends: Floats, gap: float) -> Counts:
     """A number for the place of each end (n, 2)."""
     written = _hanging(ends, min(gap, WRITTEN_SAME))
     left = np.flatnonzero(np.bincount(written)[written] != 2)
-    found = written + len(ends)
+    places = written + len(ends)
     near = left[_hanging(ends[left], gap * SLACK)]
     low, high = np.full((len(ends), 2), np.inf), np.full((len(ends), 2), -np.inf)
     np.minimum.at(low, near, ends[left])
     np.maximum.at(high, near, ends[left])
     is_place = np.hypot(*(high - low)[near].T) <= WIDEST_PLACE * gap * SLACK
-    found[left[is_place]] = near[is_place]
-    return found
+    places[left[is_place]] = near[is_place]
+    return places
 
 
 def _hanging(points: Floats, reach: float) -> Counts:
@@ -265,20 +265,20 @@ class _Net:
 
     def rings(self) -> list[Chain]:
         """What leads back to where it began, each as its ways one after the other."""
-        found: list[Chain] = []
-        asked = list(self._at)
-        while asked:
-            place = asked.pop()
+        rings: list[Chain] = []
+        nodes = list(self._at)
+        while nodes:
+            place = nodes.pop()
             own = self._at[place]
             for k in sorted(own):
                 if self._ends[k] == (place, place):
                     own.discard(k)
-                    found.append(_ways_of(self._runs[k]))
+                    rings.append(_ways_of(self._runs[k]))
             if len(own) == 1:
-                asked.append(self._take(own.pop(), place))
+                nodes.append(self._take(own.pop(), place))
             elif len(own) == 2:
-                asked += self._draw_together(place, *sorted(own))
-        return found
+                nodes += self._draw_together(place, *sorted(own))
+        return rings
 
     def _other(self, k: int, place: int) -> int:
         a, b = self._ends[k]
@@ -308,14 +308,14 @@ class _Net:
 
 def _ways_of(run: _Run) -> Chain:
     """The ways of a run, one after the other."""
-    found: Chain = []
+    ways: Chain = []
     waiting: list[tuple[_Run, bool]] = [(run, False)]
     while waiting:
         part, turned = waiting.pop()
         if isinstance(part, int):
-            found.append((part, turned))
+            ways.append((part, turned))
             continue
         first, first_turned, second, second_turned = part
         two = [(first, first_turned != turned), (second, second_turned != turned)]
         waiting += two if turned else two[::-1]
-    return found
+    return ways

@@ -122,7 +122,7 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     firsts = [int(np.searchsorted(work.of_way, work.of_way[t.first])) for t in rings]
     pierced = work.path.starts[firsts]
     away, nearest = _distances(contours, pierced)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     near = row.pierce_radius - work.slack[nearest] - 2 * work.fine
     for k in np.flatnonzero(away < near).tolist():
         lead = _whole_lead(work, rings[k], contours)
@@ -133,14 +133,14 @@ def pierce_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if len(blocked) or _distances(contours, lead[-1:])[0][0] < far:
             continue
         x, y = pierced[k].tolist()
-        said.append(
+        diagnostics.append(
             rules.PIERCE.at(
                 Source(work.name, rings[k].stroke.line), x=f"{x:.3f}", y=f"{y:.3f}",
                 found=f"{away[k]:.3f}", contour=work.contour(int(nearest[k])),
                 expected=f"{row.pierce_radius:g}", lead=f"{work.torch.lead_in:g}",
             )
         )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -148,7 +148,7 @@ def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
 
     They are what is left of contours whose other edges are cut with those of another part.
     """
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     firsts = np.searchsorted(work.of_way, np.arange(len(work.strokes)))
     for t in traced:
         if not t.half_kerf or t.members or t.joined or t.closed:
@@ -161,8 +161,8 @@ def edge_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         x, y = begin[0].tolist()
         contour = work.contour_at(begin[0])
         source = Source(work.name, t.stroke.line)
-        said.append(rules.EDGE.at(source, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
-    return said[:SHOWN]
+        diagnostics.append(rules.EDGE.at(source, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
+    return diagnostics[:SHOWN]
 
 
 def _distances(contours: shapely.STRtree, points: Floats) -> tuple[Floats, Floats]:
@@ -184,12 +184,12 @@ def _whole_lead(work: Work, t: Traced, contours: shapely.STRtree) -> Floats:
     share = np.linspace(0.0, 1.0, ALONG)[:, None]
     length = work.torch.lead_in
     if work.torch.lead == "line":
-        found: Floats = at + share * length * normal
-        return found
+        whole_lead: Floats = at + share * length * normal
+        return whole_lead
     radius, turn = length / (pi / 2), share * pi / 2
     back = np.array((-tx, -ty))
-    found = at + radius * ((1.0 - np.cos(turn)) * normal + np.sin(turn) * back)
-    return found
+    whole_lead = at + radius * ((1.0 - np.cos(turn)) * normal + np.sin(turn) * back)
+    return whole_lead
 
 
 # --- small holes ----------------------------------------------------------------------------------
@@ -211,20 +211,20 @@ ROUND_DOUBT = 2e-3  #: of the way round a hole, by which it may be a small one o
 
 def hole_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     """Strokes that run as in a small hole elsewhere, or in one as elsewhere."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for t in traced:
         expected, found = t.small, t.stroke.in_hole
         if expected is None or found is None or expected == found or not t.stroke.row.slows_holes:
             continue
         share = f"{t.stroke.row.hole_feed_share * 100:g} %"
-        said.append(
+        diagnostics.append(
             rules.HOLE_FEED.at(
                 Source(work.name, t.stroke.line), found=share if found else "all",
                 expected=share if expected else "all",
                 contour=work.contour_at(work.path.starts[t.first]),
             )
         )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def find_small(work: Work, traced: Sequence[Traced]) -> None:
@@ -251,7 +251,7 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     if work.torch.hole_lead != "middle" or not any(t.small for t in traced):
         return []
     contours = shapely.STRtree(work.contours)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for t in traced:
         if not t.small or t.joined:
             continue
@@ -281,10 +281,10 @@ def middle_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if away <= 2 * work.tolerance:
             found = "another way from its middle"
         contour = work.contour_at(at)
-        said.append(
+        diagnostics.append(
             rules.HOLE_LEAD.at(Source(work.name, t.stroke.line), contour=contour, found=found)
         )
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def _circle(work: Work, way: int) -> Arc | None:
@@ -323,7 +323,7 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagn
     `asked` says that the arc goes out where a cut with an overcut is closed.
     """
     by_machine = work.torch.kerf_by == "machine"
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for t in traced:
         last = int(np.searchsorted(work.of_way, work.of_way[t.first], "right"))
         closed = t.closed and len(t.members) == 1
@@ -340,13 +340,13 @@ def dark_faults(work: Work, traced: Sequence[Traced], asked: bool) -> list[Diagn
             if (np.hypot(*away.T) <= work.meeting).any():
                 continue
         expected = _shown(beyond) if beyond or not due else "the arc out where it is closed"
-        said.append(
+        diagnostics.append(
             rules.DARK.at(
                 Source(work.name, t.stroke.line), found=_shown(dark), expected=expected,
                 contour=work.contour_at(work.path.starts[t.first]),
             )
         )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def _shown(moves: int) -> str:

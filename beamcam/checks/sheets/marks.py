@@ -45,22 +45,22 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
     if not texts:
         return
     marks, process = machine.marks, text_process(machine)
-    asked = [(index, wanted(feature, marks)) for index, feature in texts]
+    required = [(index, wanted(feature, marks)) for index, feature in texts]
     if not need.curves.get("cut"):  # a sheet that is only marked lies where its marks do
-        for index, text in asked:
+        for index, text in required:
             _need(need, process, index, text, text.feature.x, text.feature.y, text.height)
         return
     chords = [pair for curve in _once(need) for pair in pairwise(_points(curve, CHORD))]
     steel = steel_within(chords)
     pieces = _pieces(strokes, process, shift_of(need, torch))
     if machine.stepper is not None:
-        _where_they_are(need, asked, part, machine, steel, pieces)
+        _where_they_are(need, required, part, machine, steel, pieces)
         return
     drawn = DrawnPieces(pieces, max(NEAR, torch.tolerance))
-    ours = {index: text for index, text in asked if text.feature.face in FACES}
+    ours = {index: text for index, text in required if text.feature.face in FACES}
     standing = standings([*ours.values()], drawn, steel, steel, marks)
     stands = dict(zip(ours, standing, strict=True))
-    for index, text in asked:
+    for index, text in required:
         one = stands.get(index)
         if one is None:
             need.said.append(by_hand(text.feature, part, machine))
@@ -70,7 +70,7 @@ def add_texts(need: Need, part: Part, machine: Machine, torch: Torch, strokes: S
 
 
 def _where_they_are(
-    need: Need, asked: Sequence[tuple[int, Wanted]], part: Part, machine: Machine, steel: Steel,
+    need: Need, required: Sequence[tuple[int, Wanted]], part: Part, machine: Machine, steel: Steel,
     pieces: Sequence[tuple[Point, Point]],
 ) -> None:  # fmt: skip
     """Add the texts that a table letters where the part has them; it moves none.
@@ -80,7 +80,7 @@ def _where_they_are(
     marks = machine.marks
     boxes: list[shapely.Polygon] = []
     middles = shapely.MultiPoint([((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pieces])
-    for index, text in asked:
+    for index, text in required:
         feature = text.feature
         box = None
         if feature.face in FACES and text.pieces and text.height >= marks.min_height:
@@ -111,13 +111,13 @@ def _need(
 def _pieces(strokes: Strokes, process: TorchProcess, shift: Point) -> Sequence[tuple[Point, Point]]:
     """The straight moves of a process, in the numbers of the part."""
     moves = strokes.moves
-    found: list[tuple[Point, Point]] = []
+    pieces: list[tuple[Point, Point]] = []
     for stroke in strokes.each:
         if stroke.process == process:
             rows = slice(stroke.first, stroke.last)
             ends = np.hstack((moves.start[rows] - shift, moves.end[rows] - shift)).tolist()
-            found += [((a, b), (c, d)) for a, b, c, d in ends]
-    return found
+            pieces += [((a, b), (c, d)) for a, b, c, d in ends]
+    return pieces
 
 
 def _once(need: Need) -> Iterator[Curve]:
@@ -232,7 +232,7 @@ Filled = tuple[list[Floats], list[Floats]]
 
 def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
     """Hatches with a line too few or too many, or one that is elsewhere than it has to be."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     keys = {look: process for process in need.curves for look in need.looks[process]}
     for key in dict.fromkeys([*keys, *need.filled]):
         own = torch.settings.get(key)
@@ -240,7 +240,7 @@ def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
             continue
         for what, (x, y) in _hatch_faults(*_filled(need, keys.get(key), key, own), own.hatch):
             c, s = cos(radians(own.hatch_angle)), sin(radians(own.hatch_angle))
-            said.append(
+            diagnostics.append(
                 rules.HATCH.at(
                     Source(name), key=key, found=what, x=f"{c * x - s * y:.3f}",
                     y=f"{s * x + c * y:.3f}", expected=f"{own.hatch:g}",
@@ -248,7 +248,7 @@ def hatch_faults(need: Need, torch: Torch, name: str) -> list[Diagnostic]:
                 )
             )  # fmt: skip
             break
-    return said
+    return diagnostics
 
 
 def overscan_faults(work: Work) -> list[Diagnostic]:
@@ -259,20 +259,20 @@ def overscan_faults(work: Work) -> list[Diagnostic]:
     firsts = np.searchsorted(work.of_way, np.arange(len(work.strokes)))
     middles = (work.path.starts[firsts] + work.path.ends[firsts]) / 2
     _, nearest = work.need.nearest(middles, work.tolerance)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for stroke, way, (x, y) in zip(work.strokes, nearest.tolist(), middles.tolist(), strict=True):
         is_line = work.asked.source(work.process, way).where == HATCH
         expected = over if is_line else 0.0
         if max(abs(found - expected) for found in stroke.overscan) <= 2 * work.tolerance:
             continue
         before, behind = stroke.overscan
-        said.append(
+        diagnostics.append(
             rules.OVERSCAN.at(
                 Source(work.name, stroke.line), x=f"{x:.3f}", y=f"{y:.3f}",
                 found=f"{before:.3f} and {behind:.3f}", expected=f"{expected:g}",
             )
         )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def _hatch_faults(rings: list[Floats], lines: list[Floats], distance: float) -> Iterator[Fault]:
@@ -284,7 +284,7 @@ def _hatch_faults(rings: list[Floats], lines: list[Floats], distance: float) -> 
     if not rings:
         return
     low = float(np.concatenate(rings)[:, 1].min())
-    found: dict[int, list[Spans]] = {}
+    spans: dict[int, list[Spans]] = {}
     for line in lines:
         (x0, y), (x1, y1) = line[0].tolist(), line[-1].tolist()
         k = round((y - low) / distance - 0.5)
@@ -293,14 +293,14 @@ def _hatch_faults(rings: list[Floats], lines: list[Floats], distance: float) -> 
             yield "a line between those that fill it, or at another angle", (x0, y)
         else:
             span = min(x0, x1) - distance / 2, max(x0, x1) + distance / 2
-            found.setdefault(k, []).append(span)
+            spans.setdefault(k, []).append(span)
     wrong: dict[int, Fault] | None = None
     for aside in ASIDE:
         pieces = _spans_in(rings, distance, aside)
         still: dict[int, Fault] = {}
-        for k in sorted({*found, *pieces} if wrong is None else wrong):
+        for k in sorted({*spans, *pieces} if wrong is None else wrong):
             y = low + (k + 0.5) * distance
-            fault = _line_fault(found.get(k, []), pieces.get(k, []), distance, y)
+            fault = _line_fault(spans.get(k, []), pieces.get(k, []), distance, y)
             if fault is not None:
                 still[k] = fault if wrong is None else wrong[k]
         wrong = still
@@ -338,10 +338,10 @@ def _spans_in(rings: list[Floats], distance: float, aside: float) -> dict[int, l
     ends = np.stack((np.full(count, x0 - 1), ys, np.full(count, x1 + 1), ys), axis=1)
     cut = shapely.intersection(shapely.linestrings(ends.reshape(-1, 2, 2)), inside)
     parts, number = shapely.get_parts(cut, return_index=True)
-    found: dict[int, list[Spans]] = {}
+    spans: dict[int, list[Spans]] = {}
     for (a, _, b, _), k in zip(shapely.bounds(parts).tolist(), number.tolist(), strict=True):
-        found.setdefault(k, []).append((a, b))
-    return found
+        spans.setdefault(k, []).append((a, b))
+    return spans
 
 
 def _filled(need: Need, process: TorchProcess | None, key: str, own: LayerSettings) -> Filled:

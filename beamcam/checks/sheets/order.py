@@ -28,11 +28,11 @@ def order_faults(
     traced: Sequence[Traced], works: Mapping[TorchProcess, Work], name: str
 ) -> list[Diagnostic]:
     """Marks behind cuts, and what lies in a contour that was cut before, in the program's order."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     first_cut = next((t for t in traced if t.stroke.process == "cut"), None)
     for t in traced:
         if first_cut and t.stroke.process != "cut" and t.stroke.line > first_cut.stroke.line:
-            said.append(
+            diagnostics.append(
                 rules.ORDER.at(
                     Source(name, t.stroke.line),
                     found=f"work to {t.stroke.process} {_contour(works, t)}",
@@ -40,19 +40,19 @@ def order_faults(
                 )
             )  # fmt: skip
             break
-    said += _before_skeleton(traced, works, name)
+    diagnostics += _before_skeleton(traced, works, name)
     # An open cut has no inside, and lies in none.
     cuts = [t for t in traced if t.stroke.process == "cut" and t.goes_round]
     for a, b in _inside_of_earlier(cuts):
         if cuts[a].group != cuts[b].group:
-            said.append(
+            diagnostics.append(
                 rules.ORDER.at(
                     Source(name, cuts[a].stroke.line), found=_contour(works, cuts[a]),
                     before=f"{_contour(works, cuts[b])} around it, cut on line "
                     f"{cuts[b].stroke.line}",
                 )
             )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def _before_skeleton(
@@ -150,19 +150,19 @@ def direction_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         work = replace(work, region=work.asked.region(work.torch).moved(work.shift))
     assert work.region is not None
     asked = _asked(work)
-    said = []
+    diagnostics = []
     rows = zip(heads, _rings_of(work, heads).tolist(), _turns(work, heads), strict=True)
     for t, ring, found in rows:
         wanted = asked[ring] if ring >= 0 else None
         if wanted is None or found is None or found == wanted:
             continue
-        said.append(
+        diagnostics.append(
             rules.DIRECTION.at(
                 Source(work.name, t.stroke.line), found=_shown(found), expected=_shown(wanted),
                 contour=work.contour(work.region.rings[ring][0][0]), how=work.torch.direction,
             )
         )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def _shown(is_anticlockwise: bool) -> str:
@@ -184,17 +184,17 @@ def _asked(work: Work) -> list[bool | None]:
     clear[one[crossing]] = clear[other[crossing]] = False
     way = work.torch.direction
     sides = waste_sides(work) if way != "drawn" else np.zeros(0)
-    found: list[bool | None] = []
+    directions: list[bool | None] = []
     for ring, is_turned, is_clear in zip(rings, turned, clear.tolist(), strict=True):
         if way == "drawn":
-            found.append(is_turned if _is_one_feature(work, ring) else None)
+            directions.append(is_turned if _is_one_feature(work, ring) else None)
             continue
         first, back = ring[0]
         waste_left = bool((sides[first] > 0.0) != back)
         # With climb the waste is on the left: counter-clockwise where it lies inside.
         is_hole = waste_left == is_turned
-        found.append(is_hole == (way == "climb") if is_clear and sides[first] else None)
-    return found
+        directions.append(is_hole == (way == "climb") if is_clear and sides[first] else None)
+    return directions
 
 
 def _is_one_feature(work: Work, ring: Chain) -> bool:
@@ -282,7 +282,7 @@ def settings_faults(
     if not work.need.count or not traced or row is None:
         return [], []
     owns = [work.torch.settings.get(k, PLAIN) for k in work.asked.looks[work.process]]
-    asked = [
+    settings = [
         (
             row.feed_mm_min if own.speed is None else own.speed,
             row.power if own.power is None else own.power,
@@ -295,7 +295,7 @@ def settings_faults(
     points, stroke = work.path.elements.places(*samples[:2]), work.of_way[samples[2]]
     pairs = _followed(work, samples, points)
     near = work.need.owner[pairs.element]
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     turns: list[OrderPlace] = []
     for number, one in enumerate(work.strokes):
         mine = stroke[pairs.point] == number
@@ -306,13 +306,15 @@ def settings_faults(
         # The strokes of a table may leave it open of which of two speeds they are.
         rows = (one.row, *one.alike) if work.stepped else (one.row,)
         likewise = {(row.feed_mm_min, row.power, one.passes) for row in rows}
-        fits = np.isin(near, [w for w in ways if asked[w] in likewise])
+        fits = np.isin(near, [w for w in ways if settings[w] in likewise])
         wrong = np.flatnonzero(mine & ~np.isin(pairs.point, pairs.point[mine & fits]))
         for k in wrong[:1].tolist():
-            said.append(_other(work, one.line, own, asked[near[k]], work.contour(int(near[k]))))
+            diagnostics.append(
+                _other(work, one.line, own, settings[near[k]], work.contour(int(near[k])))
+            )
         orders = [owns[w].order for w in ways]
         turns.append(OrderPlace(one.line, min(orders), max(orders)))
-    return said[:SHOWN], turns
+    return diagnostics[:SHOWN], turns
 
 
 def _followed(work: Work, samples: Samples, points: Floats) -> Pairs:

@@ -30,14 +30,14 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     # Where stairs of steps come back to their start is known by the distance of ends that meet.
     slack = (4 if work.stepped else 2) * work.tolerance
     by_machine = work.torch.kerf_by == "machine"
-    said = []
+    diagnostics = []
     again = _pass_their_start(work, [t for t in traced if not (t.members or t.joined or t.closed)])
     for t in traced:
         if by_machine and t.half_kerf:
             limits = _beside(work, t)
         elif t.members:
             limits = _along(work, t)
-            said += _beyond(work, t.members[-1], slack)
+            diagnostics += _beyond(work, t.members[-1], slack)
         elif t.first not in again or not (over := _retraced(work, t)):
             continue
         else:
@@ -45,13 +45,13 @@ def overcut_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         found, least, most = limits
         if least - slack <= found <= most + slack:
             continue
-        said.append(
+        diagnostics.append(
             rules.OVERCUT.at(
                 Source(work.name, t.stroke.line), found=f"{found:.3f}", expected=f"{least:.3f}",
                 contour=work.contour_at(work.path.starts[t.first]),
             )
         )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def _beyond(work: Work, t: Traced, slack: float) -> list[Diagnostic]:
@@ -167,14 +167,14 @@ def _retraced(work: Work, t: Traced) -> float:
     at = path.at(pairs.element, pairs.along) - begin
     mine = (work.of_way[path.owner[pairs.element]] == work.of_way[t.first]) & (at >= 0.0)
     again, ends = at[mine & (pairs.point == 0)], at[mine & (pairs.point == 1)]
-    found = [
+    lengths = [
         float(ends[k])
         for place in again
         for k in np.flatnonzero(np.abs(length - place - ends) <= 2 * work.tolerance)
         if place > 4 * work.tolerance and ends[k] > 2 * work.tolerance
         and _runs_again(work, t, float(place), float(ends[k]))
     ]  # fmt: skip
-    over = min(found, default=0.0)
+    over = min(lengths, default=0.0)
     # The part itself may have more than one curve a little behind the start.
     beside = work.need.near(_places(work, np.array([begin + over / 2])), work.tolerance)
     drawn = np.sort(work.need.at(beside.element, beside.along))
@@ -264,7 +264,7 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
     places = np.where(stops[:, None], path.ends[toolpaths], path.starts[toolpaths])
     reached = path.begins[toolpaths] + np.where(stops, path.lengths[toolpaths], 0.0)
     counts = _directions(work.need, places, work.tolerance, work.torch.gap)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for (t, (what, way)), place, at, count in zip(ends, places, reached, counts, strict=True):
         if (
             count != 2
@@ -276,8 +276,10 @@ def end_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         x, y = place.tolist()
         source = Source(work.name, int(work.moves.line[way]))
         contour = work.contour_at(place)
-        said.append(rules.OPEN.at(source, what=what, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}"))
-    return said[:SHOWN]
+        diagnostics.append(
+            rules.OPEN.at(source, what=what, contour=contour, x=f"{x:.3f}", y=f"{y:.3f}")
+        )
+    return diagnostics[:SHOWN]
 
 
 def restart_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
@@ -305,24 +307,24 @@ def restart_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         if k >= 0 and min(along - low[k], high[k] - along) <= 2 * reach:
             side = int(along - low[k] > high[k] - along)
         touching[place].add((other, side))
-    asked = [
+    which = [
         k
         for k, found in enumerate(touching)
         if len(found) == len(dict(found)) == 2 and all(side >= 0 for _, side in found)
     ]
-    said = []
-    for k in asked:
+    diagnostics = []
+    for k in which:
         t = opened[k // 2]
         other = max(s for s, _ in touching[k])
         if other == work.of_way[t.first] and _goes_on(work, places[k], t.half_kerf):
             x, y = places[k].tolist()
-            said.append(
+            diagnostics.append(
                 rules.RESTART.at(
                     Source(work.name, t.stroke.line), contour=work.contour_at(places[k]),
                     x=f"{x:.3f}", y=f"{y:.3f}",
                 )
             )  # fmt: skip
-    return said[:SHOWN]
+    return diagnostics[:SHOWN]
 
 
 def _goes_on(work: Work, place: Floats, half_kerf: float) -> bool:

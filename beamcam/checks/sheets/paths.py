@@ -46,8 +46,8 @@ def follow(work: Work) -> tuple[list[Traced], list[Diagnostic]]:
         t.members = t.members or ([t] if t.closed else [])
     _overs(work, bounds, traced, points, way)
     wrong = np.flatnonzero(~followed & on_contour(work, traced)[way])
-    said = _strays(work, points[wrong], way[wrong], expected)
-    return traced, said + end_faults(work, traced) + restart_faults(work, traced)
+    diagnostics = _strays(work, points[wrong], way[wrong], expected)
+    return traced, diagnostics + end_faults(work, traced) + restart_faults(work, traced)
 
 
 def _on_or_beside(
@@ -75,7 +75,7 @@ def _on_or_beside(
 
 def _strays(work: Work, points: Floats, way: Counts, expected: Floats) -> list[Diagnostic]:
     """The first place of each stroke at which it follows nothing; `way` is that of each place."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     _, firsts = np.unique(work.of_way[way], return_index=True)
     for k in firsts[:SHOWN].tolist():
         apart = float(expected[work.of_way[way[k]]])
@@ -85,8 +85,8 @@ def _strays(work: Work, points: Floats, way: Counts, expected: Floats) -> list[D
         off_by = f"{away:.4f} mm off the nearest contour to {work.process}, that of {contour}"
         if away <= work.slack[nearest] and not apart:
             off_by, kept_off = f"across the contour of {contour}", "it along one"
-        said.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
-    return said
+        diagnostics.append(work.extra(int(work.moves.line[way[k]]), points[k], off_by, kept_off))
+    return diagnostics
 
 
 def _close(work: Work, bounds: Bounds) -> Flags:
@@ -115,19 +115,19 @@ def _overs(
     for t, (first, last) in zip(traced, bounds, strict=True):
         if t.members or t.joined:
             outside[first : t.first] = outside[t.last : last] = True
-    asked = np.flatnonzero(outside[way])
-    if not len(asked):
+    which = np.flatnonzero(outside[way])
+    if not len(which):
         return
     number = np.arange(len(traced))
     for k, t in enumerate(traced):
         if len(t.members) > 1:
             number[k : k + len(t.members)] = k
-    pairs = work.path.near(points[asked], work.tolerance)
+    pairs = work.path.near(points[which], work.tolerance)
     other = work.path.owner[pairs.element]
-    own = number[work.of_way[way[asked[pairs.point]]]] == number[work.of_way[other]]
-    missed = np.ones(len(asked), dtype=bool)
+    own = number[work.of_way[way[which[pairs.point]]]] == number[work.of_way[other]]
+    missed = np.ones(len(which), dtype=bool)
     missed[pairs.point[own & on_ring[other]]] = False
-    outside[way[asked[missed]]] = False
+    outside[way[which[missed]]] = False
     for t, (first, _) in zip(traced, bounds, strict=True):
         if not t.members:
             continue
@@ -146,11 +146,11 @@ def _overs(
 def _samples(work: Work) -> Samples:
     """Where the path is asked what it follows."""
     path = work.path
-    found = [path.samples(SPACING), beside_bends(path, work.need, _most(work))]
+    samples = [path.samples(SPACING), beside_bends(path, work.need, _most(work))]
     if work.half_kerf:  # nothing else would see an end that runs on into the waste
         every = np.arange(path.count)
-        found.append((path.last(every), np.ones(path.count), every))
-    return joined_samples(*found)
+        samples.append((path.last(every), np.ones(path.count), every))
+    return joined_samples(*samples)
 
 
 def _most(work: Work) -> float:
@@ -183,22 +183,22 @@ def _reach(work: Work) -> float:
 
 def _round_corners(work: Work, points: Floats) -> Flags:
     """Points where a path goes round a corner of a curve that it keeps off."""
-    need, found = work.need, np.zeros(len(points), dtype=bool)
+    need, round_corners = work.need, np.zeros(len(points), dtype=bool)
     pairs = need.near(points, _reach(work))
     pairs = pairs.kept(work.beside[need.owner[pairs.element]])
     way = need.owner[pairs.element]
     at = need.at(pairs.element, pairs.along) - need.begins[way]
     at_end = np.minimum(at, need.lengths[way] - at) <= work.slack[way]
-    found[pairs.point[at_end]] = True
-    return found
+    round_corners[pairs.point[at_end]] = True
+    return round_corners
 
 
 def on_contour(work: Work, traced: Sequence[Traced]) -> Flags:
     """The ways of the path that are not leads."""
-    found = np.zeros(work.path.count, dtype=bool)
+    on = np.zeros(work.path.count, dtype=bool)
     for t in traced:
-        found[t.first : t.last] = True
-    return found
+        on[t.first : t.last] = True
+    return on
 
 
 def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
@@ -219,12 +219,12 @@ def _traced(work: Work, kept: Bounds, radii: Floats) -> list[Traced]:
     ]  # fmt: skip
 
 
-def _gaping(work: Work, starts: Floats, ends: Floats, asked: Flags) -> Flags:
+def _gaping(work: Work, starts: Floats, ends: Floats, which: Flags) -> Flags:
     """Strokes that end beside their start because the contour has a gap there, wider than `gap`."""
-    found = np.zeros(len(starts), dtype=bool)
-    asked = asked & (np.hypot(*(ends - starts).T) > 2 * work.step)
-    if not asked.any():
-        return found
+    gaping = np.zeros(len(starts), dtype=bool)
+    which = which & (np.hypot(*(ends - starts).T) > 2 * work.step)
+    if not which.any():
+        return gaping
     stops = shapely.points(np.concatenate((work.need.starts, work.need.ends)))
     tree = shapely.STRtree(stops)
     first, second = tree.query(stops, "dwithin", distance=work.torch.gap)
@@ -232,13 +232,13 @@ def _gaping(work: Work, starts: Floats, ends: Floats, asked: Flags) -> Flags:
     free[first[first != second]] = False
     open_ends = stops[free]
     tree = shapely.STRtree(open_ends)
-    for k in np.flatnonzero(asked).tolist():
+    for k in np.flatnonzero(which).tolist():
         near = [
             set(tree.query(shapely.Point(place), "dwithin", distance=2 * work.tolerance).tolist())
             for place in (starts[k], ends[k])
         ]
-        found[k] = len(near[0] | near[1]) > 1 and all(near)
-    return found
+        gaping[k] = len(near[0] | near[1]) > 1 and all(near)
+    return gaping
 
 
 def _round_contours(
@@ -251,15 +251,15 @@ def _round_contours(
     assert work.region is not None
     ring_of = work.region.ring_of
     is_near = np.isfinite(beside[0])
-    found = np.where(is_near, ring_of[beside[1]], -1)
-    twin = np.flatnonzero(is_near & (found < 0))
+    rings = np.where(is_near, ring_of[beside[1]], -1)
+    twin = np.flatnonzero(is_near & (rings < 0))
     if len(twin):
         reach = beside[0][twin].max() + float(work.slack.max(initial=0.0))
         away, nearest, _ = work.need.nearest_within(points[twin], (reach,), ring_of >= 0)
-        found[twin] = np.where(np.isfinite(away), ring_of[nearest], -1)
-    known = found >= 0
+        rings[twin] = np.where(np.isfinite(away), ring_of[nearest], -1)
+    known = rings >= 0
     count = len(work.region.rings)
-    pairs, times = np.unique(stroke[known] * max(count, 1) + found[known], return_counts=True)
+    pairs, times = np.unique(stroke[known] * max(count, 1) + rings[known], return_counts=True)
     order = np.argsort(times, kind="stable")
     most = dict(zip((pairs[order] // max(count, 1)).tolist(), pairs[order].tolist(), strict=True))
     for k, t in enumerate(traced):
@@ -306,14 +306,14 @@ def aligned(
     at = np.divide(pairs.along, length, out=np.zeros(len(length)), where=length > 0.0)
     there = other.elements.directions(pairs.element, at)
     across = np.abs(ahead[:, 0] * there[:, 1] - ahead[:, 1] * there[:, 0])
-    found: Flags = across <= np.sin(MAX_TURN_RAD)
-    asked = np.flatnonzero(~found)
-    if len(asked):
-        pairs = pairs.kept(asked)
+    is_aligned: Flags = across <= np.sin(MAX_TURN_RAD)
+    which = np.flatnonzero(~is_aligned)
+    if len(which):
+        pairs = pairs.kept(which)
         most = own.most_turns(slack)[element[pairs.point]] + other.most_turns(slack)[pairs.element]
-        found[asked] = across[asked] <= np.sin(np.minimum(MAX_TURN_RAD + most, np.pi / 2))
-        found[asked] |= _near_bend(other, pairs, slack)
-    return found
+        is_aligned[which] = across[which] <= np.sin(np.minimum(MAX_TURN_RAD + most, np.pi / 2))
+        is_aligned[which] |= _near_bend(other, pairs, slack)
+    return is_aligned
 
 
 def beside_bends(own: Toolpaths, other: Toolpaths, slack: float) -> Samples:
@@ -337,8 +337,8 @@ def _near_bend(toolpaths: Toolpaths, pairs: Pairs, slack: float) -> Flags:
     begins, ends, _ = _bends(toolpaths, slack)
     way = toolpaths.owner[pairs.element]
     at, reach = toolpaths.at(pairs.element, pairs.along) - toolpaths.begins[way], NEAR_BEND * slack
-    found: Flags = begins[way] & (at <= reach)
-    return found | (ends[way] & (at >= toolpaths.lengths[way] - reach))
+    is_near: Flags = begins[way] & (at <= reach)
+    return is_near | (ends[way] & (at >= toolpaths.lengths[way] - reach))
 
 
 def _bends(toolpaths: Toolpaths, slack: float) -> tuple[Flags, Flags, Flags]:

@@ -57,13 +57,13 @@ class Region(Struct, frozen=True):
 
     def depth(self, points: Floats) -> Counts:
         """Number of contours that enclose each point (n, 2)."""
-        asked, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
-        return np.bincount(asked, minlength=len(points))
+        which, _ = shapely.STRtree(self.polygons).query(shapely.points(points), "within")
+        return np.bincount(which, minlength=len(points))
 
     def in_part(self, points: Floats) -> Flags:
         """Which points (n, 2) lie in the part."""
-        found: Flags = self.depth(points) % 2 == 1
-        return found
+        inside: Flags = self.depth(points) % 2 == 1
+        return inside
 
 
 def region_of(toolpaths: Toolpaths, features: Counts, gap: float, fine: float) -> Region:
@@ -155,13 +155,13 @@ def small_ways(toolpaths: Toolpaths, gap: float) -> Flags:
 def _looped(polygons: NDArray[np.object_], gap: float) -> list[int]:
     """Rings that cross themselves by a hair and so have a loop there, which nothing can follow."""
     alike = shapely.set_precision(polygons, SAME_POINT, mode="pointwise")
-    found = []
+    looped = []
     for k in np.flatnonzero(~shapely.is_valid(alike)).tolist():
         boxes = shapely.bounds(shapely.get_parts(shapely.make_valid(polygons[k])))
         sizes = np.hypot(*(boxes[:, 2:] - boxes[:, :2]).T)
         if np.any((sizes > SAME_POINT) & (sizes <= WIDEST_LOOP * gap)):
-            found.append(k)
-    return found
+            looped.append(k)
+    return looped
 
 
 def _loose_ends(toolpaths: Toolpaths, which: Counts, gap: float) -> Floats:
@@ -233,15 +233,15 @@ def ring_depths(polygons: Sequence[shapely.Polygon | None]) -> list[int | None]:
     shapes = np.array([shapely.Polygon() if p is None else p for p in polygons], dtype=object)
     tree = shapely.STRtree(shapes)
     areas = shapely.area(shapes)
-    found: list[int | None] = [0] * len(shapes)
+    depths: list[int | None] = [0] * len(shapes)
     for inner, outer in tree.query(shapes, predicate="intersects").T.tolist():
-        if areas[outer] <= areas[inner] or inner == outer or found[inner] is None:
+        if areas[outer] <= areas[inner] or inner == outer or depths[inner] is None:
             continue
         if shapely.covers(shapely.buffer(shapes[outer], 0.01), shapes[inner]):
-            found[inner] = (found[inner] or 0) + 1
+            depths[inner] = (depths[inner] or 0) + 1
         elif shapely.area(shapely.intersection(shapes[inner], shapes[outer])) > 0.0:
-            found[inner] = None
-    return found
+            depths[inner] = None
+    return depths
 
 
 class _Rings(Struct, frozen=True):
@@ -272,8 +272,8 @@ class _Rings(Struct, frozen=True):
         number = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
         rows = np.repeat(first, sizes) + np.repeat(step, sizes) * number
         outlines = shapely.linearrings(drawn.points[rows], indices=np.repeat(self.ring, sizes))
-        found: NDArray[np.object_] = shapely.polygons(outlines)
-        return found
+        polygons: NDArray[np.object_] = shapely.polygons(outlines)
+        return polygons
 
     def gaps(self, drawn: Stretches) -> Floats:
         """The greater of the gaps at both ends of each way, to its neighbours in the ring."""

@@ -40,50 +40,52 @@ def rest_faults(
     skips: Collection[str] = (), name: str = "program", whole_name: str = "whole program",
 ) -> tuple[Diagnostic, ...]:  # fmt: skip
     """All faults of the rest from contour `first` on of a whole program, which is sound itself."""
-    laid, said = as_asked(parts, machine.torch)
-    if said:
-        return tuple(said)
+    laid, diagnostics = as_asked(parts, machine.torch)
+    if diagnostics:
+        return tuple(diagnostics)
     sheet = as_one(laid, machine, skips)
     part, machine = sheet.part, sheet.machine
     begun, more = _strokes(whole, part, machine, whole_name)
     left, wrong = _strokes(rest, part, machine, name)
-    said = [*sheet.said, *more, *wrong]
-    if errors_in(said):
-        return tuple(said)
+    diagnostics = [*sheet.said, *more, *wrong]
+    if errors_in(diagnostics):
+        return tuple(diagnostics)
     lines = _contour_lines(begun, part, machine, skips, whole_name)
     if not 2 <= first <= len(lines):
         return (rules.NO_CONTOUR.at(Source(whole_name), found=first, expected=len(lines)),)
     expected = [s for s in begun.each if s.line >= lines[first - 1]]
     if len(left.each) != len(expected):
-        found, wanted = f"{len(left.each)} strokes", f"the last {len(expected)} of the whole"
-        said.append(rules.REST.at(Source(name), found=found, expected=wanted))
-        return tuple(said)
+        found, expected_text = f"{len(left.each)} strokes", f"the last {len(expected)} of the whole"
+        diagnostics.append(rules.REST.at(Source(name), found=found, expected=expected_text))
+        return tuple(diagnostics)
     for one, other in zip(left.each, expected, strict=True):
         what = _difference(one, left, other, begun)
         if what:
-            wanted = f"that of line {other.line} of the whole program"
-            said.append(rules.REST.at(Source(name, one.line), found=what, expected=wanted))
-            return tuple(said)
+            expected_text = f"that of line {other.line} of the whole program"
+            diagnostics.append(
+                rules.REST.at(Source(name, one.line), found=what, expected=expected_text)
+            )
+            return tuple(diagnostics)
     words = SAID.format(first=first, count=len(lines))
     if words not in rest:
         found = "no comment that says from where it goes on"
-        said.append(rules.REST.at(Source(name), found=found, expected=words))
-    return tuple(said)
+        diagnostics.append(rules.REST.at(Source(name), found=found, expected=words))
+    return tuple(diagnostics)
 
 
 def _strokes(
     text: str, part: Part, machine: Machine, name: str
 ) -> tuple[Strokes, list[Diagnostic]]:
     torch = machine.needed(machine.torch, "torch")
-    done, said = table_run(text, machine, name)
-    if errors_in(said):
-        return Strokes([], done.moves), list(said)
+    done, diagnostics = table_run(text, machine, name)
+    if errors_in(diagnostics):
+        return Strokes([], done.moves), list(diagnostics)
     telling = replace(machine, torch=replace(torch, laser_mode=False))
-    found, more = strokes_of(
+    strokes, more = strokes_of(
         done, machine, torch, rows_of(part, torch),
         lambda blocks: table_events(blocks, telling)[0], name,
     )  # fmt: skip
-    return found, [*said, *more]
+    return strokes, [*diagnostics, *more]
 
 
 def _contour_lines(
@@ -151,38 +153,42 @@ def frame_faults(
     torch = machine.needed(machine.torch, "torch")
     done, said = table_run(text, machine, name)
     job, _ = table_run(whole, machine, name)
-    found = list(said)
+    diagnostics = list(said)
     for _, event in done.others:
         if isinstance(event, Switch) and not _is_harmless(event, torch):
             low = f", or the tool at {torch.frame_power:g}" if torch.frame_power else ""
             wrong, right = f"the word {event}", f"no tool switched on{low}"
-            found.append(rules.FRAME.at(Source(name, event.line), found=wrong, expected=right))
+            diagnostics.append(
+                rules.FRAME.at(Source(name, event.line), found=wrong, expected=right)
+            )
     lit = any(isinstance(e, Switch) and e.number in (3, 4) for _, e in done.others)
     if torch.frame_power and not lit:
         expected = f"it at a power of {torch.frame_power:g}"
-        found.append(rules.FRAME.at(Source(name), found="the laser off", expected=expected))
-    if errors_in(found):
-        return tuple(found)
+        diagnostics.append(rules.FRAME.at(Source(name), found="the laser off", expected=expected))
+    if errors_in(diagnostics):
+        return tuple(diagnostics)
     around, frame = _box(job.moves), _box(done.moves)
     slow = done.moves.take(np.flatnonzero(~done.moves.rapid))
     source = Source(name)
     shown = " to ".join(f"X {x:.3f} Y {y:.3f}" for x, y in (around[:2], around[2:]))
     if not len(slow) or np.abs(frame - around).max() > torch.tolerance:
         got = " to ".join(f"X {x:.3f} Y {y:.3f}" for x, y in (frame[:2], frame[2:]))
-        found.append(rules.FRAME.at(source, found=f"a frame from {got}", expected=shown))
-        return tuple(found)
+        diagnostics.append(rules.FRAME.at(source, found=f"a frame from {got}", expected=shown))
+        return tuple(diagnostics)
     x0, y0, x1, y1 = around.tolist()
     corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)])
     passed = np.concatenate((slow.start[:1], slow.end))
     if slow.is_arc.any() or len(passed) != 5 or np.abs(passed - corners).max() > torch.tolerance:
         expected = "the four corners of the work, one after the other"
-        found.append(rules.FRAME.at(source, found="another way", expected=expected))
+        diagnostics.append(rules.FRAME.at(source, found="another way", expected=expected))
     elif float(slow.feed_mm_min.max()) > FASTEST * torch.frame_mm_min:
         fed = f"a feed of {float(slow.feed_mm_min.max()):g} mm/min"
-        found.append(rules.FRAME.at(source, found=fed, expected=f"{torch.frame_mm_min:g}"))
+        diagnostics.append(rules.FRAME.at(source, found=fed, expected=f"{torch.frame_mm_min:g}"))
     if (said_of_it := said_of(torch)) not in text:
-        found.append(rules.FRAME.at(source, found="no word of what it is", expected=said_of_it))
-    return tuple(found)
+        diagnostics.append(
+            rules.FRAME.at(source, found="no word of what it is", expected=said_of_it)
+        )
+    return tuple(diagnostics)
 
 
 def _is_harmless(event: Switch, torch: Torch) -> bool:
@@ -263,7 +269,7 @@ def _links(moves: Moves, stroke: HeadStroke, step: float) -> list[int]:
     corners = [moves.start[own.start].tolist(), *moves.end[own.start : own.stop].tolist()]
     cells = [(round(x / (2 * step)), round(y / (2 * step))) for x, y in corners]
     again = {cell: k for k, cell in enumerate(cells)}  # the last time that each is passed
-    found: list[int] = []
+    links: list[int] = []
     passed: dict[tuple[int, int], int] = {}
     for k, cell in enumerate(cells[:-1]):
         is_back = cell in passed
@@ -271,8 +277,8 @@ def _links(moves: Moves, stroke: HeadStroke, step: float) -> list[int]:
         begins = cells[k + 1]
         leads_on = begins not in passed and again[begins] > k + 1 and not moves.is_arc[own[k]]
         if is_back and leads_on:
-            found.append(own[k])
-    return found
+            links.append(own[k])
+    return links
 
 
 def link_faults(

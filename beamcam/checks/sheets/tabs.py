@@ -223,13 +223,13 @@ def tab_faults(work: Work, traced: Sequence[Traced]) -> list[Diagnostic]:
         return []
     rings = [t for t in traced if t.members]
     polygons = [t.inside() for t in rings]
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     depths = ring_depths(polygons)
     corners = _corners(work) if work.torch.min_tab_to_corner else np.zeros((0, 2))
     for t, polygon, depth in zip(rings, polygons, depths, strict=True):
         is_ring = polygon is not None and polygon.area > MIN_WIDTH * polygon.length
-        said += _ring_faults(work, t, depth if is_ring else -1, corners)
-    return said[:SHOWN]
+        diagnostics += _ring_faults(work, t, depth if is_ring else -1, corners)
+    return diagnostics[:SHOWN]
 
 
 def _ring_faults(work: Work, t: Traced, depth: int | None, corners: Floats) -> Iterator[Diagnostic]:
@@ -293,16 +293,16 @@ def _counts(work: Work, depth: int | None, totals: Limits, width: float) -> set[
     """
     if depth == -1:
         return {0}
-    found: set[int] = set()
+    counts: set[int] = set()
     if depth is None or depth % 2 == 0 or work.torch.inner_tabs:
         low, high = (
             min(work.torch.tabs, int((total + slack) / (4 * width)))
             for total, slack in zip(totals, (-4 * work.tolerance, 4 * work.tolerance), strict=True)
         )
-        found.update(range(max(low, 0), high + 1))
+        counts.update(range(max(low, 0), high + 1))
     if depth is None or (depth % 2 == 1 and not work.torch.inner_tabs):
-        found.add(0)
-    return found
+        counts.add(0)
+    return counts
 
 
 def _gap(work: Work, before: Traced, after: Traced) -> _Gap:
@@ -324,11 +324,11 @@ def _corners(work: Work) -> Floats:
     for place, way in zip(places, np.concatenate((out, back)), strict=True):
         x, y = np.round(place / step).tolist()
         ways.setdefault((x, y), []).append(np.concatenate((place, way)))
-    found = [
+    corners = [
         rows[0][:2] for rows in ways.values()
         if len(rows) == 2 and turn_deg(rows[0][2:], -rows[1][2:]) > CORNER_DEG + DOUBT_DEG
     ]  # fmt: skip
-    return np.array(found).reshape(-1, 2)
+    return np.array(corners).reshape(-1, 2)
 
 
 def _is_at_corner(work: Work, gap: _Gap, corners: Floats) -> bool:
@@ -352,8 +352,8 @@ def _stretch(work: Work, t: Traced, length: float, backwards: bool) -> Floats:
     """Points of a stroke from its end backwards, or from its start on, so far along it."""
     points = work.path.outline(t.first, t.last, work.fine)
     line = shapely.LineString(points[::-1] if backwards else points)
-    found: Floats = shapely.get_coordinates(substring(line, 0.0, length))
-    return found
+    stretch: Floats = shapely.get_coordinates(substring(line, 0.0, length))
+    return stretch
 
 
 def _may_be_clear(work: Work, gap: _Gap, width: float, most: float) -> bool:

@@ -45,25 +45,25 @@ class Toolpaths:
     @classmethod
     def of_moves(cls, moves: Moves, tolerance: float) -> "Toolpaths":
         """The ways of moves."""
-        found = cls.__new__(cls)
+        toolpaths = cls.__new__(cls)
         rest = dict(sorted(moves.curves.items()))
         is_line = ~moves.is_arc
         is_line[list(rest)] = False
         lines, arcs = np.flatnonzero(is_line), np.flatnonzero(moves.is_arc)
-        found._build(
+        toolpaths._build(
             len(moves), lines, np.column_stack((moves.start[lines], moves.end[lines])),
             arcs, moves.arcs[arcs], rest, tolerance,
         )  # fmt: skip
-        return found
+        return toolpaths
 
     def moved(self, shift: tuple[float, float]) -> "Toolpaths":
         """The same elsewhere."""
-        found = Toolpaths.__new__(Toolpaths)
-        found.count, found._first, found._behind = self.count, self._first, self._behind
-        found.owner, found.rest = self.owner, self.rest
-        found._put(self.elements.moved(shift))
-        found._grids = [grid.moved(found.elements, shift) for grid in self._grids]
-        return found
+        toolpaths = Toolpaths.__new__(Toolpaths)
+        toolpaths.count, toolpaths._first, toolpaths._behind = self.count, self._first, self._behind
+        toolpaths.owner, toolpaths.rest = self.owner, self.rest
+        toolpaths._put(self.elements.moved(shift))
+        toolpaths._grids = [grid.moved(toolpaths.elements, shift) for grid in self._grids]
+        return toolpaths
 
     def _build(
         self, count: int, lines: Counts, line_rows: Floats, arcs: Counts, arc_rows: Floats,
@@ -110,9 +110,9 @@ class Toolpaths:
     @property
     def kinds(self) -> Counts:
         """0 for each way that is a line, 1 for an arc, 2 for any other."""
-        found: Counts = self.elements.is_arc[self._first].astype(np.int64)
-        found[self.rest] = 2
-        return found
+        kinds: Counts = self.elements.is_arc[self._first].astype(np.int64)
+        kinds[self.rest] = 2
+        return kinds
 
     def first(self, toolpaths: Counts) -> Counts:
         """The first element of each of some ways."""
@@ -279,10 +279,10 @@ class Toolpaths:
         """A line along each way, or along all ways of each owner, as `outline` has them."""
         points, begins = self.outlines(tolerance)
         own = np.arange(self.count) if owner is None else owner
-        found: NDArray[np.object_] = shapely.linestrings(
+        lines: NDArray[np.object_] = shapely.linestrings(
             points, indices=np.repeat(own, np.diff(begins))
         )
-        return found
+        return lines
 
     def _points(self, low: int, high: int, tolerance: float) -> tuple[Floats, Counts]:
         """Points along some elements, and how many of each."""

@@ -77,8 +77,8 @@ class Traced(Struct):
         """Places of the contour, (n, 2); chords between them are at most `fine` off."""
         if self.contour is None:
             return self.path.outline(self.first, self.last, self.fine)
-        found: Floats = shapely.get_coordinates(self.contour)
-        return found
+        corners: Floats = shapely.get_coordinates(self.contour)
+        return corners
 
 
 class Work(Struct, dict=True):
@@ -118,11 +118,11 @@ class Work(Struct, dict=True):
 
         What is open there is drawn twice, or ends on the contour.
         """
-        found = np.zeros(len(points), dtype=bool)
+        on = np.zeros(len(points), dtype=bool)
         if self.half_kerf:
             pairs = self.need.near(points, self.torch.gap)
-            found[pairs.point[self.beside[self.need.owner[pairs.element]]]] = True
-        return found
+            on[pairs.point[self.beside[self.need.owner[pairs.element]]]] = True
+        return on
 
     @property
     def bridged(self) -> bool:
@@ -162,8 +162,8 @@ class Work(Struct, dict=True):
         """The longest overcut that may be asked of a contour; 0 of a process without one."""
         if self.process != "cut":
             return 0.0
-        asked = [own.overcut for own in self.torch.settings.values() if own.overcut is not None]
-        most = max([self.torch.overcut, self.torch.hole_overcut or 0.0, *asked])
+        overcuts = [own.overcut for own in self.torch.settings.values() if own.overcut is not None]
+        most = max([self.torch.overcut, self.torch.hole_overcut or 0.0, *overcuts])
         return self._most(most) + 2 * self.tolerance if most else 0.0
 
     def _most(self, length: float) -> float:
@@ -334,20 +334,20 @@ def with_contours(
 
     The place of a block that does not move is the end of the next move.
     """
-    found = list(said)
-    asked = [
+    diagnostics = list(said)
+    which = [
         (k, one.source.line)
-        for k, one in enumerate(found)
+        for k, one in enumerate(diagnostics)
         if one.code in NAMELESS and one.source.line is not None
     ]
-    if not asked or not need.curves or not len(moves):
-        return found
+    if not which or not need.curves or not len(moves):
+        return diagnostics
     toolpaths = {process: need.toolpaths(process, fine) for process in need.curves}
     lines = np.maximum.accumulate(moves.line)
-    for k, line in asked:
+    for k, line in which:
         row = min(int(np.searchsorted(lines, line)), len(lines) - 1)
         place = moves.end[row] - np.array(shift)
         _, way, process = min((*toolpaths[p].nearest_to(place), p) for p in toolpaths)
         contour = f", beside the contour of {need.source(process, way)}"
-        found[k] = replace(found[k], message=found[k].message + contour)
-    return found
+        diagnostics[k] = replace(diagnostics[k], message=diagnostics[k].message + contour)
+    return diagnostics

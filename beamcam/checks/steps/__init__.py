@@ -71,8 +71,8 @@ def verify_table(
         return (*table.said, *outline.said)
     if sheet is None:
         return (*table.said, *outline.compare())
-    said = (*table.said, *sheet.said, *outline.compare())
-    return with_told(said, head, parts, sheet.places, asked, skips, name)
+    diagnostics = (*table.said, *sheet.said, *outline.compare())
+    return with_told(diagnostics, head, parts, sheet.places, asked, skips, name)
 
 
 def _read(follow: Callable[[Any], None], rows: Iterator[Any]) -> Diagnostic | None:

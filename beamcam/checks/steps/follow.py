@@ -49,14 +49,14 @@ class _Samples:
             self._next = int(index[-1]) + 1
         self._times, self._places = time_us[-1:], places[-1:]
         rows = np.searchsorted(times, index * self.window_us, side="right") - 1
-        found = np.concatenate((self._last, places[rows]))
-        self._last = found[-self._kept :]
-        return found
+        samples = np.concatenate((self._last, places[rows]))
+        self._last = samples[-self._kept :]
+        return samples
 
 
 def _once(ascending: Counts) -> Counts:
-    found: Counts = ascending[np.append(True, ascending[1:] != ascending[:-1])]
-    return found
+    kept: Counts = ascending[np.append(True, ascending[1:] != ascending[:-1])]
+    return kept
 
 
 class _Rests:
@@ -107,8 +107,8 @@ class _Rests:
 
     @staticmethod
     def _longer(one: Rest | None, gap_us: int, place: Counts) -> Rest:
-        found = Rest(gap_us / 1e6, (int(place[0]), int(place[1])))
-        return found if one is None else max(one, found)
+        rest = Rest(gap_us / 1e6, (int(place[0]), int(place[1])))
+        return rest if one is None else max(one, rest)
 
 
 class StepRates:
@@ -203,13 +203,13 @@ class Swerve:
         windows_s2 = (np.array(self.WINDOWS_US) / 1e6) ** 2
         slack = 4 * (self.stepper.step / 2 + self.stepper.corner)
         most = self.stepper.acceleration * windows_s2 + slack
-        found: list[tuple[float, Floats] | None] = []
+        swerves: list[tuple[float, Floats] | None] = []
         for axis, worst in enumerate(self._greatest.T):
             over = np.where(worst > most, worst / windows_s2, 0.0)
             k = int(np.argmax(over))
             place: Floats = self._places[k, axis] * np.float64(self.stepper.step)
-            found.append((float(over[k]), place) if over[k] else None)
-        return found
+            swerves.append((float(over[k]), place) if over[k] else None)
+        return swerves
 
 
 class _Motor:
@@ -228,12 +228,12 @@ class _Motor:
 
     def follow(self, rows: Rows, words: Counts, name: str) -> tuple[Counts, list[Diagnostic]]:
         """The places behind each row, and what is wrong with the steps."""
-        said = []
+        diagnostics = []
         turn = np.diff(self.phase[words], prepend=self.phase[self.last_word]) & 3
         if (turn == 2).any():
             k = int(np.argmax(turn == 2))
             before = int(words[k - 1]) if k else self.last_word
-            said.append(
+            diagnostics.append(
                 rules.WORD.at(
                     Source(name, rows.first + k), found=f"{int(words[k]):02b}", axis=self.name,
                     before=f"{before:02b}", sequence=self.sequence,
@@ -246,7 +246,7 @@ class _Motor:
             apart = np.diff(rows.time_us[steps], prepend=self.last_us)
             if int(apart.min()) < self.min_us:
                 k = int(np.argmin(apart))
-                said.append(
+                diagnostics.append(
                     rules.FREQUENCY.at(
                         Source(name, rows.first + int(steps[k])), axis=self.name,
                         found=int(apart[k]), expected=self.min_us,
@@ -254,7 +254,7 @@ class _Motor:
                 )  # fmt: skip
             self.last_us = int(rows.time_us[steps[-1]])
         self.last_word, self.place = int(words[-1]), int(places[-1])
-        return places, said
+        return places, diagnostics
 
 
 class Followed:
@@ -276,9 +276,9 @@ class Followed:
         self.here: Counts = np.zeros(2, dtype=np.int64)
         self.begun = False
 
-    def say(self, found: Iterable[Diagnostic]) -> None:
+    def say(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Note what is wrong, a few of each kind."""
-        for one in found:
+        for one in diagnostics:
             add_few(self.said, one)
 
     def follow(self, rows: Rows) -> None:
@@ -296,9 +296,9 @@ class Followed:
             self.say([rules.TIME.at(source, found=found, expected="a later one")])
         places = []
         for motor, words in zip(self.motors, (rows.x, rows.y), strict=True):
-            at, said = motor.follow(rows, words, self.name)
+            at, diagnostics = motor.follow(rows, words, self.name)
             places.append(at)
-            self.say(said)
+            self.say(diagnostics)
         at_xy = np.stack(places, axis=1)
         self._strokes(rows, at_xy)
         self._area(rows, at_xy)
@@ -366,8 +366,8 @@ class Followed:
             if over is not None:
                 mm_s2, place = over
                 x, y = place.tolist()
-                said = rules.ACCELERATION.at(
+                diagnostic = rules.ACCELERATION.at(
                     end, axis=axis, found=f"{mm_s2:.0f}", x=f"{x:.2f}", y=f"{y:.2f}",
                     expected=f"{greatest:g} mm/s2{self.outline.nearest(place)}",
                 )  # fmt: skip
-                self.say([said])
+                self.say([diagnostic])

@@ -69,8 +69,8 @@ class _StrokeDeviation:
         places = places[moved]
         begins = places[: 1 - len(self._last)]
         self._last = places[-1:]
-        found: Floats = np.concatenate((begins, (places[1:] + places[:-1]) / 2))
-        return found
+        times: Floats = np.concatenate((begins, (places[1:] + places[:-1]) / 2))
+        return times
 
     def points(self) -> Floats:
         """The path, from the first place to the last."""
@@ -201,8 +201,8 @@ class OutlineCheck:
             expected = "a stroke"
             self.said.append(rules.LASER.at(source, found=found, expected=expected))
         elif process is None:
-            said = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
-            self.said.append(said)
+            diagnostic = rules.PLACE.at(source, x="any", y="any", expected="the laser off")
+            self.said.append(diagnostic)
         elif process != self.letters and stroke.away[process] > (most := self.tracks[process].most):
             x, y = (f"{v:.2f}" for v in stroke.worst[process])
             off = f"{stroke.away[process]:.4f}"
@@ -211,8 +211,8 @@ class OutlineCheck:
             self.said.append(rules.PLACE.at(source, x=x, y=y, expected=expected))
         elif process not in self.process_data:
             found, expected = f"{seen.fastest.mm_s:.2f}", "a sheet that the machine has a speed for"
-            said = rules.SPEED.at(source, found=found, process=process, expected=expected)
-            self.said.append(said)
+            diagnostic = rules.SPEED.at(source, found=found, process=process, expected=expected)
+            self.said.append(diagnostic)
         else:
             self._add(process, source, seen, points)
 
@@ -228,7 +228,7 @@ class OutlineCheck:
                    *self._pace(process, feed, source, seen, points)]
             for feed in self.process_data[process].feeds
         }  # fmt: skip
-        feeds = tuple([feed for feed, said in wrong.items() if not said])
+        feeds = tuple([feed for feed, diagnostics in wrong.items() if not diagnostics])
         if not feeds:
             self.said += wrong[self._asked(process, points[0])]
         last = self.drawn[-1] if self.drawn else None
@@ -294,18 +294,18 @@ class OutlineCheck:
         ramp_s = cbrt(6 * way / stepper.jerk) + sqrt(2 * way / stepper.acceleration)
         ramp_s += way / slowest
         here, behind = points[0], points[-1]
-        found = [
+        rests = [
             (times.waited_s, pierce_s - 1e-6, pierce_s + ramp_s, f"{pierce_s:g} s",
              "behind the start of the laser", here),
             (times.stayed_s, 0.0, ramp_s, "it off at once", "behind the last step", behind),
         ]  # fmt: skip
         if times.longest is not None:
             place = np.array(times.longest.place) * stepper.step
-            found.append((times.longest.seconds, 0.0, 2 * ramp_s, "none", "in a stroke", place))
+            rests.append((times.longest.seconds, 0.0, 2 * ramp_s, "none", "in a stroke", place))
         if times.stood is not None:
             place = np.array(times.stood.place) * stepper.step
-            found.append((times.stood.seconds, 0.0, 0.0, "none", "at a steady speed", place))
-        for seconds, least, most, expected, where, place in found:
+            rests.append((times.stood.seconds, 0.0, 0.0, "none", "at a steady speed", place))
+        for seconds, least, most, expected, where, place in rests:
             if not least <= seconds <= most:
                 yield rules.LASER.at(
                     source, found=f"a wait of {seconds:.3f} s {where} with the laser on",

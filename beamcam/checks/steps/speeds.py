@@ -58,9 +58,9 @@ def with_speeds(part: Part, torch: Torch) -> Torch:
 
 def process_data(part: Part, torch: Torch) -> dict[TorchProcess, ProcessData]:
     """The data of each process by a table `with_speeds` of the part's sheet."""
-    found: dict[TorchProcess, ProcessData] = {}
+    data: dict[TorchProcess, ProcessData] = {}
     for row in rows_of(part, torch):
-        known = found.get(row.process, ProcessData((), row.pierce_s))
+        known = data.get(row.process, ProcessData((), row.pierce_s))
         feeds = dict.fromkeys((*known.feeds, row.feed_mm_min))
-        found[row.process] = replace(known, feeds=tuple(feeds))
-    return found
+        data[row.process] = replace(known, feeds=tuple(feeds))
+    return data

@@ -72,10 +72,10 @@ def _rounds(rows: Sequence[TableRow]) -> int:
 
     Of a contour that is followed twice the rows are those of one round, twice.
     """
-    said = [(row.end, row.velocity) for row in rows]
+    ends = [(row.end, row.velocity) for row in rows]
     begin = rows[0].start
     for k in range(1, len(rows) // 2 + 1):
-        if len(rows) % k == 0 and rows[k - 1].end == begin and said == said[:k] * (len(rows) // k):
+        if len(rows) % k == 0 and rows[k - 1].end == begin and ends == ends[:k] * (len(rows) // k):
             return len(rows) // k
     return 1
 
@@ -120,15 +120,15 @@ class Velocities:
         """Check that each motor is on the step nearest to the end."""
         for k, axis in enumerate("XY"):
             self.steps[k] += row.steps[k]
-            wanted = row.end[k] / self.stepper.step
-            if abs(self.steps[k] - wanted) > 0.5 + ROUND / self.stepper.step:
-                expected = f"{row.steps[k] + round(wanted) - self.steps[k]}"
+            steps = row.end[k] / self.stepper.step
+            if abs(self.steps[k] - steps) > 0.5 + ROUND / self.stepper.step:
+                expected = f"{row.steps[k] + round(steps) - self.steps[k]}"
                 place = f"X {row.end[0]:g}, Y {row.end[1]:g}"
                 self.say(
                     rules.COUNT, row.line, found=row.steps[k], axis=axis, place=place,
                     expected=expected,
                 )  # fmt: skip
-                self.steps[k] = round(wanted)
+                self.steps[k] = round(steps)
 
     def _direction(self, row: TableRow) -> None:
         """The velocity leads along the stretch; both are rounded."""

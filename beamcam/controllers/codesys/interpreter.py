@@ -134,14 +134,14 @@ class Codesys(Interpreter):
 
     def vocabulary(self) -> dict[str, frozenset[str]]:
         """All words that it gives a meaning, each with what it may carry."""
-        found = {f"G{number}": frozenset[str]() for number in _KNOWN_G}
-        found |= {f"G{number}": frozenset("D") for number in (*_SIDES, 51, 52)}
-        found |= {f"G{number}": frozenset(self._dialect.axes) for number in (54, 55)}
-        found |= {f"M{number}": frozenset[str]() for number in (*DOCUMENTED, *_SUBPROGRAMS)}
-        found[f"G{_HERE}"] = frozenset()
-        found |= {f"G{number}": own for number, own in self._language.letters.items()}
-        found |= {"G4": frozenset("T")} | {f"M{number}": frozenset() for number in ENDS}
-        return found | self._words_of_the_file()
+        words = {f"G{number}": frozenset[str]() for number in _KNOWN_G}
+        words |= {f"G{number}": frozenset("D") for number in (*_SIDES, 51, 52)}
+        words |= {f"G{number}": frozenset(self._dialect.axes) for number in (54, 55)}
+        words |= {f"M{number}": frozenset[str]() for number in (*DOCUMENTED, *_SUBPROGRAMS)}
+        words[f"G{_HERE}"] = frozenset()
+        words |= {f"G{number}": own for number, own in self._language.letters.items()}
+        words |= {"G4": frozenset("T")} | {f"M{number}": frozenset() for number in ENDS}
+        return words | self._words_of_the_file()
 
     def lines_of(self, text: str) -> list[str]:
         """The lines of a text without their block numbers, which count for nothing."""
@@ -149,11 +149,11 @@ class Codesys(Interpreter):
 
     def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
-        found = self._language.known.get(text) or self._read(line, text)
-        if found is None or (self._over and self.is_over(line)):
+        instruction = self._language.known.get(text) or self._read(line, text)
+        if instruction is None or (self._over and self.is_over(line)):
             return
         self._begun = True
-        found.carry_out(self, line, found.number, found.words)
+        instruction.carry_out(self, line, instruction.number, instruction.words)
 
     def _read(self, line: int, body: str) -> _Instruction | None:
         """A block that is not known; None for a text or no block, and with a message if invalid."""
@@ -169,8 +169,10 @@ class Codesys(Interpreter):
             if not self._dialect.is_allowed(code):
                 self._wrong(line, shown_code(code), self._dialect.shown_allowed())
                 return None
-        found = _Instruction(_what_carries_out(block, self._language), block.number, block.words)
-        return self._language.known.keep(body, found)
+        instruction = _Instruction(
+            _what_carries_out(block, self._language), block.number, block.words
+        )
+        return self._language.known.keep(body, instruction)
 
     def _syntax(self, line: int, body: str, fault: Fault) -> None:
         """Says what is wrong with a line, unless it is the name of the program."""

@@ -232,14 +232,14 @@ class _Words:
             for letter in self._values.keys() - MOVING:
                 del self._values[letter]
             return
-        said = carried(self._values, self._variant.switches.get(number, frozenset()))
-        value = with_number(meaning, said)
+        values = carried(self._values, self._variant.switches.get(number, frozenset()))
+        value = with_number(meaning, values)
         if value is None:
             self._wrong(f"M{number} without a number", "P or Q, as codes says that it carries one")
         elif meaning in HEAD_ACTIONS:
             self._actions.append((meaning, value))
         else:
-            yield event_of(number, meaning, said, value)
+            yield event_of(number, meaning, values, value)
 
     def _zero(self, code: str) -> bool:
         """Whether a G word calls the place of Z, or takes that back, and no other place."""

@@ -79,32 +79,32 @@ class Rs274(HeadWords, Interpreter):
     def vocabulary(self) -> dict[str, frozenset[str]]:
         """All words that it gives a meaning, each with what it may carry."""
         variant, axes = self._variant, frozenset(self._dialect.axes)
-        found = {code: frozenset[str]() for code in variant.g_words}
-        found |= {"G0": axes, "G1": axes, "G2": axes | set("IJ"), "G3": axes | set("IJ")}
-        found |= {"G4": frozenset("P"), "F": frozenset()}
-        found |= dict.fromkeys(variant.sides, frozenset("D"))
+        words = {code: frozenset[str]() for code in variant.g_words}
+        words |= {"G0": axes, "G1": axes, "G2": axes | set("IJ"), "G3": axes | set("IJ")}
+        words |= {"G4": frozenset("P"), "F": frozenset()}
+        words |= dict.fromkeys(variant.sides, frozenset("D"))
         if variant.blends:
-            found["G64"] = frozenset("PQ")
+            words["G64"] = frozenset("PQ")
         if variant.cycles:
             for number, letters in OWN_LETTERS.items():
-                found[f"G{number}"] = axes | set("R" + letters)
-        found |= {f"M{number}": letters for number, letters in variant.switches.items()}
-        found |= {f"M{number}": frozenset[str]() for number in ENDS}
+                words[f"G{number}"] = axes | set("R" + letters)
+        words |= {f"M{number}": letters for number, letters in variant.switches.items()}
+        words |= {f"M{number}": frozenset[str]() for number in ENDS}
         for word, carried in self._words_of_the_file().items():
-            found[word] = found.get(word, frozenset()) | carried
+            words[word] = words.get(word, frozenset()) | carried
         if self._heights is not None:
-            found |= {
+            words |= {
                 **dict.fromkeys((*variant.probes, "G92"), frozenset("Z")),
                 "G10": frozenset("LPZ"),
-                "G0": found["G0"] | {"Z"},
-                "G1": found["G1"] | {"Z"},
+                "G0": words["G0"] | {"Z"},
+                "G1": words["G1"] | {"Z"},
             }
         if self._dialect.stock == "profile":
-            found["G93"] = frozenset()
+            words["G93"] = frozenset()
         if self._flat:
-            found |= variant.idle | {f"M{n}": known for n, known in variant.idle_switches.items()}
-            found |= dict.fromkeys((*variant.offsets, "S", "T"), frozenset())
-        return found
+            words |= variant.idle | {f"M{n}": known for n, known in variant.idle_switches.items()}
+            words |= dict.fromkeys((*variant.offsets, "S", "T"), frozenset())
+        return words
 
     def line(self, line: int, text: str) -> None:
         """Carries out a line of the text."""
@@ -199,15 +199,15 @@ class Rs274(HeadWords, Interpreter):
         elif self._running and block.speed is not None and not laser and not block.events:
             self._event(Switch(line, self._running, {"S": block.speed}))
 
-    def _light(self, line: int, wanted: Switch | None) -> None:
+    def _light(self, line: int, switch: Switch | None) -> None:
         """In laser mode, the tool on with a power, or dark."""
-        if (wanted and wanted.said) == (self._lit and self._lit.said):
+        if (switch and switch.said) == (self._lit and self._lit.said):
             return
         if self._lit is not None:
             self._event(Switch(line, 5, {}))
-        if wanted is not None:
-            self._event(wanted)
-        self._lit = wanted
+        if switch is not None:
+            self._event(switch)
+        self._lit = switch
 
     def _carry_out(self, line: int, motion: int, words: Words) -> None:
         self._block(line, Block(feed=words.pop("F", None), motion=motion, values=words))

@@ -17,26 +17,26 @@ def phases_to(way: float, velocity: float, greatest: float, up: float, down: flo
 
     An axis that is too fast to stop in time, or moves away, brakes and comes back.
     """
-    found: list[Phase] = []
+    points: list[Phase] = []
     stop = velocity * abs(velocity) / (2 * down)
     side = 1.0 if way - stop >= 0.0 else -1.0
     left, speed = way * side, velocity * side
     if speed < 0.0:
-        found.append((-speed / down, down * side))
+        points.append((-speed / down, down * side))
         left, speed = left + speed * speed / (2 * down), 0.0
     if speed > greatest:
-        found.append(((speed - greatest) / down, -down * side))
+        points.append(((speed - greatest) / down, -down * side))
         left, speed = left - (speed * speed - greatest * greatest) / (2 * down), greatest
     peak = sqrt(max(0.0, (2 * up * down * left + down * speed * speed) / (up + down)))
     peak = max(min(peak, greatest), speed)
     if peak <= 0.0:
-        return found
+        return points
     rise = (peak * peak - speed * speed) / (2 * up)
     fall = peak * peak / (2 * down)
-    found.append(((peak - speed) / up, up * side))
-    found.append((max(0.0, left - rise - fall) / peak, 0.0))
-    found.append((peak / down, -down * side))
-    return found
+    points.append(((peak - speed) / up, up * side))
+    points.append((max(0.0, left - rise - fall) / peak, 0.0))
+    points.append((peak / down, -down * side))
+    return points
 
 
 class Axis:

@@ -113,11 +113,11 @@ class _Checker:
             return
         values = initial if isinstance(initial, tuple) else (initial,)
         if isinstance(type_, syntax.Array):
-            wanted = type_.high - type_.low + 1
-            if len(values) != wanted:
+            count = type_.high - type_.low + 1
+            if len(values) != count:
                 self.names.say(
                     rules.COUNT, variable.line, found=len(values), name=variable.name,
-                    expected=wanted,
+                    expected=count,
                 )  # fmt: skip
         elif isinstance(initial, tuple):
             self.names.wrong_type(variable.line, "a list", variable.name, plain)
@@ -148,8 +148,8 @@ class _Checker:
         for one in body:
             match one:
                 case syntax.Assign():
-                    wanted = self._target(one.target)
-                    self.types.check(one.value, wanted, text_of(one.target))
+                    type_name = self._target(one.target)
+                    self.types.check(one.value, type_name, text_of(one.target))
                 case syntax.Invoke(call=call):
                     self.types.call(call, as_statement=True)
                 case syntax.If():
@@ -170,9 +170,9 @@ class _Checker:
                         self._statements(inner)
                     self._statements(one.otherwise)
                 case syntax.For():
-                    wanted = self._target(syntax.Name(one.line, one.variable))
-                    self.types.check(one.first, wanted, one.variable)
-                    self.types.check(one.last, wanted, one.variable)
+                    type_name = self._target(syntax.Name(one.line, one.variable))
+                    self.types.check(one.first, type_name, one.variable)
+                    self.types.check(one.last, type_name, one.variable)
                     self._statements(one.body)
                 case syntax.Leave():
                     pass

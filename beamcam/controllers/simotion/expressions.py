@@ -45,8 +45,8 @@ class Stop(Exception):
 class TokenStream:
     """Tokens that are taken one by one."""
 
-    def __init__(self, found: list[Token]) -> None:
-        self.tokens, self.at = found, 0
+    def __init__(self, tokens: list[Token]) -> None:
+        self.tokens, self.at = tokens, 0
 
     # -- words ------------------------------------------------------------------------------
 
@@ -83,10 +83,10 @@ class TokenStream:
 
     def separated(self, item: Callable[[], Item]) -> list[Item]:
         """Items with commas between them, one or more."""
-        found = [item()]
+        items = [item()]
         while self.accept(","):
-            found.append(item())
-        return found
+            items.append(item())
+        return items
 
 
 class Expressions(TokenStream):
@@ -116,19 +116,19 @@ class Expressions(TokenStream):
 
     def postfix(self) -> Expression:
         token = self.identifier("a name or a value")
-        found: Expression = syntax.Name(token.line, token.text)
+        expression: Expression = syntax.Name(token.line, token.text)
         if self.is_word("("):
             return self.call(token)
         while True:
             if self.accept("["):
                 index = self.expression()
                 self.take("]")
-                found = syntax.Element(token.line, found, index)
+                expression = syntax.Element(token.line, expression, index)
             elif self.accept("."):
                 member = self.of_kind("name", "a component")
-                found = syntax.Member(member.line, found, member.text)
+                expression = syntax.Member(member.line, expression, member.text)
             else:
-                return found
+                return expression
 
     def call(self, callee: Token) -> Expression:
         # name(a := 1, b := 2) or name(1, 2)

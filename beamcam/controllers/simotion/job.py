@@ -85,8 +85,8 @@ class _Frame:
             found = "the end of the program" if ended else self.lines[self.at]
             if found != wanted:
                 source = Source(self.name, self.at + 1)
-                said = rules.RUNTIME.at(source, found=found.strip(), expected=wanted.strip())
-                raise Unreadable(said)
+                diagnostic = rules.RUNTIME.at(source, found=found.strip(), expected=wanted.strip())
+                raise Unreadable(diagnostic)
             self.at += 1
 
     def own(self) -> tuple[Line, ...]:
@@ -174,11 +174,11 @@ class _Lines:
             self.at += 1
 
     def match(self, form: re.Pattern[str], expected: str) -> re.Match[str]:
-        found = form.fullmatch(self.here[1]) if self.left else None
-        if found is None:
+        match = form.fullmatch(self.here[1]) if self.left else None
+        if match is None:
             self.wrong(rules.SYNTAX, found=self.here[1].strip() or END, expected=expected)
         self.at += 1
-        return found
+        return match
 
     def wrong(self, rule: Rule, line: int | None = None, **values: object) -> NoReturn:
         source = Source(self.name, self.here[0] if line is None else line)
@@ -235,8 +235,8 @@ class _Job:
     def _pierces(self, lines: _Lines) -> Iterator[tuple[str, float]]:
         for process in PROCESSES:
             form = re.compile(rf"        PIERCE_{process.upper()} : TIME := T#(\d+)ms;")
-            found = lines.match(form, f"PIERCE_{process.upper()} : TIME := T#...ms;")
-            yield process, int(found[1]) / 1000
+            match = lines.match(form, f"PIERCE_{process.upper()} : TIME := T#...ms;")
+            yield process, int(match[1]) / 1000
 
     # -- chains -----------------------------------------------------------------------------
 
@@ -261,8 +261,8 @@ class _Job:
             k += 1
             lines.match(_COMMENT, f"(* {k}: ... *)")
             line = lines.here[0]
-            found = lines.match(_TRIGGER, "IF operationArrived AND ... THEN")
-            wanted, barred = int(found[1]), int(found[2])
+            match = lines.match(_TRIGGER, "IF operationArrived AND ... THEN")
+            wanted, barred = int(match[1]), int(match[2])
             sets = int(lines.match(_LATCH, f"triggerActive[{k}] := TRUE;")[1])
             if (wanted, barred, sets) != (k - 1, k, k):
                 lines.wrong(
@@ -371,10 +371,10 @@ class _Job:
         form = _VALUES[type_]
         values = []
         for text in map(str.strip, rows.split(",")):
-            found = form.fullmatch(text)
-            if found is None:
+            match = form.fullmatch(text)
+            if match is None:
                 data.wrong(rules.SYNTAX, line, found=text, expected=f"a value of {type_}")
-            values.append(float(found[1]))
+            values.append(float(match[1]))
         if len(values) != high - low + 1:
             data.wrong(rules.COUNT, line, found=len(values), name=name, expected=high - low + 1)
         return values

@@ -20,9 +20,9 @@ _SECTIONS: dict[str, Section] = {
 
 def parse(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
     """The units of a text, and what is wrong with it."""
-    found, said = tokens(text, name)
-    if said:
-        return [], said
+    found, diagnostics = tokens(text, name)
+    if diagnostics:
+        return [], diagnostics
     parser = Parser(found)
     try:
         return parser.units(), []
@@ -38,16 +38,16 @@ class Parser(Expressions):
     # -- units ------------------------------------------------------------------------------
 
     def units(self) -> list[syntax.Unit]:
-        found = []
+        units = []
         while self.here.kind != "end":
             name = "unit"
             if self.here.kind == "unit":
                 name = self.here.text.split()[3]
                 self.at += 1
-            found.append(self.unit(name))
-        if not found:
+            units.append(self.unit(name))
+        if not units:
             raise Stop(self.here, "INTERFACE")
-        return found
+        return units
 
     def unit(self, name: str) -> syntax.Unit:
         # INTERFACE USEPACKAGE p; USES u, v; VAR_GLOBAL ... END_VAR FUNCTION_BLOCK f; END_INTERFACE
@@ -89,7 +89,7 @@ class Parser(Expressions):
 
     def variables(self, section: Section) -> list[syntax.Variable]:
         # name AT %Q0.0 : TYPE := value;
-        found = []
+        variables = []
         while not self.accept("END_VAR"):
             token = self.of_kind("name", "a name or END_VAR")
             address = ""
@@ -101,8 +101,10 @@ class Parser(Expressions):
             if self.accept(":="):
                 initial = self.array_values() if self.is_word("[") else self.expression()
             self.take(";")
-            found.append(syntax.Variable(token.line, token.text, section, type_, initial, address))
-        return found
+            variables.append(
+                syntax.Variable(token.line, token.text, section, type_, initial, address)
+            )
+        return variables
 
     def type(self) -> str | syntax.Array:
         if self.accept("ARRAY"):
@@ -135,17 +137,17 @@ class Parser(Expressions):
     # -- statements -------------------------------------------------------------------------
 
     def statements(self, *ends: str) -> tuple[Statement, ...]:
-        found: list[Statement] = []
+        statements: list[Statement] = []
         while not self.is_word(*ends):
             if self.accept(";"):
                 continue
             if self.here.kind == "number":  # a label of CASE
-                return tuple(found)
-            found.append(self.statement(ends))
+                return tuple(statements)
+            statements.append(self.statement(ends))
             self.take(";")
         if ends[0] not in ("END_IF", "END_CASE"):
             self.take(*ends)
-        return tuple(found)
+        return tuple(statements)
 
     def statement(self, ends: tuple[str, ...]) -> Statement:
         token = self.here

@@ -39,18 +39,18 @@ _TOKEN = re.compile(
 
 def tokens(text: str, name: str) -> tuple[list[Token], list[Diagnostic]]:
     """The tokens of a text, an `end` behind them, and what is not a token or not ASCII."""
-    said: list[Diagnostic] = []
-    return list(_tokens(text, name, said)), said
+    diagnostics: list[Diagnostic] = []
+    return list(_tokens(text, name, diagnostics)), diagnostics
 
 
-def _tokens(text: str, name: str, said: list[Diagnostic]) -> Iterator[Token]:
+def _tokens(text: str, name: str, diagnostics: list[Diagnostic]) -> Iterator[Token]:
     line = 1
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or ""
         if kind == "odd" or not match[0].isascii():
             shown = text[match.start() : match.start() + 12].split("\n")[0]
             expected = "ASCII letters, numbers and characters of Structured Text"
-            said.append(rules.SYNTAX.at(Source(name, line), found=shown, expected=expected))
+            diagnostics.append(rules.SYNTAX.at(Source(name, line), found=shown, expected=expected))
         elif kind not in ("space", "comment", "newline"):
             yield Token(kind, match[0], line)
         line += match[0].count("\n")

@@ -53,22 +53,22 @@ def project_objects(machine: Machine) -> dict[str, str]:
         return {}
     triggers = machine.needed(machine.triggers, "trigger program")
     places = (*triggers.inputs, *triggers.outputs.values(), triggers.fault_lamp)
-    found = {place: "BOOL" for place in places if place and not is_address(place)}
-    found |= dict.fromkeys(triggers.all_axes, axes.AXIS)
+    types = {place: "BOOL" for place in places if place and not is_address(place)}
+    types |= dict.fromkeys(triggers.all_axes, axes.AXIS)
     if triggers.path_objects:
-        found[triggers.path_object] = axes.PATH_OBJECT
-    return found
+        types[triggers.path_object] = axes.PATH_OBJECT
+    return types
 
 
 def _trial(machine: Machine) -> tuple[Diagnostic, ...]:
     name = f"machine {machine.name}"
     all_said: list[Diagnostic] = []
     for style in STYLES:
-        units, said = parsed(_program(machine, style), machine, name)
-        said = said or check(units, project_objects(machine), name)
-        if not errors_in(said):
-            said += _run(units, machine, name)
-        all_said += (d for d in said if d not in all_said)
+        units, diagnostics = parsed(_program(machine, style), machine, name)
+        diagnostics = diagnostics or check(units, project_objects(machine), name)
+        if not errors_in(diagnostics):
+            diagnostics += _run(units, machine, name)
+        all_said += (d for d in diagnostics if d not in all_said)
     return tuple(all_said)
 
 
@@ -149,10 +149,10 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
             table.cycle()
     except Fault as fault:
         return [*table.said, fault.diagnostic]
-    said = list(table.said)
+    diagnostics = list(table.said)
 
     def wrong(found: str, expected: str) -> None:
-        said.append(rules.RUN.at(Source(name), found=found, expected=expected))
+        diagnostics.append(rules.RUN.at(Source(name), found=found, expected=expected))
 
     if not table.value("workDone") and not table.value("workFault"):
         cycle_s = machine.triggers.cycle_s
@@ -167,11 +167,11 @@ def _run(units: list[Unit], machine: Machine, name: str) -> list[Diagnostic]:
         wrong("an end elsewhere", "all axes where homing ends")
     elif table.tool_on:
         wrong("a tool on at the end", "it off")
-    elif not errors_in(said):
+    elif not errors_in(diagnostics):
         for process in machine.triggers.outputs:
             if not _drew(table, process):
                 wrong(f"no line by the tool to {process}", "one from end to end")
-    return said
+    return diagnostics
 
 
 def _drew(table: "CuttingTable", process: str) -> bool:

@@ -220,13 +220,15 @@ _FOREIGN = re.compile(r"//[^\n]*")
 
 def parse_plain(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnostic]]:
     """The one unit of a text, and what is wrong with it."""
-    found, said = tokens(text, name)
+    found, diagnostics = tokens(text, name)
     code = _COMMENT.sub(lambda comment: re.sub(r"[^\n]", " ", comment[0]), text)
     if (foreign := _FOREIGN.search(code)) is not None:
         line = code.count("\n", 0, foreign.start()) + 1
-        said.append(rules.SYNTAX.at(Source(name, line), found=foreign[0], expected="(* ... *)"))
-    if said:
-        return [], said
+        diagnostics.append(
+            rules.SYNTAX.at(Source(name, line), found=foreign[0], expected="(* ... *)")
+        )
+    if diagnostics:
+        return [], diagnostics
     try:
         return [_PlainParser(found).program()], []
     except Stop as stop:
@@ -236,8 +238,8 @@ def parse_plain(text: str, name: str) -> tuple[list[syntax.Unit], list[Diagnosti
 
 
 class _PlainParser(Parser):
-    def __init__(self, found: list[Token]) -> None:
-        super().__init__([token for token in found if token.kind != "unit"])
+    def __init__(self, tokens: list[Token]) -> None:
+        super().__init__([token for token in tokens if token.kind != "unit"])
         self.types = {name.upper() for name in (*axes.PLAIN_TYPES, *axes.BLOCKS)}
 
     def program(self) -> syntax.Unit:
@@ -296,13 +298,13 @@ class _PlainParser(Parser):
         """The variables of a section, one or more."""
         if self.is_word("END_VAR"):
             raise Stop(self.here, "a variable")
-        found = self.variables(section)
-        for variable in found:
+        variables = self.variables(section)
+        for variable in variables:
             if variable.initial is not None and section in _WITHOUT_VALUE:
                 raise Stop(self.tokens[self.at - 1], f"no value for {variable.name}")
             if variable.address and section != "global":
                 raise Stop(self.tokens[self.at - 1], f"no address for {variable.name}")
-        return found
+        return variables
 
     def type_name(self) -> str:
         token = self.here

@@ -74,9 +74,9 @@ class Stream:
     def take(self, size: int) -> bytes:
         """The next bytes, `size` of them unless the table ends."""
         size = self._fill(size)
-        found = self._rest[self._at : self._at + size]
+        data = self._rest[self._at : self._at + size]
         self._at += size
-        return found
+        return data
 
     def give_back(self, data: bytes) -> None:
         """Put bytes back that belong to what comes."""
@@ -105,8 +105,8 @@ class Stream:
             if not line.startswith(b"#"):
                 raise self.fault(shown(line), columns, self.line - 1)
             if line.startswith(b"# beamcam/"):
-                said = _FIRST_LINE.fullmatch(line)
-                if said is None or (said[1].decode(), float(said[2])) != (form, step):
+                match = _FIRST_LINE.fullmatch(line)
+                if match is None or (match[1].decode(), float(match[2])) != (form, step):
                     expected = f"# beamcam/{form}/1 job JOB step {step:g} mm"
                     raise self.fault(shown(line), expected, self.line - 1, rules.HEAD)
 

@@ -189,12 +189,12 @@ def shipped(name: str) -> str:
 
 def _make(machine: Machine) -> dict[str, Runtime]:
     names = machine.triggers.names if machine.triggers else {}
-    found = {}
+    made = {}
     for style in STYLES:
         plain = library_runtime(machine, style)
         called = (_as_called(text, names) for text in (plain.head, plain.middle, plain.end))
-        found[style] = Runtime(*called)
-    return found
+        made[style] = Runtime(*called)
+    return made
 
 
 _all_styles = PerObject("simotion.runtime", _make)

@@ -45,9 +45,9 @@ def refusal(feature: Feature, torch: Torch, thickness: float) -> Diagnostic | No
                     feature.source, kind="contour", found=feature.face,
                     expected=f"one of {', '.join(PLATE_FACES)}",
                 )  # fmt: skip
-            if wanted := bevels_of(feature, torch):
+            if bevels := bevels_of(feature, torch):
                 return bar_rules.BEVEL.at(
-                    feature.source, found=f"{wanted[0].angle:g}", face=feature.face
+                    feature.source, found=f"{bevels[0].angle:g}", face=feature.face
                 )
             return None
         case Hole() | Slot() if feature.face not in PLATE_FACES:

@@ -82,12 +82,12 @@ def assign_processes(
     part: Part, torch: Torch, machine: Machine, skips: Collection[str]
 ) -> Assigned:
     """The curves of a part by process; what the machine cannot make is refused or skipped."""
-    found = Assigned()
+    assigned = Assigned()
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     meanings = _Meanings(torch)
     unmapped: dict[Look, list[Contour]] = defaultdict(list)
     for index, feature in enumerate(part.features):
-        if _is_out(index, feature, torch, thickness, machine, skips, found):
+        if _is_out(index, feature, torch, thickness, machine, skips, assigned):
             continue
         if isinstance(feature, TextMark):
             continue  # its place follows from all else that is cut
@@ -96,68 +96,70 @@ def assign_processes(
             if meaning is None:
                 unmapped[feature.layer, feature.colour].append(feature)
             elif meaning == "ignore":
-                found.skipped[index] = IGNORED
+                assigned.skipped[index] = IGNORED
             elif is_filled_only(feature, torch):
-                found.filled[index] = meaning
+                assigned.filled[index] = meaning
             else:
-                _follow(index, feature, meaning, meanings.key(feature), found)
+                _follow(index, feature, meaning, meanings.key(feature), assigned)
         elif torch.drilled == "spot" and cast("Hole | Slot", feature).kind == "mark":
-            spot(centres_of(cast("Hole | Slot", feature)), [index], found)
+            spot(centres_of(cast("Hole | Slot", feature)), [index], assigned)
         else:
             hole = cast("Hole | Slot", feature)
             process: TorchProcess = "mark" if hole.kind == "mark" else "cut"  # a centre's cross
             curves = curves_of(hole, torch.cross)
-            found.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
-    found.refusals += (_unmapped(contours, torch.colours) for contours in unmapped.values())
-    found.remarks += _noise(part, torch)
-    found.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in outline_of(part))
-    letter(part, machine, found)
-    found.refusals += _unknown_processes(found.wanted, torch, machine.name)
-    return found
+            assigned.wanted += [AssignedCurve(c, process, index, feature.source) for c in curves]
+    assigned.refusals += (_unmapped(contours, torch.colours) for contours in unmapped.values())
+    assigned.remarks += _noise(part, torch)
+    assigned.wanted += (AssignedCurve(c, "cut", OUTLINE, part.source) for c in outline_of(part))
+    letter(part, machine, assigned)
+    assigned.refusals += _unknown_processes(assigned.wanted, torch, machine.name)
+    return assigned
 
 
-def _follow(index: int, contour: Contour, process: TorchProcess, key: str, found: Assigned) -> None:
+def _follow(
+    index: int, contour: Contour, process: TorchProcess, key: str, assigned: Assigned
+) -> None:
     """Take the curves of a contour; `key` is that of the settings that they are worked with."""
     if contour.closed:
-        found.rings.add(index)
-    found.wanted += [
+        assigned.rings.add(index)
+    assigned.wanted += [
         AssignedCurve(curve, process, index, contour.source, key) for curve in contour.curves
     ]
 
 
 def _is_out(
     index: int, feature: Feature, torch: Torch, thickness: float, machine: Machine,
-    skips: Collection[str], found: Assigned,
+    skips: Collection[str], assigned: Assigned,
 ) -> bool:  # fmt: skip
-    """Whether a feature is refused, left out or left for manual work; `found` records why."""
+    """Whether a feature is refused, left out or left for manual work; `assigned` records why."""
     why = listed_by(feature, machine.marks)
     if why is not None:
-        found.listed[index] = why
+        assigned.listed[index] = why
         return True
     if is_drilled(feature, torch, thickness):
         hole = cast("Hole | Slot", feature)
-        found.listed[index] = DRILL
+        assigned.listed[index] = DRILL
         if torch.drilled == "spot":
-            spot(centres_of(hole), [index], found)
+            spot(centres_of(hole), [index], assigned)
             return True
-        found.wanted += [
+        assigned.wanted += [
             AssignedCurve(curve, "mark", index, feature.source)
             for at in centres_of(hole) for curve in cross_at(at, torch.cross)
         ]  # fmt: skip
         return True
-    said = refuse_mark(feature, machine.marks) or refusal(feature, torch, thickness)
-    if said is None:
+    diagnostic = refuse_mark(feature, machine.marks) or refusal(feature, torch, thickness)
+    if diagnostic is None:
         return False
-    if said.code == bar_rules.BEVEL.code and torch.bevel == "square":
-        found.listed[index] = BEVEL
+    if diagnostic.code == bar_rules.BEVEL.code and torch.bevel == "square":
+        assigned.listed[index] = BEVEL
         return False
-    if said.code == bar_rules.BEVEL.code and "bevel" in skips:
-        found.remarks.append(rules.SQUARE.at(feature.source))
+    if diagnostic.code == bar_rules.BEVEL.code and "bevel" in skips:
+        assigned.remarks.append(rules.SQUARE.at(feature.source))
         return False
-    if said.code.removeprefix("plan-") in skips:
-        found.skipped[index] = said.code
+    if diagnostic.code.removeprefix("plan-") in skips:
+        assigned.skipped[index] = diagnostic.code
     else:
-        found.refusals.append(said)
+        assigned.refusals.append(diagnostic)
     return True
 
 
@@ -169,11 +171,11 @@ def spot(places: Iterable[Point], features: Iterable[int], found: Assigned) -> N
 
 def _noise(part: Part, torch: Torch) -> Iterator[Diagnostic]:
     """A note, once for a part, on bevels that are too small to be meant."""
-    told = [b for c in part.contours for b in c.bevels if abs(b.angle) < torch.min_bevel]
-    if told:
-        most = max(abs(bevel.angle) for bevel in told)
+    bevels = [b for c in part.contours for b in c.bevels if abs(b.angle) < torch.min_bevel]
+    if bevels:
+        most = max(abs(bevel.angle) for bevel in bevels)
         yield bar_rules.BEVEL_NOISE.at(
-            part.source, count=len(told), found=f"{most:g}", expected=f"{torch.min_bevel:g}"
+            part.source, count=len(bevels), found=f"{most:g}", expected=f"{torch.min_bevel:g}"
         )
 
 
@@ -212,18 +214,18 @@ def _places(ring: Sequence[Curve]) -> frozenset[frozenset[Point]]:
     )
 
 
-def letter(part: Part, machine: Machine, found: Assigned) -> None:
+def letter(part: Part, machine: Machine, assigned: Assigned) -> None:
     """Add the strokes of the texts, each where it is clear of what is cut and of the others."""
     marks = machine.marks
     texts = [
         (index, feature) for index, feature in enumerate(part.features)
         if isinstance(feature, TextMark)
-        and index not in found.listed and policy_on(feature, marks) == "make"
+        and index not in assigned.listed and policy_on(feature, marks) == "make"
     ]  # fmt: skip
     if not texts:
         return
     by_feature: dict[int, list[Curve]] = {}
-    for wanted in found.wanted:
+    for wanted in assigned.wanted:
         if wanted.process == "cut":
             by_feature.setdefault(wanted.feature, []).append(wanted.curve)
     boxes = [curve.bbox for curves in by_feature.values() for curve in curves]
@@ -238,13 +240,13 @@ def letter(part: Part, machine: Machine, found: Assigned) -> None:
         if lettered == NO_ROOM and bound is not text:
             lettered = NOT_MOVED
         if isinstance(lettered, str):
-            found.listed[index] = lettered
+            assigned.listed[index] = lettered
             continue
         if isinstance(lettered, Diagnostic):
-            found.refusals.append(lettered)
+            assigned.refusals.append(lettered)
             return
-        found.remarks += remarks(text, lettered, marks)
-        found.wanted += [
+        assigned.remarks += remarks(text, lettered, marks)
+        assigned.wanted += [
             AssignedCurve(Line(a, b), process, index, text.source)
             for stroke in lettered.strokes
             for a, b in pairwise(stroke)
@@ -264,12 +266,12 @@ def _unmapped(contours: Sequence[Contour], table: Mapping[str, Meaning]) -> Diag
 
 
 def _unknown_processes(
-    wanted: list[AssignedCurve], torch: Torch, machine: str
+    curves: list[AssignedCurve], torch: Torch, machine: str
 ) -> Iterator[Diagnostic]:
     known = {row.process for row in torch.rows}
-    missing = Counter(w.process for w in wanted if w.process not in known)
+    missing = Counter(w.process for w in curves if w.process not in known)
     for process, count in missing.items():
-        source = next(w.source for w in wanted if w.process == process)
+        source = next(w.source for w in curves if w.process == process)
         yield rules.NO_PROCESS.at(
             source, count=count, found=process, machine=machine, expected=", ".join(sorted(known))
         )
@@ -294,11 +296,11 @@ def centres_of(feature: Hole | Slot) -> list[Point]:
     """Drill start points: the centre of a hole, those of the round corners of a slot."""
     if isinstance(feature, Hole):
         return [(feature.x, feature.y)]
-    (c, s), found = unit_vector(feature.angle), list[Point]()
+    (c, s), points = unit_vector(feature.angle), list[Point]()
     for u, v in product({feature.length / 2, -feature.length / 2},
                         {feature.height / 2, -feature.height / 2}):  # fmt: skip
-        found.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
-    return sorted(found)
+        points.append((feature.x + c * u - s * v, feature.y + s * u + c * v))
+    return sorted(points)
 
 
 def _slot_curves(slot: Slot) -> Iterator[Curve]:

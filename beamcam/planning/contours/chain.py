@@ -36,19 +36,19 @@ def chained(
 
     `rows` are those that the paths are cut by, `fence` the contours as they are drawn.
     """
-    found, links = list(way), dict[int, Line]()
+    shapes, links = list(way), dict[int, Line]()
     if not torch.chain_cuts or torch.kerf_by != "offset":
-        return found, links
-    field = _Field(found, torch, fence)
-    for k in range(1, len(found)):
-        before, after = found[k - 1], found[k]
+        return shapes, links
+    field = _Field(shapes, torch, fence)
+    for k in range(1, len(shapes)):
+        before, after = shapes[k - 1], shapes[k]
         both = (before, after)
         if rows[k - 1] != rows[k] or not all(_may_chain(*one, rows[k], torch) for one in both):
             continue
         linked = field.link(k, k - 1 in links)
         if linked is not None:
-            links[k], found[k - 1], found[k] = linked
-    return found, links
+            links[k], shapes[k - 1], shapes[k] = linked
+    return shapes, links
 
 
 def _may_chain(shape: Shape, kerf: float, row: TorchRow | None, torch: Torch) -> bool:

@@ -58,21 +58,21 @@ def refuse_crowds(shapes: Sequence[Shape], drawn: Drawn, tolerance: float) -> No
     if not len(starts):
         return
     every = -(-len(starts) // MAX_ASKED)
-    asked = np.arange(0, len(starts), max(every, 1))
-    places = (starts[asked] + ends[asked]) / 2
+    which = np.arange(0, len(starts), max(every, 1))
+    places = (starts[which] + ends[which]) / 2
     kept = _may_pass(starts, ends, places, tolerance)
     starts, ends = starts[kept], ends[kept]
     stretches = shapely.linestrings(np.stack((starts, ends), axis=1))
     middles = shapely.points(places)
     near, place = shapely.STRtree(middles).query(stretches, "dwithin", distance=tolerance)
     lengths = np.minimum(np.hypot(*(ends - starts).T), 2 * tolerance)
-    passes = np.bincount(place, lengths[near], len(asked)) / (2 * tolerance)
+    passes = np.bincount(place, lengths[near], len(which)) / (2 * tolerance)
     if passes.mean() > MAX_PASSES:
         worst = int(np.argmax(passes))
         x, y = shapely.get_coordinates(middles[worst])[0].tolist()
         raise PlanError(
             rules.CROWDED.at(
-                shapes[int(owner[asked[worst]])].source,
+                shapes[int(owner[which[worst]])].source,
                 found=f"{passes[worst]:.0f}",
                 reach=f"{tolerance:g}",
                 x=f"{x:.3f}",
@@ -134,9 +134,9 @@ def taken_apart(
     """
     found: list[Shape] = []
     flat: list[Shape] = []
-    asked = set(which)
+    numbers = set(which)
     for k, shape in enumerate(shapes):
-        rings = list(_rings(shape, tolerance)) if k in asked else [shape.curves]
+        rings = list(_rings(shape, tolerance)) if k in numbers else [shape.curves]
         pieces = [replace(shape, curves=ring) for ring in rings] if len(rings) > 1 else [shape]
         flat += (one for one in pieces if len(rings) > 1 and _is_flat(one.curves, tolerance))
         found += pieces
@@ -175,11 +175,11 @@ def _rings(shape: Shape, tolerance: float) -> Iterator[tuple[Curve, ...]]:
 
 def _places(curves: Sequence[Curve]) -> list[int]:
     """For each curve the first one that begins where it does."""
-    found = list(range(len(curves)))
+    places = list(range(len(curves)))
     pairs = near_pairs(np.array([curve.start for curve in curves]), SAME_PLACE)
     for a, b in sorted(zip(*(some.tolist() for some in pairs), strict=True)):
-        found[max(a, b)] = found[min(a, b)]
-    return found
+        places[max(a, b)] = places[min(a, b)]
+    return places
 
 
 def _closed(ring: Sequence[Curve]) -> tuple[Curve, ...]:

@@ -135,18 +135,18 @@ def _together(one: Floats, other: Floats, near: float) -> float:
 
 
 def told(
-    wanted: Sequence[AssignedCurve], which: Sequence[int], kerf: float
+    curves: Sequence[AssignedCurve], which: Sequence[int], kerf: float
 ) -> Iterator[Diagnostic]:
     """Remarks on the curves that run back along themselves.
 
     An error with kerf compensation, as the side of such a stretch is undefined.
     """
-    for found in doublings([w.curve for w in wanted], which):
-        w = wanted[found.curve]
+    for doubling in doublings([w.curve for w in curves], which):
+        w = curves[doubling.curve]
         rule = rules.RUNS_BACK_KERF if kerf and w.process == "cut" else rules.RUNS_BACK
         yield rule.at(
-            w.source, found=f"{found.length:.3f}",
-            x=f"{found.place[0]:.3f}", y=f"{found.place[1]:.3f}",
+            w.source, found=f"{doubling.length:.3f}",
+            x=f"{doubling.place[0]:.3f}", y=f"{doubling.place[1]:.3f}",
         )  # fmt: skip
 
 
@@ -165,12 +165,12 @@ def turns(drawn: Drawn) -> dict[int, tuple[Floats, Counts]]:
     sizes = np.hypot(*steps.T)
     back = np.sum(steps * steps[after], axis=1) < BACK * sizes * sizes[after]
     at = np.sort(after[back])
-    found = {}
+    by_curve = {}
     for k in np.unique(owner[at]).tolist():
         first, last = np.searchsorted(owner, [k, k + 1]).tolist()
         own = at[(at >= first) & (at < last)] - first
-        found[k] = points[real[first:last]], own
-    return found
+        by_curve[k] = points[real[first:last]], own
+    return by_curve
 
 
 def told_beside(
@@ -178,10 +178,10 @@ def told_beside(
 ) -> Iterator[Diagnostic]:
     """An error for each needle of a closed contour that lies beside another stretch of it."""
     for k, (ring, at) in turning.items():
-        for found in _needles(ring, at, NEEDLE * tolerance):
+        for doubling in _needles(ring, at, NEEDLE * tolerance):
             yield rules.RUNS_BACK_KERF.at(
-                shapes[k].source, found=f"{found.length:.3f}",
-                x=f"{found.place[0]:.3f}", y=f"{found.place[1]:.3f}",
+                shapes[k].source, found=f"{doubling.length:.3f}",
+                x=f"{doubling.place[0]:.3f}", y=f"{doubling.place[1]:.3f}",
             )  # fmt: skip
 
 

@@ -153,16 +153,16 @@ def entries(
     """
     import shapely
 
-    asked = [k for k, s in enumerate(shapes) if kerfs[k] and s.is_ring]
-    if not asked:
+    which = [k for k, s in enumerate(shapes) if kerfs[k] and s.is_ring]
+    if not which:
         return {}, []
     contours = [s.curves for s in fence if s.process == "cut" and s.closed]
     tree = shapely.STRtree(polylines_of(contours, torch.tolerance / 4))
-    found: dict[int, Entry] = {}
+    entries_of: dict[int, Entry] = {}
     for attempt in range(CANDIDATES * len(SHARES)):
         tried = {}
-        for k in asked:
-            if k not in found and torch.lead != "none":
+        for k in which:
+            if k not in entries_of and torch.lead != "none":
                 one = _entry(shapes[k], kerfs[k], torch, *divmod(attempt, len(SHARES)))
                 if one is not None:
                     tried[k] = one
@@ -175,15 +175,15 @@ def entries(
             )
             hit |= set(tree.query(stops, "dwithin", distance=apart)[0].tolist())
             free = (k for n, k in enumerate(tried) if n not in hit)
-            found |= {k: tried[k][0] for k in free}
-        if len(found) == len(asked):
+            entries_of |= {k: tried[k][0] for k in free}
+        if len(entries_of) == len(which):
             break
-    said = [
+    diagnostics = [
         rules.NEEDS_LEAD.at(shapes[k].source, found=f"{kerfs[k]:g}")
-        for k in asked
-        if k not in found
+        for k in which
+        if k not in entries_of
     ]
-    return found, said
+    return entries_of, diagnostics
 
 
 def _entry(
@@ -267,11 +267,11 @@ def uncompensated(shape: Shape, kerf: float) -> Diagnostic:
     side = waste_side(shape.area, shape.is_hole)
     contour = polylines_of([shape.curves], kerf / 1000)[0]
     curves = [curve for curve in shape.curves if curve.length > 0.0]
-    asked = []
+    points = []
     for curve in curves:
         (x, y), (tx, ty) = curve.point(0.5), curve.tangent(0.5)
-        asked.append((x - side * ty * kerf / 2, y + side * tx * kerf / 2))
-    k = int(np.argmin(shapely.distance(shapely.points(asked), contour)))
+        points.append((x - side * ty * kerf / 2, y + side * tx * kerf / 2))
+    k = int(np.argmin(shapely.distance(shapely.points(points), contour)))
     x, y = curves[k].point(0.5)
     size = _size(curves[k])
     return rules.UNCOMPENSATED.at(

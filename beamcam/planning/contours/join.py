@@ -56,11 +56,13 @@ def join(
     ends: there the tool would not move. `kerf` is what is kept off closed cuts; features that say
     that they are closed (`rings`) have to be.
     """
-    found = Joined()
-    for said in (*told(wanted, curves.free(), kerf), *free_repeats(wanted, curves.free())):
-        (found.refusals if said.severity is Severity.ERROR else found.remarks).append(said)
+    joined = Joined()
+    for diagnostic in (*told(wanted, curves.free(), kerf), *free_repeats(wanted, curves.free())):
+        (joined.refusals if diagnostic.severity is Severity.ERROR else joined.remarks).append(
+            diagnostic
+        )
     may_repeat = bool(overlapping(curves, [w.process for w in wanted]))
-    loose, gaping = _closed_features(wanted, curves, torch.gap, rings, found)
+    loose, gaping = _closed_features(wanted, curves, torch.gap, rings, joined)
     straight = {k for k in curves.free() if _is_straight(wanted[k].curve)}
     may_repeat |= bool(straight)
     for (process, _), numbers in loose.items():
@@ -68,35 +70,35 @@ def join(
         if straight:
             once = [_as_line(w) if k in straight else w for k, w in zip(numbers, once, strict=True)]
         if may_repeat:
-            once = loose_once(once, found.repeats)
+            once = loose_once(once, joined.repeats)
             ends = CurveTable([w.curve for w in once]).ends
         chains = join_curves([w.curve for w in once], torch.gap, ends=ends)
-        found.shapes += _shapes(process, once, chains)
+        joined.shapes += _shapes(process, once, chains)
         for k in chains.dropped:
-            found.small.setdefault(once[k].feature, once[k].source)
+            joined.small.setdefault(once[k].feature, once[k].source)
         if process == "cut":
-            _tell(found, chains, once, torch, kerf)
-            _tell_closed(found, once, ends, torch)
-    found.refusals += (
+            _tell(joined, chains, once, torch, kerf)
+            _tell_closed(joined, once, ends, torch)
+    joined.refusals += (
         _not_closed(shape)
-        for shape in found.shapes
+        for shape in joined.shapes
         if shape.process == "cut" and not shape.closed and not gaping.isdisjoint(shape.features)
     )
-    found.shapes.sort(key=lambda shape: shape.features[0])
+    joined.shapes.sort(key=lambda shape: shape.features[0])
     if may_repeat:
-        kept = contours_once(found.shapes, torch.gap, found.repeats, kerf)
-        found.shapes = list(chained.from_iterable(kept))
+        kept = contours_once(joined.shapes, torch.gap, joined.repeats, kerf)
+        joined.shapes = list(chained.from_iterable(kept))
     if kerf:
-        found.shapes = [
+        joined.shapes = [
             replace(s, curves=without_steps_back(s.curves))
             if s.closed and s.process == "cut"
             else s
-            for s in found.shapes
+            for s in joined.shapes
         ]
-    _tell_small(found, torch.gap)
-    found.remarks += found.repeats.remarks()
-    found.refusals += found.repeats.refusals
-    return found
+    _tell_small(joined, torch.gap)
+    joined.remarks += joined.repeats.remarks()
+    joined.refusals += joined.repeats.refusals
+    return joined
 
 
 def _closed_features(
@@ -104,7 +106,7 @@ def _closed_features(
     curves: CurveTable,
     gap: float,
     rings: Collection[int],
-    found: Joined,
+    joined: Joined,
 ) -> tuple[dict[tuple[TorchProcess, str], list[int]], set[int]]:
     """Keep the features that close by themselves; the numbers of other curves, by process and
     settings.
@@ -123,22 +125,22 @@ def _closed_features(
             if not lines and first.feature in rings:
                 gaping.add(first.feature)
         elif _is_small(hulls[begin:end], gap):
-            found.small[first.feature] = first.source
+            joined.small[first.feature] = first.source
         else:
             ring = tuple([wanted[k].curve for k in range(begin, end) if k not in points])
             one = first.feature
             shape = Shape(first.process, ring, True, (one,), first.source, look=first.look)
-            found.shapes.append(shape)
+            joined.shapes.append(shape)
     return loose, gaping
 
 
-def _tell_small(found: Joined, gap: float) -> None:
+def _tell_small(joined: Joined, gap: float) -> None:
     """Tell of the features that are too small to be cut, of which no contour came."""
-    made = {feature for shape in found.shapes for feature in shape.features}
-    found.small = {f: source for f, source in found.small.items() if f not in made}
-    if found.small:
-        source = next(iter(found.small.values()))
-        found.remarks.append(rules.TINY.at(source, count=len(found.small), expected=f"{gap:g}"))
+    made = {feature for shape in joined.shapes for feature in shape.features}
+    joined.small = {f: source for f, source in joined.small.items() if f not in made}
+    if joined.small:
+        source = next(iter(joined.small.values()))
+        joined.remarks.append(rules.TINY.at(source, count=len(joined.small), expected=f"{gap:g}"))
 
 
 def _not_closed(shape: Shape) -> Diagnostic:
@@ -169,9 +171,9 @@ def _is_small(hulls: Floats, size: float) -> bool:
     return hypot(x1 - x0, y1 - y0) <= size
 
 
-def _is_there_and_back(wanted: Sequence[AssignedCurve]) -> bool:
+def _is_there_and_back(curves: Sequence[AssignedCurve]) -> bool:
     """Whether a closed feature is a line that is drawn in both directions."""
-    return len(wanted) == 2 and all(type(w.curve) is Line or _is_straight(w.curve) for w in wanted)
+    return len(curves) == 2 and all(type(w.curve) is Line or _is_straight(w.curve) for w in curves)
 
 
 def _is_straight(curve: Curve) -> bool:
@@ -188,24 +190,24 @@ def _is_straight(curve: Curve) -> bool:
     return aside <= SAME_POINT and along == sorted(along)
 
 
-def _as_line(wanted: AssignedCurve) -> AssignedCurve:
-    return replace(wanted, curve=Line(wanted.curve.start, wanted.curve.end))
+def _as_line(curve: AssignedCurve) -> AssignedCurve:
+    return replace(curve, curve=Line(curve.curve.start, curve.curve.end))
 
 
-def _features(wanted: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:
+def _features(curves: Sequence[AssignedCurve], places: Floats) -> Iterator[tuple[int, int, bool]]:
     """For each feature where its curves begin and end, and whether they are one closed chain:
     they follow one another and end where they begin. `places` are the ends of all, (n, 4)."""
-    features = np.array([w.feature for w in wanted])
+    features = np.array([w.feature for w in curves])
     begins = np.flatnonzero(np.concatenate(([True], features[1:] != features[:-1])))
-    ends = np.append(begins[1:], len(wanted))
-    before = np.arange(len(wanted)) - 1
+    ends = np.append(begins[1:], len(curves))
+    before = np.arange(len(curves)) - 1
     before[begins] = ends - 1
     gaps = np.abs(places[:, :2] - places[before, 2:]).max(axis=1) > SAME_POINT
     is_open = np.logical_or.reduceat(gaps, begins)
     yield from zip(begins.tolist(), ends.tolist(), (~is_open).tolist(), strict=True)
 
 
-def _tell_closed(found: Joined, once: Sequence[AssignedCurve], ends: Floats, torch: Torch) -> None:
+def _tell_closed(joined: Joined, once: Sequence[AssignedCurve], ends: Floats, torch: Torch) -> None:
     """Tell of gaps that were closed, where that moves an end by more than the path may be off."""
     points = ends.reshape(-1, 2)
     first, second = near_pairs(points, torch.gap * SLACK)
@@ -217,7 +219,7 @@ def _tell_closed(found: Joined, once: Sequence[AssignedCurve], ends: Floats, tor
     if apart.any():
         k = int(np.argmax(np.where(apart, width, 0.0)))
         x, y = points[first[k]].tolist()
-        found.remarks.append(
+        joined.remarks.append(
             rules.GAPS.at(
                 once[int(first[k]) // 2].source, count=int(apart.sum()), found=f"{width[k]:.3f}",
                 x=f"{x:.3f}", y=f"{y:.3f}",
@@ -226,7 +228,7 @@ def _tell_closed(found: Joined, once: Sequence[AssignedCurve], ends: Floats, tor
 
 
 def _tell(
-    found: Joined, chains: Chains, once: Sequence[AssignedCurve], torch: Torch, kerf: float
+    joined: Joined, chains: Chains, once: Sequence[AssignedCurve], torch: Torch, kerf: float
 ) -> None:
     """Says where chains stop: where several curves meet, and at gaps."""
     for junction in chains.junctions:
@@ -237,10 +239,10 @@ def _tell(
         }  # fmt: skip
         source = once[junction.members[0]].source
         if kerf and junction.in_ring:
-            found.refusals.append(rules.BRANCHED.at(source, kerf=f"{kerf:g}", **values))
+            joined.refusals.append(rules.BRANCHED.at(source, kerf=f"{kerf:g}", **values))
         else:
-            found.remarks.append(rules.JUNCTION.at(source, **values))
-    found.remarks += (
+            joined.remarks.append(rules.JUNCTION.at(source, **values))
+    joined.remarks += (
         rules.GAP.at(
             once[gap.members[0]].source,
             found=f"{gap.width:.4f}",

@@ -108,7 +108,7 @@ def compensated(
     itself gets lines and arcs. What cannot be cut is an error: a contour without room for the
     kerf, one that the cut of another enters, and one that a controller cannot keep off.
     """
-    found = list(shapes)
+    offset_shapes = list(shapes)
     by_machine = torch.kerf_by == "machine"
     which = [
         k
@@ -116,16 +116,16 @@ def compensated(
         if kerf or (by_machine and shape.process == "cut" and shape.closed)
     ]
     if not which:
-        return found, []
+        return offset_shapes, []
     from beamcam.geometry.arc_fitting import fit_chains
 
     fits = fit_chains([shapes[k].curves for k in which], torch.tolerance * FIT_SHARE)
     for k, curves in zip(which, fits, strict=True):
-        found[k] = replace(shapes[k], curves=curves)
+        offset_shapes[k] = replace(shapes[k], curves=curves)
     kept_off = [k for k in which if kerfs[k]]
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     paths: list[Shape | None] = list(shapes)
-    for k, path in _moved(found, kept_off, kerfs, torch, said):
+    for k, path in _moved(offset_shapes, kept_off, kerfs, torch, diagnostics):
         paths[k] = path
     near = too_near(shapes, paths, kerfs, torch)
     # There may be room for the kerf, but not for a mitre that stands out from it.
@@ -137,14 +137,14 @@ def compensated(
         if kerfs[k]
     }
     if rounded and not by_machine:
-        for k, path in _moved(found, sorted(rounded), kerfs, torch, [], mitre_limit=0.0):
+        for k, path in _moved(offset_shapes, sorted(rounded), kerfs, torch, [], mitre_limit=0.0):
             paths[k] = path
         near = too_near(shapes, paths, kerfs, torch)
-    said += [told_near(shapes, n, kerfs[n.shape]) for n in near]
+    diagnostics += [told_near(shapes, n, kerfs[n.shape]) for n in near]
     if not by_machine:
         for k in kept_off:
-            found[k] = paths[k] or found[k]
-    return found, said
+            offset_shapes[k] = paths[k] or offset_shapes[k]
+    return offset_shapes, diagnostics
 
 
 def _moved(
@@ -152,7 +152,7 @@ def _moved(
     which: Sequence[int],
     kerfs: Sequence[float],
     torch: Torch,
-    said: list[Diagnostic],
+    diagnostics: list[Diagnostic],
     mitre_limit: float = MITRE_LIMIT,
 ) -> Iterator[tuple[int, Shape | None]]:
     """Those of the shapes half a kerf away from the part; None for one without room for the kerf.
@@ -170,16 +170,16 @@ def _moved(
     for k, offset, sharp in zip(which, moved, sharp_corners(some, widths), strict=True):
         shape, kerf = shapes[k], kerfs[k]
         if isinstance(offset, Vanished):
-            said.append(_no_room(shape, kerf))
+            diagnostics.append(_no_room(shape, kerf))
             yield k, None
             continue
         area, ring = max(zip(offset.areas, offset.chains, strict=True), key=lambda one: abs(one[0]))
         if torch.kerf_by == "machine" and not offset.exact:
-            said.append(uncompensated(shape, kerf))
+            diagnostics.append(uncompensated(shape, kerf))
         path = replace(shape, curves=ring, area=area)
         others = [chain for chain in offset.chains if chain is not ring]
         left = sharp if offset.exact else left_in(shape, path, kerf, torch.tolerance, others)
-        said += told_of(shape, left, kerf)
+        diagnostics += told_of(shape, left, kerf)
         yield k, path
 
 
@@ -198,11 +198,9 @@ def common_cuts(
     once = contours_once(paths, torch.gap, repeats)
     if not repeats.common:
         return list(paths), list(kerfs), []
-    found = [(k, shape) for k, rest in enumerate(once) for shape in rest]
-    of_feature = {
-        f: n for n, (_, shape) in reversed(list(enumerate(found))) for f in shape.features
-    }
-    first = {k: n for n, (k, _) in reversed(list(enumerate(found)))}
+    cuts = [(k, shape) for k, rest in enumerate(once) for shape in rest]
+    of_feature = {f: n for n, (_, shape) in reversed(list(enumerate(cuts))) for f in shape.features}
+    first = {k: n for n, (k, _) in reversed(list(enumerate(cuts)))}
     more: defaultdict[int, list[int]] = defaultdict(list)
     for feature, into in repeats.resolved(of_feature).items():
         more[of_feature[into]].append(feature)
@@ -212,11 +210,11 @@ def common_cuts(
             parent=first.get(shape.parent, -1),
             features=tuple(sorted((*shape.features, *more[n]))),
         )
-        for n, (_, shape) in enumerate(found)
+        for n, (_, shape) in enumerate(cuts)
     ]
     if any(kerfs):
         shapes = in_levels(begun_off_common(shapes, paths, first, torch), torch)
-    return shapes, [kerfs[k] for k, _ in found], list(repeats.remarks())
+    return shapes, [kerfs[k] for k, _ in cuts], list(repeats.remarks())
 
 
 def _no_room(shape: Shape, kerf: float) -> Diagnostic:
@@ -261,8 +259,8 @@ def leads_of(
 
     if torch.lead == "none":
         return {}, []
-    asked = [k for k, s in enumerate(ways) if s.process == "cut" and s.is_ring]
-    sides = {k: waste_side(ways[k].area, ways[k].depth % 2 == 1) for k in asked}
+    which = [k for k, s in enumerate(ways) if s.process == "cut" and s.is_ring]
+    sides = {k: waste_side(ways[k].area, ways[k].depth % 2 == 1) for k in which}
     # With a kerf the part's own contours must stay untouched, without one the ways as well.
     # What chords and rounding take of half a kerf is less than half of the tolerance.
     clearance = max(0.0, half_kerf - torch.tolerance / 2)
@@ -273,7 +271,7 @@ def leads_of(
     ways_out: dict[int, Curves] = {}
     short: set[int] = set()
     if torch.hole_lead == "middle":
-        small = {k: from_middle(ways[k].curves) for k in asked if ways[k].is_small}
+        small = {k: from_middle(ways[k].curves) for k in which if ways[k].is_small}
         round_ones = {k: curves for k, curves in small.items() if curves}
         kept = _clear_of(tree, round_ones, False, torch.tolerance, clearance, 0.0)
         ways_in |= {k: round_ones[k] for k in kept}
@@ -285,14 +283,14 @@ def leads_of(
         for share in SHARES:
             tried = {
                 k: leads(ways[k].curves, sides[k], torch, share, overs[k])[is_out]
-                for k in asked
+                for k in which
                 if k not in found
             }
             kept = _clear_of(tree, tried, is_out, torch.tolerance, clearance, far)
             if share == SHARES[0]:
                 short |= tried.keys() - kept
             found |= {k: tried[k] for k in kept}
-    led = {k: (ways_in.get(k, ()), ways_out.get(k, ())) for k in asked}
+    led = {k: (ways_in.get(k, ()), ways_out.get(k, ())) for k in which}
     if not short:
         return led, []
     first = ways[min(short)].source

@@ -20,12 +20,12 @@ def rank(shape: Shape, torch: Torch) -> int:
 
 
 def refuse_settings(
-    wanted: Iterable[AssignedCurve], torch: Torch, machine: Machine
+    curves: Iterable[AssignedCurve], torch: Torch, machine: Machine
 ) -> list[Diagnostic]:
     """An error for each colour or layer in use with a power that the machine cannot follow."""
     if not torch.settings:
         return []
-    first = {(w.look, w.process): w for w in reversed(list(wanted)) if w.look}
+    first = {(w.look, w.process): w for w in reversed(list(curves)) if w.look}
     return [
         rules.LOOK_SETTING.at(
             w.source, key=f"map.{look}.power", found=f"{power:g}", why=why
@@ -46,9 +46,9 @@ def _why_no_power(machine: Machine, process: str) -> str | None:
     return f"words.{process}_on of {machine.name} has no {{power}}"
 
 
-def refuse_overcuts(wanted: Iterable[AssignedCurve], torch: Torch) -> Iterator[Diagnostic]:
+def refuse_overcuts(curves: Iterable[AssignedCurve], torch: Torch) -> Iterator[Diagnostic]:
     """An error for each colour or layer with an overcut that is not cut."""
-    for look, process, w in {(w.look, w.process): (w.look, w.process, w) for w in wanted}.values():
+    for look, process, w in {(w.look, w.process): (w.look, w.process, w) for w in curves}.values():
         if process != "cut" and torch.settings.get(look, PLAIN).overcut is not None:
             yield rules.LOOK_OVERCUT.at(w.source, key=look, found=process)
 

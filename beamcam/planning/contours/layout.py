@@ -150,27 +150,27 @@ def laid(parts: tuple[Part, ...], torch: Torch | None) -> tuple[Part, ...]:
     if not (torch.settings or is_laid_otherwise(torch)):
         return parts
     if is_laid_otherwise(torch):
-        said = [
+        diagnostics = [
             rules.LAYOUT.at(source, found=what)
             for part in parts
             for source, what in cannot_lie(part, torch)
         ]
-        for part in () if said else parts:
+        for part in () if diagnostics else parts:
             length, width = size_of(part, torch)
             if length > torch.length + torch.gap or width > torch.width + torch.gap:
                 found = f"{length:.1f} x {width:.1f}"
                 expected = f"{torch.length:g} x {torch.width:g}"
-                said.append(rules.SHEET_SIZE.at(part.source, found=found, expected=expected))
-        if said:
-            raise PlanError(said)
+                diagnostics.append(rules.SHEET_SIZE.at(part.source, found=found, expected=expected))
+        if diagnostics:
+            raise PlanError(diagnostics)
         parts = tuple([laid_out(part, torch) for part in parts])
-    said = [
+    diagnostics = [
         rules.HATCH.at(part.source, key=key, found=what)
         for part in parts
         for key, what in not_filled(part, torch)
     ]
-    if said:
-        raise PlanError(said)
+    if diagnostics:
+        raise PlanError(diagnostics)
     return tuple([hatched(part, torch) for part in parts])
 
 
@@ -220,12 +220,12 @@ def laid_otherwise(parts: Sequence[Part], torch: Torch | None) -> list[Diagnosti
     """Notes on a part that was turned because it fits so only, or whose parts were moved apart."""
     if torch is None or len(parts) != 1:
         return []
-    part, said = apart(parts[0], torch)
+    part, diagnostics = apart(parts[0], torch)
     if not fits_turned((part,), torch):
-        return said
+        return diagnostics
     x0, y0, x1, y1 = _box(_with_outline(part))
     found, expected = f"{x1 - x0:.1f} x {y1 - y0:.1f}", f"{torch.length:g} x {torch.width:g}"
-    return [*said, rules.TURNED.at(part.source, found=found, expected=expected)]
+    return [*diagnostics, rules.TURNED.at(part.source, found=found, expected=expected)]
 
 
 def cannot_lie(part: Part, torch: Torch) -> Iterator[tuple[Source, str]]:
@@ -305,8 +305,8 @@ def outline_of(part: Part) -> tuple[Line, ...]:
 
 
 def _box(part: Part) -> Box:
-    found = extent(curve for feature in part.features for curve in _curves(feature))
-    return found or (0.0, 0.0, part.length, part.profile.height)
+    box = extent(curve for feature in part.features for curve in _curves(feature))
+    return box or (0.0, 0.0, part.length, part.profile.height)
 
 
 def _curves(feature: Feature) -> Iterator[Curve]:

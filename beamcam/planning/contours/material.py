@@ -127,7 +127,7 @@ class Material:
 
     def unlifted(self, processes: set[TorchProcess], z: HeightAxis) -> list[Diagnostic]:
         """Why the torch cannot be lifted over the sheet; nothing if it can."""
-        said = [
+        diagnostics = [
             rules.TORCH_HEIGHT.at(
                 self._source, key=key, process=process, up_to=f"{row.up_to:g}", axis=z.axis
             )
@@ -139,8 +139,8 @@ class Material:
         most = z.home_height - z.clearance
         if self.thickness > most:
             found, expected = f"{self.thickness:g}", f"{most:g}"
-            said.append(rules.HEADROOM.at(self._source, found=found, expected=expected))
-        return said
+            diagnostics.append(rules.HEADROOM.at(self._source, found=found, expected=expected))
+        return diagnostics
 
     def _others(self, process: TorchProcess) -> str:
         """Which of the shipped machines work such a sheet: "plate-oxyfuel cuts it (--machine)"."""

@@ -83,15 +83,15 @@ def too_near(
     radius = max(kerfs) / 2
     near, hit = shapely.STRtree(lines).query(middles, "dwithin", distance=radius - torch.tolerance)
     of_shape = dict(zip(fence, lines.tolist(), strict=True))
-    found: dict[tuple[int, int], Near] = {}
+    pairs: dict[tuple[int, int], Near] = {}
     for a, b in sorted(zip(near.tolist(), hit.tolist(), strict=True)):
         k, other = moved[a], fence[b]
         pair = min(k, other), max(k, other)
-        if k != other and pair not in found:
+        if k != other and pair not in pairs:
             shortest = shapely.shortest_line(of_shape[k], lines[b])
             x, y = shapely.get_coordinates(shortest).mean(axis=0).tolist()
-            found[pair] = Near(k, other, shortest.length, (x, y))
-    return list(found.values())
+            pairs[pair] = Near(k, other, shortest.length, (x, y))
+    return list(pairs.values())
 
 
 def told_near(shapes: Sequence[Shape], near: Near, kerf: float) -> Diagnostic:
@@ -296,12 +296,12 @@ def sharp_corners(shapes: Sequence[Shape], kerfs: Sequence[float]) -> list[list[
     left = np.array([1.0 if (s.area > 0.0) == s.is_hole else -1.0 for s in shapes])
     inward = np.clip(turn * left[owner], 0.0, pi - 1e-6)
     depth = np.array(kerfs)[owner] / 2 * (1 / np.cos(inward / 2) - 1)
-    found: list[list[Left]] = [[] for _ in shapes]
+    corners: list[list[Left]] = [[] for _ in shapes]
     for k in np.flatnonzero(depth > TOLD * np.array(kerfs)[owner]).tolist():
         x, y = table.ends[k, 2:].tolist()
         width = kerfs[owner[k]] * cos((pi - float(inward[k])) / 2)
-        found[owner[k]].append(Left((x, y), width, float(depth[k]), True))
-    return [sorted(one, key=lambda left: -left.depth) for one in found]
+        corners[owner[k]].append(Left((x, y), width, float(depth[k]), True))
+    return [sorted(one, key=lambda left: -left.depth) for one in corners]
 
 
 def _tangents(table: CurveTable) -> "tuple[Floats, Floats]":

@@ -53,7 +53,7 @@ def crossings(
     closed: Sequence[Shape],
     rings: "NDArray[Any]",
     bad: Sequence[int],
-    wanted: Sequence[AssignedCurve],
+    curves: Sequence[AssignedCurve],
     tolerance: float,
     gap: float,
     kerf: float,
@@ -65,26 +65,26 @@ def crossings(
     """
     import shapely
 
-    entities = _Entities(wanted)
+    entities = _Entities(curves)
     rule = rules.CROSSING if kerf else rules.CROSSED
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for k, crossed in _loops(closed, rings, bad, tolerance, gap):
-        said.append(_told(rule, *entities.at(crossed, closed[k], closed[k]), crossed))
+        diagnostics.append(_told(rule, *entities.at(crossed, closed[k], closed[k]), crossed))
     for i, k in _meeting(shapely.get_exterior_ring(rings)):
         place = _crossing(closed[i], closed[k], tolerance)
         if place is not None:
-            said.append(_told(rule, *entities.at(place, closed[i], closed[k]), place))
-    if len(said) > SHOWN:
+            diagnostics.append(_told(rule, *entities.at(place, closed[i], closed[k]), place))
+    if len(diagnostics) > SHOWN:
         more = rules.MORE_CROSSINGS if kerf else rules.MORE_CROSSED
-        said[SHOWN:] = [more.at(said[SHOWN].source, found=len(said) - SHOWN)]
-    return said
+        diagnostics[SHOWN:] = [more.at(diagnostics[SHOWN].source, found=len(diagnostics) - SHOWN)]
+    return diagnostics
 
 
 def refuse_tangles(
     closed: Sequence[Shape],
     rings: "NDArray[Any]",
     bad: Sequence[int],
-    wanted: Sequence[AssignedCurve],
+    curves: Sequence[AssignedCurve],
 ) -> None:
     """Raise PlanError for a contour that meets itself all along, as one of many turns does.
 
@@ -96,11 +96,11 @@ def refuse_tangles(
     for k in bad:
         points = shapely.get_coordinates(rings[k])
         segments = shapely.linestrings(np.stack((points[:-1], points[1:]), axis=1))
-        asked = segments[:: max(len(segments) // MAX_ASKED, 1)]
-        meetings = shapely.STRtree(segments).query(asked, predicate="intersects").shape[1]
-        if meetings > MAX_MEETINGS * len(asked):
+        some = segments[:: max(len(segments) // MAX_ASKED, 1)]
+        meetings = shapely.STRtree(segments).query(some, predicate="intersects").shape[1]
+        if meetings > MAX_MEETINGS * len(some):
             place = _reason_place(rings[k])
-            entities = _Entities(wanted).at(place, closed[k], closed[k])
+            entities = _Entities(curves).at(place, closed[k], closed[k])
             raise PlanError(_told(rules.CROSSING, *entities, place))
 
 
@@ -141,12 +141,12 @@ def _loops(
     gap: float,
 ) -> list[tuple[int, Point]]:
     """Which of the rings that are `bad` cross themselves, and where."""
-    found = []
+    loops = []
     for k in bad:
         place = _crosses_itself(rings[k], tolerance, gap if len(closed[k].features) > 1 else 0.0)
         if place is not None:
-            found.append((k, place))
-    return found
+            loops.append((k, place))
+    return loops
 
 
 def _crosses_itself(ring: Any, tolerance: float, gap: float) -> Point | None:
@@ -188,12 +188,12 @@ def _turns(ring: "Floats", points: "Floats") -> "Counts":
     import numpy as np
 
     (x0, y0), (x1, y1) = ring[:-1].T, ring[1:].T
-    found = np.empty(len(points), dtype=np.int64)
+    turns = np.empty(len(points), dtype=np.int64)
     for k, (x, y) in enumerate(points.tolist()):
         left = (x1 - x0) * (y - y0) - (x - x0) * (y1 - y0) > 0.0
         up, down = (y0 <= y) & (y1 > y), (y0 > y) & (y1 <= y)
-        found[k] = np.count_nonzero(up & left) - np.count_nonzero(down & ~left)
-    return found
+        turns[k] = np.count_nonzero(up & left) - np.count_nonzero(down & ~left)
+    return turns
 
 
 def _crossing(a: Shape, b: Shape, tolerance: float) -> Point | None:
@@ -226,8 +226,8 @@ def _crossing(a: Shape, b: Shape, tolerance: float) -> Point | None:
 class _Entities:
     """The curves of features, looked at where contours cross."""
 
-    def __init__(self, wanted: Sequence[AssignedCurve]) -> None:
-        self._wanted = wanted
+    def __init__(self, curves: Sequence[AssignedCurve]) -> None:
+        self._wanted = curves
         self._of: dict[int, list[AssignedCurve]] = {}
 
     def at(self, place: Point, a: Shape, b: Shape) -> tuple[Source, str]:
@@ -263,7 +263,7 @@ MIN_WIDTH = 1e-3
 def nest(
     shapes: Sequence[Shape],
     drawn: Drawn,
-    wanted: Sequence[AssignedCurve],
+    curves: Sequence[AssignedCurve],
     tolerance: float,
     gap: float,
     kerf: float,
@@ -272,7 +272,7 @@ def nest(
 
     A contour lies in another of greater area that a point inside it lies in. Contours that touch
     are told apart by that, those that cross are not. `tolerance` is the machine's, and `gap` what
-    it closes between two ends; `wanted` are the curves that the shapes were made of, and `drawn`
+    it closes between two ends; `curves` are the curves that the shapes were made of, and `drawn`
     points of the shapes with the shape of each. With a `kerf`, contours of waste that hangs
     together by a point only are taken apart there.
     """
@@ -287,24 +287,24 @@ def nest(
     mine = number[owner] >= 0
     rings = rings_of(points[mine], number[owner[mine]], len(closed))
     bad = invalid(rings)
-    refuse_tangles([shapes[i] for i in closed], rings, bad, wanted)
-    said = crossings([shapes[i] for i in closed], rings, bad, wanted, tolerance, gap, kerf)
-    found = _nested(shapes, closed, rings, bad)
-    if not kerf or errors_in(said):
-        return found, said
+    refuse_tangles([shapes[i] for i in closed], rings, bad, curves)
+    diagnostics = crossings([shapes[i] for i in closed], rings, bad, curves, tolerance, gap, kerf)
+    nested = _nested(shapes, closed, rings, bad)
+    if not kerf or errors_in(diagnostics):
+        return nested, diagnostics
     turning = turns((points[mine], number[owner[mine]]))
     needles = list(told_beside([shapes[i] for i in closed], turning, tolerance))
     if needles:
-        return found, [*said, *needles]
+        return nested, [*diagnostics, *needles]
     # A needle whose mouth is written a hair wide does not meet itself.
-    asked = [closed[k] for k in sorted({*bad, *turning})]
-    more, flat = taken_apart(found, asked, tolerance)
+    which = [closed[k] for k in sorted({*bad, *turning})]
+    more, flat = taken_apart(nested, which, tolerance)
     if flat:
-        return found, [*said, *told_flat(flat)]
-    if len(more) > len(found):
+        return nested, [*diagnostics, *told_flat(flat)]
+    if len(more) > len(nested):
         drawn = points_of([s.curves for s in more], tolerance / 4)
-        return nest(more, drawn, wanted, tolerance, gap, kerf)
-    return found, said
+        return nest(more, drawn, curves, tolerance, gap, kerf)
+    return nested, diagnostics
 
 
 def _nested(
@@ -321,19 +321,19 @@ def _nested(
     tree = shapely.STRtree(rings)
     with np.errstate(over="ignore"):  # it divides by sides of next to nothing too
         points = list(shapely.point_on_surface(valid(rings, bad)))
-    asked = list(closed)
+    which = list(closed)
     own_area = list(areas)
     for i, shape in enumerate(shapes):
         if shape.process == "cut" and not shape.closed:
             points.append(shapely.Point(shape.curves[0].point(0.5)))
-            asked.append(i)
+            which.append(i)
             own_area.append(0.0)
     inner, outer = tree.query(points, predicate="within")
     around: dict[int, list[int]] = defaultdict(list)
     for a, b in zip(inner.tolist(), outer.tolist(), strict=True):
-        if asked[a] != closed[b] and own_area[a] < areas[b]:
-            around[asked[a]].append(b)
-    for i, area in zip(asked, [*signed.tolist(), *[0.0] * (len(asked) - len(closed))], strict=True):
+        if which[a] != closed[b] and own_area[a] < areas[b]:
+            around[which[a]].append(b)
+    for i, area in zip(which, [*signed.tolist(), *[0.0] * (len(which) - len(closed))], strict=True):
         rings_around = around[i]
         parent = closed[min(rings_around, key=lambda b: (areas[b], b))] if rings_around else -1
         found[i] = replace(shapes[i], area=area, depth=len(rings_around), parent=parent)

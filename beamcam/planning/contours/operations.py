@@ -56,13 +56,13 @@ def operations_of(
     kerfs = [material.kerf(s.process) if s.is_ring else 0.0 for s in shapes]
     shapes = [replace(s, level=LAST) if s.source.where == SKELETON else s for s in shapes]
     shapes = [replace(s, is_small=True) if _is_small(s, material) else s for s in shapes]
-    ready, said = compensated(shapes, kerfs, torch)
-    said += _open_cuts(shapes, 0.0 if torch.allow_open else material.kerf("cut"))
-    if errors_in(said):
-        return (), said
+    ready, diagnostics = compensated(shapes, kerfs, torch)
+    diagnostics += _open_cuts(shapes, 0.0 if torch.allow_open else material.kerf("cut"))
+    if errors_in(diagnostics):
+        return (), diagnostics
     fence = moved(shapes, shift) if any(kerfs) else None
     ready, kerfs, common = common_cuts(moved(ready, shift), kerfs, torch, share)
-    said += common
+    diagnostics += common
     ways = [(shape, kerfs[k]) for k, shape in _in_order(ready, kerfs, torch)]
     rows = [material.row_for(shape.process, shape.look) for shape, _ in ways]
     ways, links = chained(ways, rows, torch, fence or ready)
@@ -70,26 +70,26 @@ def operations_of(
         led, more = _by_machine(ways, torch, fence or ready)
     else:
         led, more = _by_offset(ways, material, torch, fence or ready)
-    said += more
-    found = [
+    diagnostics += more
+    contour_ops = [
         _operation(shape, kerf, material, torch, lead, links.get(k), k + 1 in links)
         for k, (shape, kerf, lead) in enumerate(led)
     ]
     if torch.tabs:
         short = sum(
             len(op.passes) != (torch.tabs + 1) * op.row.passes
-            for op, (shape, _) in zip(found, ways, strict=True)
+            for op, (shape, _) in zip(contour_ops, ways, strict=True)
             if wants_tabs(shape, torch)
         )
         if short:
-            said.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
+            diagnostics.append(rules.NO_TABS.at(ways[0][0].source, count=short, found=torch.tabs))
     ends = [way for k, way in enumerate(led) if k + 1 not in links]
     if short_over := [shape for shape, kerf, _ in ends if is_shortened(shape, kerf, torch)]:
         asked = overcut_length(short_over[0], torch)
-        said.append(
+        diagnostics.append(
             rules.OVERCUT.at(short_over[0].source, count=len(short_over), found=f"{asked:g}")
         )
-    return tuple(found), said
+    return tuple(contour_ops), diagnostics
 
 
 def _by_offset(
@@ -100,8 +100,8 @@ def _by_offset(
     overs = [overcut(shape, own, torch) for shape, own in ways]
     row = material.row("cut")
     far = row.pierce_radius if row else 0.0
-    led, said = leads_of([shape for shape, _ in ways], overs, torch, kerf / 2, far, fence)
-    return [(*way, led.get(k, NO_LEADS)) for k, way in enumerate(ways)], said
+    led, diagnostics = leads_of([shape for shape, _ in ways], overs, torch, kerf / 2, far, fence)
+    return [(*way, led.get(k, NO_LEADS)) for k, way in enumerate(ways)], diagnostics
 
 
 def _by_machine(
@@ -109,18 +109,18 @@ def _by_machine(
 ) -> tuple[list[tuple[Shape, float, Lead]], list[Diagnostic]]:
     """The toolpaths from their entries, and errors where the controller has none."""
     shapes, kerfs = [shape for shape, _ in ways], [kerf for _, kerf in ways]
-    begun_at, said = entries(shapes, kerfs, torch, fence)
-    found: list[tuple[Shape, float, Lead]] = []
+    begun_at, diagnostics = entries(shapes, kerfs, torch, fence)
+    operations: list[tuple[Shape, float, Lead]] = []
     for k, (shape, kerf) in enumerate(ways):
         entry = begun_at.get(k)
         if entry is None:
-            found.append((shape, kerf, NO_LEADS))
+            operations.append((shape, kerf, NO_LEADS))
         else:
             lead = entry.lead_in, entry.lead_out
-            found.append((replace(shape, curves=entry.curves), kerf, lead))
+            operations.append((replace(shape, curves=entry.curves), kerf, lead))
     if torch.tabs and begun_at:
-        said.append(rules.MACHINE_TABS.at(ways[0][0].source, found=torch.tabs))
-    return found, said
+        diagnostics.append(rules.MACHINE_TABS.at(ways[0][0].source, found=torch.tabs))
+    return operations, diagnostics
 
 
 def _in_order(

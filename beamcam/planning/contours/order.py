@@ -93,12 +93,12 @@ class _Ways:
             places = at + np.flatnonzero(self._asks[at : self._count - 1])[:together]
             if not len(places):
                 return improved
-            found = self._first_to_turn(places)
-            if found is None:
+            pair = self._first_to_turn(places)
+            if pair is None:
                 self._asks[places] = False
                 at, together = int(places[-1]) + 1, min(2 * together, MOST_AT_ONCE)
                 continue
-            first, last = found
+            first, last = pair
             self._asks[places[places < first]] = False
             self._turn(first, last)
             improved = True
@@ -166,8 +166,8 @@ class _Ways:
         around = self._parents[self._nodes]
         has = around >= 0
         np.maximum.at(places, around[has], np.flatnonzero(has))
-        found: Counts = places[self._nodes]
-        return found
+        last_inner: Counts = places[self._nodes]
+        return last_inner
 
 
 def _quick_lengths(x: Floats, y: Floats) -> Floats:

@@ -126,8 +126,8 @@ def rings_of(points: "Floats", owner: "NDArray[np.int64]", count: int) -> "NDArr
         points = np.concatenate((points, points[last[more]]))
         order = np.argsort(owner, kind="stable")
         points, owner = points[order], owner[order]
-    found: NDArray[Any] = shapely.polygons(shapely.linearrings(points, indices=owner))
-    return found
+    rings: NDArray[Any] = shapely.polygons(shapely.linearrings(points, indices=owner))
+    return rings
 
 
 def ways(chains: Sequence[Sequence[Curve]], tolerance: float) -> "NDArray[Any]":
@@ -328,16 +328,16 @@ def _corners(curves: Curves, lengths: Sequence[float], kerf: float) -> list[floa
 
     In a contour that is moved, what was a corner may be an arc of half the kerf, whose ends count.
     """
-    found: list[float] = []
+    corners: list[float] = []
     place = 0.0
     for k, curve in enumerate(curves):
         turn = max(-1.0, min(1.0, dot(curves[k - 1].tangent(1.0), curve.tangent(0.0))))
         if degrees(acos(turn)) > CORNER_DEG:
-            found += [place] if k else [0.0, sum(lengths)]
+            corners += [place] if k else [0.0, sum(lengths)]
         if isinstance(curve, Arc) and curve.radius < kerf and abs(curve.sweep_deg) > CORNER_DEG:
-            found += [place, place + lengths[k]]
+            corners += [place, place + lengths[k]]
         place += lengths[k]
-    return sorted(found)
+    return sorted(corners)
 
 
 def _clear_place(even: float, corners: Sequence[float], reach: float, most: float) -> float:

@@ -34,18 +34,18 @@ AT_ONCE = 1000  #: chords that are asked about
 MAX_PAIRS = 2_000_000  #: hundreds of rounds on one place are refused without comparing each pair
 
 
-def free_repeats(wanted: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diagnostic]:
+def free_repeats(curves: Sequence[AssignedCurve], which: Sequence[int]) -> Iterator[Diagnostic]:
     """An error for each feature to cut whose free curves run over themselves in one direction."""
     features: dict[int, list[int]] = {}
     for k in which:
-        if wanted[k].process == "cut":
-            features.setdefault(wanted[k].feature, []).append(k)
+        if curves[k].process == "cut":
+            features.setdefault(curves[k].feature, []).append(k)
     numbers = list(features)
-    going = may_go_round([[wanted[k].curve for k in some] for some in features.values()])
+    going = may_go_round([[curves[k].curve for k in some] for some in features.values()])
     features = {numbers[n]: features[numbers[n]] for n in sorted(going)}
     if not features:
         return
-    starts, steps, owner = chords_of([wanted[k].curve for some in features.values() for k in some])
+    starts, steps, owner = chords_of([curves[k].curve for some in features.values() for k in some])
     ends = np.cumsum([len(some) for some in features.values()])
     bounds = np.searchsorted(owner, [0, *ends.tolist()]).tolist()
     ahead = np.unwrap(np.arctan2(*steps.T[::-1]))
@@ -56,7 +56,7 @@ def free_repeats(wanted: Sequence[AssignedCurve], which: Sequence[int]) -> Itera
             if (found := float(np.hypot(*own[again].T).sum())) > MIN_LENGTH:
                 x, y = starts[low:high][int(np.argmax(again))].tolist()
                 yield rules.RUNS_OVER.at(
-                    wanted[some[0]].source, found=f"{found:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
+                    curves[some[0]].source, found=f"{found:.3f}", x=f"{x:.3f}", y=f"{y:.3f}"
                 )
 
 
@@ -100,18 +100,18 @@ def _again(starts: Floats, steps: Floats) -> Flags:
     along = np.cumsum(np.hypot(*steps.T))
     chords = shapely.STRtree(shapely.linestrings(np.stack((starts, starts + steps), axis=1)))
     middles = shapely.points(starts + steps / 2)
-    found, pairs = np.zeros(len(steps), dtype=bool), 0
+    is_again, pairs = np.zeros(len(steps), dtype=bool), 0
     for first in range(0, len(steps), AT_ONCE):
         own, other = chords.query(middles[first : first + AT_ONCE], "dwithin", distance=2 * FINE)
         own += first
         before = (along[own] - along[other] > MIN_LENGTH) & (
             np.sum(steps[own] * steps[other], axis=1) > 0.0
         )
-        found[own[before]] = True
+        is_again[own[before]] = True
         pairs += len(own)
-        if pairs > MAX_PAIRS and np.hypot(*steps[found].T).sum() > MIN_LENGTH:
+        if pairs > MAX_PAIRS and np.hypot(*steps[is_again].T).sum() > MIN_LENGTH:
             break
-    return found
+    return is_again
 
 
 class Repeats(Struct):
@@ -136,42 +136,42 @@ class Repeats(Struct):
 
     def resolved(self, made: Collection[int]) -> dict[int, int]:
         """Each feature that is not made, and the one at the end of its chain of replacements."""
-        found = {}
+        resolved = {}
         for feature, into in self.stands.items():
             seen = {feature}
             while into not in made and into in self.stands and into not in seen:
                 seen.add(into)
                 into = self.stands[into]
             if feature not in made:
-                found[feature] = into
-        return found
+                resolved[feature] = into
+        return resolved
 
 
-def loose_once(wanted: Sequence[AssignedCurve], found: Repeats) -> list[AssignedCurve]:
+def loose_once(curves: Sequence[AssignedCurve], repeats: Repeats) -> list[AssignedCurve]:
     """Loose curves of one process without those that lie on others among them."""
-    pairs = overlapping(CurveTable([w.curve for w in wanted]), [w.process for w in wanted])
+    pairs = overlapping(CurveTable([w.curve for w in curves]), [w.process for w in curves])
     if not pairs:
-        return list(wanted)
+        return list(curves)
     from beamcam.geometry.cleaning import remove_repetitions
 
     doubtful = sorted({k for pair in pairs for k in pair})
-    others = sorted(set(range(len(wanted))).difference(doubtful))
+    others = sorted(set(range(len(curves))).difference(doubtful))
     cleaned = remove_repetitions(
-        [wanted[k].curve for k in doubtful], SAME_PLACE, [wanted[k].curve for k in others]
+        [curves[k].curve for k in doubtful], SAME_PLACE, [curves[k].curve for k in others]
     )
-    keep = {k: wanted[k] for k in others}
+    keep = {k: curves[k] for k in others}
     for n, curve in zip(cleaned.indices, cleaned.curves, strict=True):
-        keep[doubtful[n]] = replace(wanted[doubtful[n]], curve=curve)
+        keep[doubtful[n]] = replace(curves[doubtful[n]], curve=curve)
     for removed in cleaned.removed:
-        gone, into = wanted[doubtful[removed.index]], wanted[doubtful[removed.into]]
-        found.stands[gone.feature] = into.feature
-        found.gone.append(gone.source)
-        found.gone_length += gone.curve.length
+        gone, into = curves[doubtful[removed.index]], curves[doubtful[removed.into]]
+        repeats.stands[gone.feature] = into.feature
+        repeats.gone.append(gone.source)
+        repeats.gone_length += gone.curve.length
     return [keep[k] for k in sorted(keep)]
 
 
 def contours_once(
-    shapes: Sequence[Shape], gap: float, found: Repeats, kerf: float | None = None
+    shapes: Sequence[Shape], gap: float, repeats: Repeats, kerf: float | None = None
 ) -> list[list[Shape]]:
     """What is left of each contour without stretches that lie on others of the same process.
 
@@ -179,7 +179,7 @@ def contours_once(
     `gap` are dropped. Two closed ones that share an edge and are not the same, and one that lies
     on itself, stay whole if the `kerf` is given, and are refused if it is not 0.
     """
-    once = _unequal(shapes, found)
+    once = _unequal(shapes, repeats)
     curves = [curve for k in once for curve in shapes[k].curves]
     owners = [k for k in once for _ in shapes[k].curves]
     covers: defaultdict[int, list[int]] = defaultdict(list)
@@ -195,13 +195,13 @@ def contours_once(
         begin += len(shape.curves)
         if k in lying:
             on = [[(curves[o], shapes[owners[o]]) for o in covers.get(c, ())] for c in own]
-            kept[k] = _rest(shape, on, gap, found, kerf)
+            kept[k] = _rest(shape, on, gap, repeats, kerf)
         else:
             kept[k] = [shape]
     return kept
 
 
-def _unequal(shapes: Sequence[Shape], found: Repeats) -> list[int]:
+def _unequal(shapes: Sequence[Shape], repeats: Repeats) -> list[int]:
     """Indices of the contours without repeats: of equal ones, the first."""
     first: dict[tuple[str, bool, tuple[Curve, ...]], Shape] = {}
     once = []
@@ -210,9 +210,9 @@ def _unequal(shapes: Sequence[Shape], found: Repeats) -> list[int]:
         if stands_for is shape:
             once.append(k)
             continue
-        found.gone.append(shape.source)
-        found.gone_length += total_length(shape.curves)
-        found.stands.update(dict.fromkeys(shape.features, stands_for.features[0]))
+        repeats.gone.append(shape.source)
+        repeats.gone_length += total_length(shape.curves)
+        repeats.stands.update(dict.fromkeys(shape.features, stands_for.features[0]))
     return once
 
 
@@ -220,7 +220,7 @@ def _rest(
     shape: Shape,
     on: Sequence[Sequence[tuple[Curve, Shape]]],
     gap: float,
-    found: Repeats,
+    repeats: Repeats,
     kerf: float | None,
 ) -> list[Shape]:
     """What is to be cut of a contour of which each curve may lie `on` others."""
@@ -242,17 +242,17 @@ def _rest(
     if is_common and kerf is not None:
         if kerf and shape.process == "cut":
             place = shape.curves[at].point(0.5)
-            found.refusals.append(_shared(shape, stands_for, place, lost, kerf))
-        found.share = True
+            repeats.refusals.append(_shared(shape, stands_for, place, lost, kerf))
+        repeats.share = True
         return [shape]
     if is_common:
-        found.common.append(shape.source)
-        found.common_length += lost
+        repeats.common.append(shape.source)
+        repeats.common_length += lost
     else:
-        found.gone.append(shape.source)
-        found.gone_length += lost
+        repeats.gone.append(shape.source)
+        repeats.gone_length += lost
     if not runs:
-        found.stands.update(dict.fromkeys(shape.features, stands_for.features[0]))
+        repeats.stands.update(dict.fromkeys(shape.features, stands_for.features[0]))
     return [replace(shape, curves=run, closed=False) for run in runs]
 
 

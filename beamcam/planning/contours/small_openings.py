@@ -21,14 +21,14 @@ SAME_SIZE = 1e-6  #: mm, that an opening may be below the least by its last digi
 
 
 def drill_small_openings(
-    shapes: Sequence[Shape], part: Part, torch: Torch, skips: Collection[str], found: Assigned
+    shapes: Sequence[Shape], part: Part, torch: Torch, skips: Collection[str], assigned: Assigned
 ) -> tuple[list[Shape], list[Shape]]:
     """The shapes but for round openings and slots of a drawing that are too small for the torch,
     and the crosses that mark them.
 
     They are what such a hole or slot of a part is: their drill start points are marked and they are
-    listed, or they are refused, or left out; `found` records it. What lies within one as round, as
-    a countersink or a thread, goes with it.
+    listed, or they are refused, or left out; `assigned` records it. What lies within one as round,
+    as a countersink or a thread, goes with it.
     """
     thickness = part.profile.web_thickness or torch.thickness or 0.0
     least = min_hole(torch, thickness)
@@ -42,20 +42,20 @@ def drill_small_openings(
             continue
         small.add(k)
         if torch.drilled != "refuse":
-            found.listed.update(dict.fromkeys(shape.features, DRILL))
+            assigned.listed.update(dict.fromkeys(shape.features, DRILL))
             if torch.drilled == "spot":
-                spot(opening.centres, shape.features, found)
+                spot(opening.centres, shape.features, assigned)
             else:
                 crosses += (
                     Shape("mark", (line,), False, shape.features, shape.source)
                     for centre in opening.centres for line in cross_at(centre, torch.cross)
                 )  # fmt: skip
             continue
-        said = _too_small(shape.source, opening, least, thickness)
-        if said.code.removeprefix("plan-") in skips:
-            found.skipped.update(dict.fromkeys(shape.features, said.code))
+        diagnostic = _too_small(shape.source, opening, least, thickness)
+        if diagnostic.code.removeprefix("plan-") in skips:
+            assigned.skipped.update(dict.fromkeys(shape.features, diagnostic.code))
         else:
-            found.refusals.append(said)
+            assigned.refusals.append(diagnostic)
     return _without(shapes, small), crosses
 
 

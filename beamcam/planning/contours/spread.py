@@ -129,9 +129,9 @@ def _least_moves(group: Sequence[int], shared: Sequence[_Shared]) -> dict[int, P
 
 
 def _contour(part: Part, number: int) -> Contour:
-    found = part.features[number]
-    assert isinstance(found, Contour)
-    return found
+    contour = part.features[number]
+    assert isinstance(contour, Contour)
+    return contour
 
 
 def _is_ring(feature: object, torch: Torch) -> bool:

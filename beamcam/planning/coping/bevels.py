@@ -94,15 +94,17 @@ def bevel_cuts(
                 continue
             if contour.face != face:
                 contour = from_behind(contour, face, regions[face].wall.thickness)
-            asked = [one for one in contour.bevels if abs(one.angle) >= coper.min_bevel]
-            found = [_pass(one, f, contour, regions[face], part, chart, coper) for one in asked]
-            own = [cut for cut in found if cut is not None]
+            bevels = [one for one in contour.bevels if abs(one.angle) >= coper.min_bevel]
+            cope_cuts = [
+                _pass(one, f, contour, regions[face], part, chart, coper) for one in bevels
+            ]
+            own = [cut for cut in cope_cuts if cut is not None]
             if any(cut.kind == "far" and not cut.lower for cut in own):
                 if part.made is None and len(beveled | {face}) == len(regions):
                     own = [cut for cut in own if cut.kind != "far" or cut.lower]
                 beveled.add(face)
             cuts += own
-            if asked and len(own) == len(asked):
+            if bevels and len(own) == len(bevels):
                 made.add(f)
     return cuts, made
 

@@ -61,7 +61,7 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
 
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     faces = {face: _face(part, face, own, way.on_face(face)) for face in FACES}
-    said: list[Diagnostic] = [d for side in (-1, 1) for d in _denied(part, faces, side)]
+    diagnostics: list[Diagnostic] = [d for side in (-1, 1) for d in _denied(part, faces, side)]
     ends = [_end(part, faces, side) for side in (-1, 1)]
     planes = [*filter(None, ends), *planes_of(part, features)]
     slant = {
@@ -69,14 +69,14 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
                    for plane in planes), default=0.0)
         for face, one in faces.items()
     }  # fmt: skip
-    found: list[Point] = []
+    points: list[Point] = []
     for face, one in faces.items():
         shape = _beyond_ends(one, part, ends)
         for feature in own:
             if feature.face != face:
                 continue
             if isinstance(feature, Contour):
-                found += [
+                points += [
                     (x, s) for x, y in sharp_corners(feature) if CHORD < y < one.size - CHORD
                     for s in on_surface(one, y, part.profile.thickness(face))
                 ]  # fmt: skip
@@ -84,7 +84,9 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
                     continue
             gone = shape_of(curves_of(feature))
             if not gone.intersects(shape):
-                said.append(rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}"))
+                diagnostics.append(
+                    rules.OFF.at(feature.source, what=f"a hole or cut-out of face {face}")
+                )
             shape = shape.difference(gone)
         faces[face] = BoxFace(one.leg, one.size, shape, one.drawn)
         r, wall = way.legs[1].patch.radius, part.profile.thickness(face)
@@ -92,7 +94,7 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
         if reaches:
             into = max(reaches)
             source = next(f.source for f in own if f.face == face)
-            said.append(rules.REACHES.at(source, face=face, into=f"{into:.2f}",
+            diagnostics.append(rules.REACHES.at(source, face=face, into=f"{into:.2f}",
                                          found=f"{wall * into / r:.2f}"))  # fmt: skip
     shapes = []
     for one in faces.values():
@@ -107,12 +109,12 @@ def unrolled(part: Part, features: Sequence[int], way: Around) -> tuple[Unrolled
         shapes.append(transform(flat, on_leg))
     for corner in way.legs[1::2]:
         shape, left, more = corner_of(part, faces, corner)
-        said += more
+        diagnostics += more
         if shape is not None:
             shapes.append(shape)
         for face, off in left.items():
             slant[face] = max(slant[face], off)
-    return Unrolled(within(union_all(shapes), planes, way), tuple(found), slant), said
+    return Unrolled(within(union_all(shapes), planes, way), tuple(points), slant), diagnostics
 
 
 def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> BoxFace:
@@ -137,14 +139,14 @@ def _face(part: Part, face: Face, own: Sequence[Cut], leg: Leg) -> BoxFace:
 
 def _lines(faces: Mapping[Face, BoxFace], side: int) -> dict[Face, tuple[Floats, Floats]]:
     """y and x along the end of each face that is drawn."""
-    found: dict[Face, tuple[Floats, Floats]] = {}
+    lines: dict[Face, tuple[Floats, Floats]] = {}
     for face, one in faces.items():
         if one.drawn:
             ys = np.linspace(2 * CHORD, one.size - 2 * CHORD, 9)
             rows = one.crossings(ys, False)
             if all(len(row) for row in rows):
-                found[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
-    return found
+                lines[face] = ys, np.array([row[0] if side < 0 else row[-1] for row in rows])
+    return lines
 
 
 def _end(part: Part, faces: Mapping[Face, BoxFace], side: int) -> Plane | None:

@@ -47,14 +47,14 @@ class Border(Struct, frozen=True):
 
 def borders_of(wall: Wall, low: float, high: float, over: float) -> list[Border]:
     """The borders at two y of a wall; of a piece that comes cut its ends too, `over` outwards."""
-    found = [Border("low", 0.0, -1.0, -low), Border("high", 0.0, 1.0, high)]
+    borders = [Border("low", 0.0, -1.0, -low), Border("high", 0.0, 1.0, high)]
     if wall.ends is not None:
         for name, side, end in zip(OF_PIECE, (-1.0, 1.0), wall.ends, strict=True):
             long = hypot(1.0, end.slope)
-            found.append(
+            borders.append(
                 Border(name, side / long, -side * end.slope / long, side * end.at / long + over)
             )
-    return found
+    return borders
 
 
 class Chain(Struct, frozen=True):

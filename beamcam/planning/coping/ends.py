@@ -65,15 +65,15 @@ def planes_of(part: Part) -> tuple[EndPlane, EndPlane]:
         flange, front = profile.flange_thickness, back + (profile.web_thickness or 0.0)
         ends = (0.0, 0.0), (0.0, profile.width), (flange, 0.0), (flange, profile.width)
         outermost = (*ends, (profile.height, back), (profile.height, front))
-    found = []
+    planes = []
     for side, web_deg, flange_deg in (
         (-1.0, cuts.web_start, cuts.flange_start), (1.0, cuts.web_end, cuts.flange_end)
     ):  # fmt: skip
         by_y, by_z = tan(radians(web_deg)), tan(radians(flange_deg))
         leans = [side * (y * by_y + z * by_z) for y, z in outermost]
         at = (0.0 if side < 0.0 else part.length) + side * min(leans)
-        found.append(EndPlane(side, at, by_y, by_z))
-    return found[0], found[1]
+        planes.append(EndPlane(side, at, by_y, by_z))
+    return planes[0], planes[1]
 
 
 def ends_on(face: Face, part: Part) -> tuple[EndLine, EndLine]:
@@ -124,7 +124,7 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
     that of a cope, and says nothing of it.
     """
     planes = planes_of(part)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     found: dict[str, float] = {}
     kinds: tuple[tuple[Literal["web", "flange"], tuple[Face, ...]], ...] = (
         ("web", ("v", "h")), ("flange", ("u",) if part.profile.code in ("L", "T") else ("o", "u"))
@@ -140,7 +140,7 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
                 same = len(seen) >= needed and max(seen) - min(seen) <= NOISE_DEG
                 angle = seen[0] if same and abs(seen[0]) > NOISE_DEG else 0.0
                 if angle:
-                    said.append(bar_rules.CUT_FROM_CONTOUR.at(
+                    diagnostics.append(bar_rules.CUT_FROM_CONTOUR.at(
                         source, kind=kind, found=f"{angle:.3f}", end=at))  # fmt: skip
             else:
                 reaching = [
@@ -149,11 +149,11 @@ def agreed_ends(part: Part) -> tuple[Part, list[Diagnostic]]:
                 ]  # fmt: skip
                 denied = [one for one in reaching if abs(one - angle) > NOISE_DEG]
                 if denied:
-                    said.append(bar_rules.CUT_DENIED.at(
+                    diagnostics.append(bar_rules.CUT_DENIED.at(
                         source, kind=kind, found=f"{angle:g}", end=at,
                         expected=f"{denied[0]:.3f}"))  # fmt: skip
             found[f"{kind}_{at}"] = angle
-    return replace(part, cuts=EndCuts(**found)), said
+    return replace(part, cuts=EndCuts(**found)), diagnostics
 
 
 Side = tuple[Point, Point]  #: of an outline, from the lower edge of its face to the upper one

@@ -77,8 +77,8 @@ def as_pipe(part: Part) -> tuple[Part, Diagnostic | None]:
         )
     wall = profile.web_thickness or 0.0
     pipe = Profile("RO", profile.name, diameter, diameter, wall, wall)
-    said = rules.PIPE.at(part.source, diameter=f"{diameter:.2f}", **values)
-    return replace(part, profile=pipe), said
+    diagnostic = rules.PIPE.at(part.source, diameter=f"{diameter:.2f}", **values)
+    return replace(part, profile=pipe), diagnostic
 
 
 def _diameters(name: str) -> tuple[float, ...]:
@@ -112,28 +112,28 @@ def plan_coping(
     that the machine cannot make; nothing is left out that is not in the plan's outcomes.
     """
     coper = machine.needed(machine.coper, "coper")
-    told: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
     if coper.turns == "bar":
         pipes = [as_pipe(part) for part in parts]
         turned = [_with_corners(part, coper) for part, _ in pipes]
         parts = [part for part, _ in turned]
-        told = tuple(said for _, said in (*pipes, *turned) if said)
-        if errors_in(told):
-            raise PlanError(told)
+        diagnostics = tuple(diagnostic for _, diagnostic in (*pipes, *turned) if diagnostic)
+        if errors_in(diagnostics):
+            raise PlanError(diagnostics)
     refusals = [*_stock_faults(parts, machine, coper, bar)]
     if refusals:
         raise PlanError(refusals)
     (part,) = parts
     if coper.turns == "bar":
         plan = plan_tube(part, machine, coper, skips)
-        return replace(plan, remarks=(*told, *plan.remarks))
+        return replace(plan, remarks=(*diagnostics, *plan.remarks))
     return _plan_profile(part, machine, coper, skips)
 
 
 def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection[str]) -> CopePlan:
     """The work on an I, a U, an L or a T. Raises PlanError as `plan_coping` does."""
     part = laid(given)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     found = sorted_features(part, machine, coper, skips)
     if found.refusals:
         raise PlanError(found.refusals)
@@ -150,28 +150,28 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
     else:
         part, denied = agreed_ends(part)
         regions, more, slant, tilts = _skew(part, walls, found, chart, coper)
-        said += denied
-    said += more
+        diagnostics += denied
+    diagnostics += more
     at_root: set[Face] = set()
-    if not errors_in(said):
+    if not errors_in(diagnostics):
         regions, more, at_root = _at_roots(part, regions, chart, coper)
-        said += more
-    if errors_in(said):
-        raise PlanError(errors_in(said))
+        diagnostics += more
+    if errors_in(diagnostics):
+        raise PlanError(errors_in(diagnostics))
     cuts, more = _cuts(part, regions, found, chart, coper)
-    said += more
+    diagnostics += more
     passes, bevelled = bevel_cuts(part, regions, features_on(part, found.cut), chart, coper)
     cuts = _in_order([*cuts, *passes])
     slant = {face: off for face, off in slant.items() if off >= LEAST_SLANT}
     if slant:
-        said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
+        diagnostics.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
                                    faces=", ".join(slant)))  # fmt: skip
-    if errors_in(said):
-        raise PlanError(errors_in(said))
+    if errors_in(diagnostics):
+        raise PlanError(errors_in(diagnostics))
     if not cuts:
         raise PlanError(bar_rules.NO_WORK.at(part.source, machine=machine.name))
     needed = part.length + (0.0 if part.made is not None else 2 * coper.trim)
-    said += _told_of(part, given, needed, coper)
+    diagnostics += _told_of(part, given, needed, coper)
     outcomes = tuple(
         replace(o, left=o.left or _left(part.features[o.feature[1]], slant, at_root))
         if o.how == "made" else o
@@ -181,7 +181,8 @@ def _plan_profile(given: Part, machine: Machine, coper: Coper, skips: Collection
         )
     )  # fmt: skip
     plan = CopePlan(
-        part.profile, (Piece(given, coper.trim),), needed, tuple(cuts), outcomes, tuple(said),
+        part.profile, (Piece(given, coper.trim),), needed, tuple(cuts), outcomes,
+        tuple(diagnostics),
         min_bevel=coper.min_bevel,
     )  # fmt: skip
     if [o.feature for o in plan.outcomes] != [(0, f) for f in range(len(part.features))]:
@@ -228,8 +229,8 @@ def _with_corners(part: Part, coper: Coper) -> tuple[Part, Diagnostic | None]:
     if profile.code != "M" or radius == profile.radius:
         return part, None
     by = "coper.corners" if radius != coper.corner else "--corner or coper.corner"
-    said = rules.GIVEN_RADIUS.at(part.source, name=profile.name, found=f"{radius:g}", by=by)
-    return replace(part, profile=replace(profile, radius=radius)), said
+    diagnostic = rules.GIVEN_RADIUS.at(part.source, name=profile.name, found=f"{radius:g}", by=by)
+    return replace(part, profile=replace(profile, radius=radius)), diagnostic
 
 
 def _stock_faults(
@@ -301,53 +302,53 @@ def _skew(
     tilts = [plane.is_skew and coper.tilt > 0.0 for plane in planes]
     for k in (0, 1, None):
         skewed = {f: with_skew(wall, part, (tilts[0], tilts[1])) for f, wall in walls.items()}
-        said = [
+        diagnostics = [
             rules.CROSSED.at(part.source, face=face) for face, wall in skewed.items()
             if crossed(wall, part.length)
         ]  # fmt: skip
-        if said:
-            return {}, said, {}, tilts
-        regions, said = _regions(part, skewed, found, coper)
-        if errors_in(said) or k is None:
+        if diagnostics:
+            return {}, diagnostics, {}, tilts
+        regions, diagnostics = _regions(part, skewed, found, coper)
+        if errors_in(diagnostics) or k is None:
             break
         tilts[k] = tilts[k] and tilts_at(regions, part, k, coper)
     slant: dict[Face, float] = {}
     for k, plane in enumerate(planes):
-        if plane.is_skew and not tilts[k] and not errors_in(said):
+        if plane.is_skew and not tilts[k] and not errors_in(diagnostics):
             regions, off = squared(regions, part, k, chart.depth(walls["u"].root_depth))
             slant |= {face: max(mm, slant.get(face, 0.0)) for face, mm in off.items()}
-    return regions, said, slant, tilts
+    return regions, diagnostics, slant, tilts
 
 
 def _depths(root: float, flange: Wall, chart: Chart) -> dict[int | None, float]:
     """How deep a pass through a root cuts square to the flange, and at each end it is tilted to."""
-    found: dict[int | None, float] = {None: chart.depth(root)}
+    depths: dict[int | None, float] = {None: chart.depth(root)}
     for k, line in enumerate(flange.skew):
         if line is not None and line.b_deg:
             share = cos(radians(line.b_deg))
-            found[k] = share * chart.depth(root / share)
-    return found
+            depths[k] = share * chart.depth(root / share)
+    return depths
 
 
 def _regions(
     part: Part, walls: Mapping[Face, Wall], found: Sorted, coper: Coper
 ) -> tuple[dict[Face, Region], list[Diagnostic]]:
     regions: dict[Face, Region] = {}
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     on = features_on(part, found.cut)
     for face, wall in walls.items():
         regions[face], more = region_of(wall, part, on.get(face, []), coper)
-        said += more
+        diagnostics += more
         if regions[face].shape.is_empty:
-            said.append(rules.OFF.at(part.source, what=f"all of face {face} cut away"))
+            diagnostics.append(rules.OFF.at(part.source, what=f"all of face {face} cut away"))
         elif regions[face].rounded:
-            said.append(
+            diagnostics.append(
                 rules.ROUNDED.at(
                     part.source, count=regions[face].rounded, face=face,
                     radius=f"{coper.corner_radius:g}",
                 )
             )  # fmt: skip
-    return regions, said
+    return regions, diagnostics
 
 
 def _cuts(
@@ -355,7 +356,7 @@ def _cuts(
 ) -> tuple[list[CopeCut], list[Diagnostic]]:
     """The cuts of all walls in order of work, and those that cannot be made."""
     cuts: list[CopeCut] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     on = features_on(part, found.cut)
     for face, region in regions.items():
         features = tuple((0, f) for f in on.get(face, []))
@@ -365,12 +366,12 @@ def _cuts(
         ]
         for chain, row, seen, thickness, root in views:
             if row is None:
-                said.append(chart.too_thick(thickness, face, source))
+                diagnostics.append(chart.too_thick(thickness, face, source))
                 continue
             way = led(chain, seen.region.wall, seen.region.shape, row, coper)
             if way is None:
                 x, y = chain.points[0]
-                said.append(
+                diagnostics.append(
                     rules.NARROW.at(
                         source, what="no room to pierce", x=f"{x / seen.share:g}", y=f"{y:g}",
                         face=face,
@@ -380,7 +381,7 @@ def _cuts(
                 continue
             if (hole := region.wall.crossed(way.path[way.lead :], row.kerf)) is not None:
                 x, y = hole
-                said.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
+                diagnostics.append(rules.OPEN.at(source, x=f"{x:.1f}", y=f"{y:.1f}", face=face))
             path = tuple((x / seen.share, y) for x, y in way.path) if seen.b_deg else way.path
             cuts.append(
                 CopeCut(
@@ -388,7 +389,7 @@ def _cuts(
                     features, source, root, seen.b_deg,
                 )
             )  # fmt: skip
-    return cuts, [*dict.fromkeys(said)]
+    return cuts, [*dict.fromkeys(diagnostics)]
 
 
 def _in_order(cuts: Sequence[CopeCut]) -> list[CopeCut]:

@@ -50,29 +50,29 @@ def region_of(
     own = [f for f in map(part.features.__getitem__, features) if isinstance(f, Cut)]
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     taken = [c for c in own if not (isinstance(c, Contour) and c.kind == "outer")]
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     whole = _between(wall, (EndLine(0.0, 0.0), EndLine(part.length, 0.0)))
     strip = _between(wall, (EndLine(-BEYOND, 0.0), EndLine(part.length + BEYOND, 0.0)))
     if outer:
         drawn = union_all([outline_on(wall, c.curves) for c in outer])
-        said += _beyond(drawn, strip, wall, outer[0])
+        diagnostics += _beyond(drawn, strip, wall, outer[0])
         whole = drawn.intersection(strip)
     shape = whole
     for feature in taken:
         gone = shape_of(curves_of(feature))
         if not gone.intersects(whole):
             what = "a cut-out" if isinstance(feature, Contour) else "a hole"
-            said.append(rules.OFF.at(feature.source, what=f"{what} on face {wall.face}"))
+            diagnostics.append(rules.OFF.at(feature.source, what=f"{what} on face {wall.face}"))
         shape = shape.difference(gone)
     shape = make_valid(shape)
     if shape.is_empty:
-        return Region(wall, shape, 0), said
+        return Region(wall, shape, 0), diagnostics
     corners = [  # what is at a root is cut with it, or stays there
         (x, y)
         for c in (*outer, *taken) if isinstance(c, Contour)
         for x, y in sharp_corners(c) if not _is_at_root(y, wall, part.profile.radius)
     ]  # fmt: skip
-    return rounded(wall, shape, corners, part, coper, said)
+    return rounded(wall, shape, corners, part, coper, diagnostics)
 
 
 def _is_at_root(y: float, wall: Wall, radius: float) -> bool:
@@ -121,7 +121,7 @@ def rounded(
     corners: Sequence[Point],
     part: Part,
     coper: Coper,
-    said: list[Diagnostic],
+    diagnostics: list[Diagnostic],
 ) -> tuple[Region, list[Diagnostic]]:
     """A region whose re-entrant corners at the given places have the machine's radius.
 
@@ -133,7 +133,7 @@ def rounded(
     from shapely import MultiPoint, distance, get_coordinates, points, segmentize, union_all
 
     if not corners:
-        return Region(wall, shape, 0), said
+        return Region(wall, shape, 0), diagnostics
     radius, places = coper.corner_radius, MultiPoint(corners)
     closed = shape.buffer(radius, ROUND).buffer(-radius, ROUND)
     each = np.array(places.geoms)
@@ -150,7 +150,7 @@ def rounded(
         if deep <= 2 * CHORD:
             continue
         if deep > MOST_ROUNDED * radius:
-            said.append(
+            diagnostics.append(
                 rules.NARROW.at(
                     part.source, what="a re-entrant corner", face=wall.face,
                     x=f"{mine[0].x:g}", y=f"{mine[0].y:g}",
@@ -161,7 +161,7 @@ def rounded(
         added.append(piece)
         count += len(mine)
     whole = union_all([shape, *added]) if added else shape
-    return Region(wall, whole, count), said
+    return Region(wall, whole, count), diagnostics
 
 
 def _polygons(shape: Shape) -> Iterator[Shape]:

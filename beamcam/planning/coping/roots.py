@@ -89,7 +89,7 @@ def crossings(
     region: Region, band: tuple[float, float], coper: Coper
 ) -> tuple[list[Crossing], list[tuple[Point, ...]]]:
     """The cuts through a band of a wall, along x, and the paths by which it is cut otherwise."""
-    found: list[Crossing] = []
+    crossings: list[Crossing] = []
     wrong: list[tuple[Point, ...]] = []
     for chain in chains_of(region.shape, borders_of(region.wall, *band, -EDGE)):
         xs = [x for x, _ in chain.points]
@@ -105,8 +105,8 @@ def crossings(
             wrong.append(chain.points)
             continue
         # The region lies on the left of its ring: upwards, the scrap is at greater x.
-        found.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
-    return sorted(found, key=lambda one: one.x), wrong
+        crossings.append(Crossing((max(xs) + min(xs)) / 2, chain.start == "low", square, end))
+    return sorted(crossings, key=lambda one: one.x), wrong
 
 
 def _said(wrong: Sequence[Sequence[Point]], wall: Wall, source: Source) -> Iterator[Diagnostic]:
@@ -230,7 +230,7 @@ def with_ledges(
     cut over the web. At a skew end the flange has to be cut with the torch tilted to it.
     """
     web = regions["v"]
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for root in web.wall.roots:
         flange = regions[root.face]
         (behind,) = flange.wall.roots
@@ -248,8 +248,8 @@ def with_ledges(
             for ledge, mm in _ledge(web, root, line, one.right, depth, kerf):
                 web = replace(web, shape=web.shape.union(ledge))
                 x = f"{line.x(root.inner):g}"
-                said.append(rules.LEDGE.at(source, x=x, face=root.face, found=f"{mm:.1f}"))
-    return {**regions, "v": web}, said
+                diagnostics.append(rules.LEDGE.at(source, x=x, face=root.face, found=f"{mm:.1f}"))
+    return {**regions, "v": web}, diagnostics
 
 
 def _ledge(

@@ -110,38 +110,38 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     way, slant = around(profile), dict[Face, float]()
     surface = Wall("v", way.turn, wall, -inf, inf, ())
     if profile.code == "M":
-        box_tube, said = unrolled(part, found.cut, way)
+        box_tube, diagnostics = unrolled(part, found.cut, way)
         slant = {face: off for face, off in box_tube.slant.items() if off >= LEAST_SLANT}
-        region, said = _laid_out(surface, part, box_tube, coper, said)
+        region, diagnostics = _laid_out(surface, part, box_tube, coper, diagnostics)
     else:
-        region, said = _region(surface, part, found, coper, way)
+        region, diagnostics = _region(surface, part, found, coper, way)
         planes = (*header_planes(part), *planes_of(part, found.cut))
         skew = max((wall * hypot(plane.by_y, plane.by_z) for plane in planes), default=0.0)
         slant = {"v": skew} if skew >= LEAST_SLANT else {}
     cuts: list[CopeCut] = []
-    if not errors_in(said):
+    if not errors_in(diagnostics):
         cuts, more = _cuts(part, region, found, row, coper, way)
-        said += more
-    if errors_in(said):
-        raise PlanError(errors_in(said))
+        diagnostics += more
+    if errors_in(diagnostics):
+        raise PlanError(errors_in(diagnostics))
     if region.rounded:
-        said.append(
+        diagnostics.append(
             rules.ROUNDED.at(
                 part.source, count=region.rounded // 3, face="v", radius=f"{coper.corner_radius:g}"
             )
         )
     if slant:
-        said.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
+        diagnostics.append(rules.SLANT.at(part.source, found=f"{max(slant.values()):.2f}",
                                    faces=", ".join(slant)))  # fmt: skip
     wedges = [(wedge_of(c, wall, coper.min_bevel), c.source) for c in part.contours]
     deepest, source = max(wedges, key=lambda one: one[0], default=(0.0, part.source))
     if deepest >= LEAST_SLANT:
-        said.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
-    said += _slow_axes(part, machine, row, way)
+        diagnostics.append(rules.WEDGE.at(source, found=f"{deepest:.2f}", wall=f"{wall:g}"))
+    diagnostics += _slow_axes(part, machine, row, way)
     needed = part.length + 2 * coper.trim + coper.chuck
-    said.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
+    diagnostics.append(rules.BAR.at(part.source, found=f"{needed:g}", trim=f"{coper.trim:g}"))
     if part.quantity > 1:
-        said.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
+        diagnostics.append(bar_rules.QUANTITY.at(part.source, found=part.quantity, made=1))
     outcomes = tuple(
         replace(o, left=BEVEL) if o.how == "made" and is_slanted(part.features[o.feature[1]], slant)
         else o
@@ -149,7 +149,7 @@ def plan_tube(part: Part, machine: Machine, coper: Coper, skips: Collection[str]
     )  # fmt: skip
     piece = Piece(part, coper.trim)
     return CopePlan(
-        part.profile, (piece,), needed, tuple(cuts), outcomes, tuple(said),
+        part.profile, (piece,), needed, tuple(cuts), outcomes, tuple(diagnostics),
         min_bevel=coper.min_bevel,
     )  # fmt: skip
 
@@ -199,7 +199,7 @@ def _slow_axes(part: Part, machine: Machine, row: TorchRow, way: Around) -> Iter
 
 
 def _laid_out(
-    surface: Wall, part: Part, tube: Unrolled, coper: Coper, said: list[Diagnostic]
+    surface: Wall, part: Part, tube: Unrolled, coper: Coper, diagnostics: list[Diagnostic]
 ) -> tuple[Region, list[Diagnostic]]:
     """What stays of a rectangular tube, three times above itself."""
     from shapely import box, make_valid, union_all
@@ -211,7 +211,7 @@ def _laid_out(
     shape = shape.intersection(box(low, 0.0, high, 3 * surface.width))
     corners = [(x, u + turn) for x, u in tube.corners for turn in turns]
     corners = [(x, u) for x, u in corners if 0.0 <= u <= 3 * surface.width]
-    return rounded(surface, make_valid(shape), corners, part, coper, said)
+    return rounded(surface, make_valid(shape), corners, part, coper, diagnostics)
 
 
 def _region(
@@ -226,7 +226,7 @@ def _region(
     outer = [c for c in own if isinstance(c, Contour) and c.kind == "outer"]
     whole: Shape = box(0.0, 0.0, part.length, round_it)
     planes = planes_of(part, found.cut)
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     if outer:
         strip = box(-part.length, 0.0, 2 * part.length, round_it)
         drawn = [outline_on(surface, c.curves, part.length / 2) for c in outer]
@@ -238,9 +238,9 @@ def _region(
             and off > OUTLINE_NOISE
         ]  # fmt: skip
         if open_seams:
-            said.append(rules.SEAM.at(outer[0].source, found=f"{max(open_seams):.2f}"))
+            diagnostics.append(rules.SEAM.at(outer[0].source, found=f"{max(open_seams):.2f}"))
         whole = union_all(drawn).intersection(strip)
-        said += denied_ends(part, whole, way)
+        diagnostics += denied_ends(part, whole, way)
     else:
         planes += header_planes(part)
     whole = within(whole, planes, way)
@@ -254,10 +254,10 @@ def _region(
                 continue
         gone = _taken(feature, part)
         if not gone.intersects(union_all([translate(whole, 0.0, t - round_it) for t in turns])):
-            said.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
+            diagnostics.append(rules.OFF.at(feature.source, what="a hole or cut-out"))
         around = [translate(gone, 0.0, k * round_it) for k in range(-1, 4)]
         shape = shape.difference(union_all(around))
-    return rounded(surface, make_valid(shape), corners, part, coper, said)
+    return rounded(surface, make_valid(shape), corners, part, coper, diagnostics)
 
 
 def _taken(feature: Cut, part: Part) -> Shape:
@@ -289,7 +289,7 @@ def _cuts(
     paths = region.shape.buffer(half, ROUND)
     seam = wall.width + coper.seam * wall.width / 360.0
     cuts: list[CopeCut] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     features = tuple((0, f) for f in found.cut)
     source = part.features[found.cut[0]].source if found.cut else part.source
     end = region.shape.bounds[2]
@@ -302,7 +302,7 @@ def _cuts(
         way = led(chain, inside, region.shape, row, coper)
         if way is None:
             x, u = chain.points[0]
-            said.append(
+            diagnostics.append(
                 rules.NARROW.at(
                     source, what="no room to pierce", x=f"{x:g}", y=f"{u % wall.width:g}",
                     face=tube.face_at(u),
@@ -316,8 +316,8 @@ def _cuts(
     order = ("inner", "near", "far")
     cuts.sort(key=lambda cut: (order.index(cut.kind), cut.path[0]))
     if [cut.kind for cut in cuts].count("near") != 1 or cuts[-1].kind != "far":
-        said.append(rules.OFF.at(source, what="no end that goes all round the tube"))
-    return cuts, said
+        diagnostics.append(rules.OFF.at(source, what="no end that goes all round the tube"))
+    return cuts, diagnostics
 
 
 def _whole(paths: Shape, wall: Wall) -> Iterator[Chain]:

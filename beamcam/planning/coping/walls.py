@@ -166,22 +166,22 @@ def sorted_features(part: Part, machine: Machine, coper: Coper, skips: Collectio
     skipped: dict[int, Diagnostic] = {}
     refusals: list[Diagnostic] = []
     for f, feature in enumerate(part.features):
-        said: Diagnostic | None
+        diagnostic: Diagnostic | None
         if policy_on(feature, machine.marks) is not None:
             why = listed_by(feature, machine.marks)
-            said = refuse_mark(feature, machine.marks) or _unmarked(feature)
+            diagnostic = refuse_mark(feature, machine.marks) or _unmarked(feature)
             if why is not None:
                 listed[f] = why
                 continue
         else:
-            said = _refusal(feature, part.profile, coper)
-            if said is None:
+            diagnostic = _refusal(feature, part.profile, coper)
+            if diagnostic is None:
                 cut.append(f)
                 continue
-        if said.code.removeprefix("plan-") in skips:
-            skipped[f] = said
+        if diagnostic.code.removeprefix("plan-") in skips:
+            skipped[f] = diagnostic
         else:
-            refusals.append(said)
+            refusals.append(diagnostic)
     return Sorted(tuple(cut), listed, skipped, tuple(refusals))
 
 

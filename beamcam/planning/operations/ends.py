@@ -80,7 +80,7 @@ def _agreed(
     drawn: tuple[float, float] | None, min_mitre: float, remarks: list[Diagnostic],
 ) -> tuple[float, float]:  # fmt: skip
     """The angles of both ends on which header and contour agree."""
-    found = []
+    angles = []
     ends: tuple[Literal["start", "end"], ...] = ("start", "end")
     for at, said, seen in zip(ends, header, drawn or (None, None), strict=True):
         angle, source = said, part.cut_source(name, at)
@@ -101,8 +101,8 @@ def _agreed(
                     source, kind=name, found=f"{angle:.3g}", end=at, expected=f"{min_mitre:g}"
                 )
             )
-        found.append(angle if abs(angle) >= min_mitre else 0.0)
-    return found[0], found[1]
+        angles.append(angle if abs(angle) >= min_mitre else 0.0)
+    return angles[0], angles[1]
 
 
 def _drawn_flange_angles(part: Part) -> tuple[float, float] | None:

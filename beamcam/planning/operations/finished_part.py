@@ -97,10 +97,10 @@ class FinishedPart:
 
     def across(self, face: Face) -> FaceEdges:
         """Walls and edges across the part on a face."""
-        found = self._across.get(face)
-        if found is None:
-            found = self._across[face] = _across(self.part.profile, face)
-        return found
+        face_edges = self._across.get(face)
+        if face_edges is None:
+            face_edges = self._across[face] = _across(self.part.profile, face)
+        return face_edges
 
     def steel(self, face: Face, points: Sequence[Point]) -> tuple[float, str]:
         """Steel between points and the nearest border of their wall, and which border that is.
@@ -129,19 +129,21 @@ class FinishedPart:
         left = nearest - radius
         if left < -TOLERANCE:
             return [_said(OFF_PART, shape, out=f"{-left:.3g}", where=place)]
-        said: list[Diagnostic] = []
+        diagnostics: list[Diagnostic] = []
         ys = [y for _, y in middles]
         low, high = min(ys) - radius, max(ys) + radius
         for wall in self.across(shape.face).walls:
             apart = wall.apart(low, high)
             if apart < drill.min_fillet_distance - TOLERANCE:
-                said.append(self._beside(shape, low, high, wall, apart))
+                diagnostics.append(self._beside(shape, low, high, wall, apart))
         if shape.kind != "mark" and left < drill.min_edge_distance - TOLERANCE:
             apart_mm, expected = f"{max(left, 0.0):.3g}", f"{drill.min_edge_distance:g}"
-            said.append(_said(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected))
+            diagnostics.append(
+                _said(NEAR_EDGE, shape, apart=apart_mm, where=place, expected=expected)
+            )
         if shape.depth is not None:
-            said += self._judge_depth(shape, shape.depth)
-        return said
+            diagnostics += self._judge_depth(shape, shape.depth)
+        return diagnostics
 
     def _judge_depth(self, shape: Hole | Slot, depth: float) -> Iterator[Diagnostic]:
         """Whether a blind hole is too shallow for the output, or deeper than its wall."""

@@ -96,7 +96,7 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
     kept, repeats = drop_duplicates(placed, drill.duplicate_tolerance)
     if crowd := list(refuse_crowd(kept, drill)):
         return [*crowd]
-    found: list[Found] = [*_repeats(repeats, planner)]
+    steps: list[Found] = [*_repeats(repeats, planner)]
     sinks: list[Group] = []
     is_tee = planner.part.profile.code == "T"  # o and u are one plate there: the tips would meet
     partners = {} if is_tee else partner_faces(planner.machine)
@@ -104,12 +104,12 @@ def _steps(holes: Sequence[tuple[int, Hole]], planner: PartPlanner) -> list[Foun
         if group[0][2].kind == "countersink":
             sinks.append(group)
         else:
-            found += _make(group, planner)
+            steps += _make(group, planner)
     if sinks:
-        found += _sinks(sinks, _pilots(kept, drill), found, planner)
-    found += refuse_too_near(kept, planner.machine.format.resolution, drill)
-    found += judge_pairs(kept, drill)
-    return found
+        steps += _sinks(sinks, _pilots(kept, drill), steps, planner)
+    steps += refuse_too_near(kept, planner.machine.format.resolution, drill)
+    steps += judge_pairs(kept, drill)
+    return steps
 
 
 def _repeats(repeats: dict[int, Placed], planner: PartPlanner) -> Iterator[Found]:
@@ -163,17 +163,17 @@ def _make(
         steps.append(WorkingStep(x, y, tooling, features, hole.source, path))
     if len(group) == 2 and any(refuse_steps(planner.part.features, steps, planner.travel)):
         return _one_by_one(group, planner, pilot, place)
-    found: list[Found] = [*steps]
+    made: list[Found] = [*steps]
     if hole.depth is not None:
-        found += _judge_points(group, toolings[0], thickness)
-    return found
+        made += _judge_points(group, toolings[0], thickness)
+    return made
 
 
 def _one_by_one(
     group: Group, planner: PartPlanner, pilot: float | None, place: Point | None
 ) -> list[Found]:
     """The steps of two holes that one stroke of both spindles does not make."""
-    return [found for one in group for found in _make((one,), planner, pilot, place)]
+    return [step for one in group for step in _make((one,), planner, pilot, place)]
 
 
 def _ring(x: float, y: float, tooling: Tooling, planner: PartPlanner) -> tuple[Point, ...]:

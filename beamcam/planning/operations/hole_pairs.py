@@ -128,7 +128,7 @@ def _partner(
     reach, limit = drill.merge_tolerance + ROUNDING, drill.same_tool_tolerance + ROUNDING
     x, _, hole = holes[i]
     best: tuple[float, int] | None = None
-    found: Placed | None = None
+    partner: Placed | None = None
     for j in range(i + 1, len(holes)):
         other_x, f, other = holes[j]
         dx = other_x - x
@@ -140,8 +140,8 @@ def _partner(
         if dy <= reach and alike(hole, other, limit):
             rank = dx + dy, f
             if best is None or rank < best:
-                best, found = rank, holes[j]
-    return found
+                best, partner = rank, holes[j]
+    return partner
 
 
 def unmerged_because(hole: Hole, other: Hole, drill: Drill) -> str | None:

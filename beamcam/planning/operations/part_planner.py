@@ -166,11 +166,11 @@ class PartPlanner:
             return feature
         self.behind.add(f)
         is_angle = self.part.profile.code == "L" and feature.face == "o"
-        said = (ANGLE_FACE if is_angle else FROM_BEHIND).at(
+        diagnostic = (ANGLE_FACE if is_angle else FROM_BEHIND).at(
             feature.source, what=named(feature), x=f"{feature.x:g}", y=f"{feature.y:g}",
             face=feature.face, other=face,
         )  # fmt: skip
-        self.told.append((f, said))
+        self.told.append((f, diagnostic))
         return replace(feature, face=face)
 
     def number(self, faces: tuple[Face, ...]) -> int:
@@ -179,9 +179,9 @@ class PartPlanner:
             return self.reached[faces[0]].spindle
         return next(p.number for p in self.machine.pairs if set(p.faces) == set(faces))
 
-    def take(self, found: Iterable[Found]) -> None:
+    def take(self, steps: Iterable[Found]) -> None:
         """Keep steps and remarks; of several errors about a feature the first refuses it."""
-        for each in found:
+        for each in steps:
             if isinstance(each, WorkingStep):
                 self.steps.append(each)
             elif isinstance(each, Settled):
@@ -214,7 +214,7 @@ class PartPlanner:
     @property
     def remarks(self) -> Iterator[Diagnostic]:
         """Remarks on the features that are not refused."""
-        return (said for f, said in self.told if f not in self.refused)
+        return (diagnostic for f, diagnostic in self.told if f not in self.refused)
 
 
 # --- kind -----------------------------------------------------------------------------------------

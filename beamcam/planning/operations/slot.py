@@ -52,8 +52,10 @@ def _needs(slot: Slot, planner: PartPlanner) -> Diagnostic | None:
 def _refusals(slot: Slot, planner: PartPlanner) -> Iterator[Diagnostic]:
     """Faults in the position of its middle or of its corner circles."""
     reach, ends = planner.reached[slot.face], slot_ends(slot)
-    said = (refuse_place(slot, x, y, planner.part, reach) for x, y in ((slot.x, slot.y), *ends))
-    off = next((d for d in said if d is not None), None)
+    diagnostics = (
+        refuse_place(slot, x, y, planner.part, reach) for x, y in ((slot.x, slot.y), *ends)
+    )
+    off = next((d for d in diagnostics if d is not None), None)
     if off is not None:
         yield off
     else:
@@ -154,8 +156,8 @@ def _corners(shape: Hole | Slot) -> tuple[Point, ...]:
     """The corners of a core, in order around it."""
     if isinstance(shape, Hole):
         return ((shape.x, shape.y),)
-    found = slot_ends(shape)
-    return (found[0], found[1], found[3], found[2]) if len(found) == 4 else found
+    corners = slot_ends(shape)
+    return (corners[0], corners[1], corners[3], corners[2]) if len(corners) == 4 else corners
 
 
 def _edges(corners: tuple[Point, ...]) -> list[tuple[Point, Point]]:

@@ -57,7 +57,9 @@ def _steps(texts: Sequence[tuple[int, TextMark]], planner: PartPlanner) -> Itera
             if isinstance(lettered, Diagnostic):
                 yield f, lettered
                 break
-            yield from ((f, said) for said in remarks(text, lettered, planner.machine.marks))
+            yield from (
+                (f, diagnostic) for diagnostic in remarks(text, lettered, planner.machine.marks)
+            )
             yield from _steps_of(f, text, lettered, planner)
 
 

@@ -62,7 +62,7 @@ def works_on(
     for part in parts:
         if id(part) not in works:
             works[id(part)] = _work_on(part, line, skips)
-    refusals = [said for work in works.values() for said in work.refusals]
+    refusals = [diagnostic for work in works.values() for diagnostic in work.refusals]
     if refusals:
         raise PlanError(refusals)
     return [works[id(part)] for part in parts], [*_remarks(works.values(), parts)]
@@ -86,7 +86,7 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     except PlanError as error:
         return PartWork(part, SQUARE, error.diagnostics)
     planner = PartPlanner(part, ends, line)
-    of_ends = [said for end in ends if (said := SAW_CUT.needs(end, planner))]
+    of_ends = [diagnostic for end in ends if (diagnostic := SAW_CUT.needs(end, planner))]
     of_ends += SAW_CUT.refusals(ends, planner)
     _put_features(planner)
     for kind in KINDS:
@@ -94,11 +94,19 @@ def _work_on(part: Part, line: BarLine, skips: Collection[str]) -> PartWork:
     planner.refuse(refuse_steps(planner.part.features, planner.steps, planner.travel))
     planner.refuse_repeats()
     refused = planner.refused
-    skipped = {f: said for f, said in refused.items() if said.code.removeprefix("plan-") in skips}
+    skipped = {
+        f: diagnostic
+        for f, diagnostic in refused.items()
+        if diagnostic.code.removeprefix("plan-") in skips
+    }
     refusals = [*errors_in(of_ends), *(refused[f] for f in sorted(refused) if f not in skipped)]
-    told = [*remarks, *(said for said in of_ends if said not in refusals), *planner.remarks]
+    diagnostics = [
+        *remarks,
+        *(diagnostic for diagnostic in of_ends if diagnostic not in refusals),
+        *planner.remarks,
+    ]
     return PartWork(
-        part, ends, tuple(refusals), tuple(told), tuple(planner.steps),
+        part, ends, tuple(refusals), tuple(diagnostics), tuple(planner.steps),
         tuple(planner.settled.values()), skipped,
     )  # fmt: skip
 
@@ -114,7 +122,7 @@ def _put_features(planner: PartPlanner) -> None:
         if lacking is not None:
             planner.refused[f] = lacking
             continue
-        planner.take([(f, said) for said in kind.refusals(feature, planner)])
+        planner.take([(f, diagnostic) for diagnostic in kind.refusals(feature, planner)])
         if f not in planner.refused:
             planner.accepted[kind.name].append((f, feature))
 
@@ -122,9 +130,9 @@ def _put_features(planner: PartPlanner) -> None:
 def _is_made(f: int, mark: Feature, planner: PartPlanner) -> bool:
     """Whether a mark is work of the machine; one that is not is listed, or refused."""
     marks = planner.line.machine.marks
-    why, said = listed_by(mark, marks), refuse_mark(mark, marks)
+    why, diagnostic = listed_by(mark, marks), refuse_mark(mark, marks)
     if why is not None:
         planner.settled[f] = Settled(f, "listed", why)
-    elif said is not None:
-        planner.refused[f] = said
-    return why is None and said is None
+    elif diagnostic is not None:
+        planner.refused[f] = diagnostic
+    return why is None and diagnostic is None

@@ -83,13 +83,13 @@ def split_length(text: str) -> tuple[float, str]:
 
     Raises ValueError if it is no such text.
     """
-    found = _LENGTH.match(text)
-    if found is None:
+    match = _LENGTH.match(text)
+    if match is None:
         raise ValueError(f"found {text!r}, expected a number and a unit")
-    number = float(found[1])
+    number = float(match[1])
     if abs(number) > MAX_COORDINATE:
         raise ValueError(f"found {text!r}, expected a number of at most {MAX_COORDINATE:g}")
-    return number, found[2].lower()
+    return number, match[2].lower()
 
 
 def joined(chain: Sequence[Curve]) -> bool:
@@ -178,12 +178,12 @@ def unknown_layers(
 ) -> tuple[Diagnostic, ...]:
     """An error for each layer that the user named and the drawing has not."""
     names = {name.lower(): name for name in known}
-    said = []
+    diagnostics = []
     for name in wanted:
         if name.lower() not in names:
             from difflib import get_close_matches
 
             near = get_close_matches(name.lower(), names, 1)
             expected = repr(names[near[0]]) if near else ", ".join(map(repr, names.values()))
-            said.append(LAYER_OPTION.at(source, found=name, expected=expected or "none"))
-    return tuple(said)
+            diagnostics.append(LAYER_OPTION.at(source, found=name, expected=expected or "none"))
+    return tuple(diagnostics)

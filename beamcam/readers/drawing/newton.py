@@ -27,8 +27,8 @@ def checked_polynomials(part: Part) -> Iterator[Diagnostic]:
                 yield NODES_LOST.at(
                     contour.source, nodes=len(curve.nodes), found=error, expected=MAX_NODE_ERROR,
                 )  # fmt: skip
-            elif (found := find_oscillation(curve)) is not None:
-                yield OSCILLATION.at(contour.source, found=found)
+            elif (oscillation := find_oscillation(curve)) is not None:
+                yield OSCILLATION.at(contour.source, found=oscillation)
 
 
 def fit_newton(part: Part, layers: Sequence[str]) -> tuple[Part, tuple[Diagnostic, ...]]:
@@ -42,21 +42,21 @@ def fit_newton(part: Part, layers: Sequence[str]) -> tuple[Part, tuple[Diagnosti
         return part, ()
     there = {c.layer.lower(): c.layer for c in part.contours if c.layer is not None}
     with_polylines = {(c.layer or "").lower() for c in part.contours if is_polyline(c)}
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     contours = list(part.contours)
     for name in dict.fromkeys(layer.lower() for layer in layers):
         if name in there and name in with_polylines:
-            said += _fit_layer(contours, there[name], part.source)
+            diagnostics += _fit_layer(contours, there[name], part.source)
             continue
         found = f"no layer {name!r}" if name else "no layer"
         if name in there:
             found = f"no polylines on layer {there[name]!r}"
         expected = ", ".join(map(repr, there.values())) or "none"
-        said.append(FIT_LAYER.at(part.source, found=found, expected=expected))
+        diagnostics.append(FIT_LAYER.at(part.source, found=found, expected=expected))
     measures = part.measures
     assert measures is not None
     made = drawing_part(part.source.file, tuple(contours), measures)
-    return made, (*said, *checked_polynomials(made))
+    return made, (*diagnostics, *checked_polynomials(made))
 
 
 def is_polyline(contour: Contour) -> bool:
@@ -66,7 +66,7 @@ def is_polyline(contour: Contour) -> bool:
 
 def _fit_layer(contours: list[Contour], layer: str, source: Source) -> list[Diagnostic]:
     """Replaces the polylines of one layer in `contours`; what is said about it."""
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     count = kept = 0
     for k, contour in enumerate(contours):
         if (contour.layer or "").lower() != layer.lower():
@@ -78,8 +78,8 @@ def _fit_layer(contours: list[Contour], layer: str, source: Source) -> list[Diag
         try:
             contours[k] = replace(contour, curves=(newton_through(nodes),))
         except ValueError as error:
-            said.append(FIT_NODES.at(contour.source, found=error))
+            diagnostics.append(FIT_NODES.at(contour.source, found=error))
             continue
         count += 1
-    said.append(FITTED.at(source, count=count, layer=layer, kept=kept))
-    return said
+    diagnostics.append(FITTED.at(source, count=count, layer=layer, kept=kept))
+    return diagnostics

@@ -40,15 +40,15 @@ def wrapped(reading: Reading, name: str) -> Reading:
     """The parts of a drawing as tubes whose unrolled surface is drawn."""
     tube = tube_of(name)
     parts: list[Part] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for part in reading.parts:
         if tube is None:
-            said.append(WRAP_NAME.at(part.source, found=name))
+            diagnostics.append(WRAP_NAME.at(part.source, found=name))
             break
         one, more = _round(part, tube)
         parts.append(one)
-        said.append(more)
-    return replace(reading, parts=tuple(parts), diagnostics=(*reading.diagnostics, *said))
+        diagnostics.append(more)
+    return replace(reading, parts=tuple(parts), diagnostics=(*reading.diagnostics, *diagnostics))
 
 
 def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:
@@ -59,12 +59,12 @@ def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:
         for k, f in enumerate(part.features)
         if isinstance(f, Contour) and f.closed and (box := join_boxes([c.bbox for c in f.curves]))
     }
-    found = {k: (b[2] - b[0], b[3] - b[1]) for k, b in boxes.items()}
-    upright = [k for k, (_, high) in found.items() if abs(high - turn) <= SLACK]
-    lying = [k for k, (wide, _) in found.items() if abs(wide - turn) <= SLACK]
-    outline = max(upright or lying, key=lambda k: found[k][0] * found[k][1], default=None)
+    sizes = {k: (b[2] - b[0], b[3] - b[1]) for k, b in boxes.items()}
+    upright = [k for k, (_, high) in sizes.items() if abs(high - turn) <= SLACK]
+    lying = [k for k, (wide, _) in sizes.items() if abs(wide - turn) <= SLACK]
+    outline = max(upright or lying, key=lambda k: sizes[k][0] * sizes[k][1], default=None)
     if outline is None:
-        largest = max(found.values(), key=lambda size: size[0] * size[1], default=(0.0, 0.0))
+        largest = max(sizes.values(), key=lambda size: size[0] * size[1], default=(0.0, 0.0))
         return part, WRAP_WIDE.at(
             part.source, found=" x ".join(f"{v:.2f}" for v in largest), tube=tube.name,
             expected=f"{turn:.2f}",
@@ -81,7 +81,7 @@ def _round(part: Part, tube: Profile) -> tuple[Part, Diagnostic]:
         if isinstance(f, Contour) else f
         for k, f in enumerate(part.features)
     )  # fmt: skip
-    length = found[outline][0 if upright else 1]
+    length = sizes[outline][0 if upright else 1]
     wrapped = replace(part, profile=tube, length=length, features=features)
     how = "" if upright else ", turned clockwise by 90 degrees"
     return wrapped, WRAPPED.at(part.source, tube=tube.name, how=how)

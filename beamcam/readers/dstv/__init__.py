@@ -148,8 +148,8 @@ def _made(texts: list[str], head: int, name: str) -> Reading:
     rows = ["" if row == MADE_ENDS or row.startswith(MADE) else row for row in rows]
     data = "\n".join([*texts[:head], *rows, "EN"]).encode()
     reading, _ = read_with_account(data, name, "utf-8")
-    said = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
-    return replace(reading, diagnostics=said)
+    diagnostics = tuple(d for d in reading.diagnostics if (d.source.line or 0) > head)
+    return replace(reading, diagnostics=diagnostics)
 
 
 def _refused(lines: list[str], log: Log) -> tuple[Reading, Account]:
@@ -202,9 +202,9 @@ def _read_block(block: Block, content: Content, profile: Profile, log: Log) -> N
     if code in _FEATURES:
         content.features.extend(features_of(block, place, *_FEATURES[code]))
     elif code in _CONTOURS:
-        found = read_contour_rows(block, _CONTOURS[code], place)
-        content.features.extend(found)
-        content.contours.extend(found)
+        rows = read_contour_rows(block, _CONTOURS[code], place)
+        content.features.extend(rows)
+        content.contours.extend(rows)
     elif code == "SC":
         content.features.extend(read_end_planes(block, log))
     elif code == "E":

@@ -111,17 +111,17 @@ def place_comments(
 
     stops = _stops(blocks, features, content)
     lines = [line for line, _ in stops]
-    found = list(placed)
+    comments = list(placed)
     for line, text in loose:
         if end and line > end:
             anchor = "after-end"
         else:
             at = bisect_right(lines, line)
             anchor = stops[at][1] if at < len(stops) else "end"
-        found.append((line, anchor, text))
+        comments.append((line, anchor, text))
     positions = plane_positions(content.planes, features)
-    found.sort(key=lambda item: anchor_key(item[1], positions))
-    return tuple(Comment(text, anchor) for _, anchor, text in found)
+    comments.sort(key=lambda item: anchor_key(item[1], positions))
+    return tuple(Comment(text, anchor) for _, anchor, text in comments)
 
 
 def _stops(blocks: list[Block], features: Sequence[Feature], content: Content) -> list[Stop]:

@@ -54,13 +54,13 @@ class Rows(Struct):
 def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
     """The contours of one block; a row that changes the face, or follows a closed one, begins
     another. `code` is A, I, K or P."""
-    found: list[Rows] = []
+    all_rows: list[Rows] = []
     rows: Rows | None = None
     for line, fields in rows_of(block, place, _fields, rules.CONTOUR_FIELDS):
         x, edge, y, notch, radius, pairs = fields
         if rows is None or rows.face != place.face:
             rows = Rows(code, place.face, edge, line)
-            found.append(rows)
+            all_rows.append(rows)
         if edge and edge not in rows.edges:
             rows.edge = rows.edge or edge
             rows.edges += edge
@@ -73,8 +73,8 @@ def read_contour_rows(block: Block, code: str, place: Place) -> list[Rows]:
         rows.radii.append(radius)
         rows.lines.append(line)
     if code in "AI":
-        found = [part for rows in found for part in _split_closed(rows)]
-    return found
+        all_rows = [part for rows in all_rows for part in _split_closed(rows)]
+    return all_rows
 
 
 def _fields(
@@ -314,7 +314,7 @@ def _close(rows: Rows, log: Log) -> None:
 
 def _place_bevels(rows: Rows, closed: bool, thickness: float, log: Log) -> list[Bevel]:
     """The bevels on the curves; the closing row speaks of the first edge again."""
-    found: list[Bevel] = []
+    bevels: list[Bevel] = []
     for i, pairs in sorted(rows.bevels.items()):
         curve = i
         if i >= len(rows.points) - 1:
@@ -328,8 +328,8 @@ def _place_bevels(rows: Rows, closed: bool, thickness: float, log: Log) -> list[
             if angle < 0 and land == 0.0 and thickness:
                 log.add(rules.BEVEL_LAND, rows.lines[i], angle=angle, land=thickness)
                 land = thickness
-            found.append(Bevel(curve, angle, land))
-    return sorted(found, key=lambda bevel: bevel.curve)
+            bevels.append(Bevel(curve, angle, land))
+    return sorted(bevels, key=lambda bevel: bevel.curve)
 
 
 def _curves(rows: Rows, log: Log) -> tuple[Curve, ...] | None:

@@ -178,12 +178,12 @@ def _notes(values: list[str]) -> tuple[str, ...]:
 
 
 def _quantity(text: str, line: int, log: Log) -> int | None:
-    found = _WHOLE.fullmatch(text)
-    if found is None:
+    match = _WHOLE.fullmatch(text)
+    if match is None:
         log.add(rules.QUANTITY, line, found=text)
         return None
-    value = int(found[1])
-    if value == 0 or found[2]:
+    value = int(match[1])
+    if value == 0 or match[2]:
         log.add(rules.QUANTITY_FORM, line, found=text, value=value)
     return value
 

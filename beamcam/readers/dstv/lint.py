@@ -111,7 +111,9 @@ def _check_extents(
     part: Part, outers: dict[str, list[_Outline]], header: list[int], log: Log
 ) -> None:
     """Length and height against what the contours measure."""
-    whole = join_boxes([o.box for face, found in outers.items() if len(face) == 1 for o in found])
+    whole = join_boxes(
+        [o.box for face, outlines in outers.items() if len(face) == 1 for o in outlines]
+    )
     if whole is None:
         return
     # A round plate may hang over x = 0: then its extent is its length.
@@ -137,10 +139,10 @@ def _check_ends(part: Part, outers: dict[str, list[_Outline]], header: list[int]
     """
     cuts = part.cuts
     for face, names in (("v", ("web_start", "web_end")), ("u", ("flange_start", "flange_end"))):
-        found = outers.get(face, ())
-        if len(found) != 1:
+        outlines = outers.get(face, ())
+        if len(outlines) != 1:
             continue
-        for name, angle in zip(names, _end_angles(found[0]), strict=True):
+        for name, angle in zip(names, _end_angles(outlines[0]), strict=True):
             given: float = getattr(cuts, name)
             if angle is None or abs(angle - given) <= ANGLE_TOLERANCE_DEG:
                 continue

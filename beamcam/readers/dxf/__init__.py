@@ -40,63 +40,65 @@ def read(
     those whose texts are to be lettered.
     """
     source = Source(name)
-    unit, said = find_unit(data, units, source)
+    unit, diagnostics = find_unit(data, units, source)
     if unit is None:
-        return Reading("dxf", (), said)
+        return Reading("dxf", (), diagnostics)
     try:
         loaded = load_document(data, source)
     except ReadError as error:
         return Reading("dxf", (), error.diagnostics)
     chosen = Layers(loaded.document, _folded(layers) or None)
-    said += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
+    diagnostics += (*loaded.remarks, *unknown_layers(chosen.names(), layers, source))
     runs = iter(loaded.runs)
     walk = Walk(name, chosen, loaded.handles, runs, _folded(fit), _folded(letters))
     try:
         walk.entities(loaded.document.modelspace(), scaled(unit.mm), Look(), ())
     except ReadError as error:
-        return Reading("dxf", (), said + error.diagnostics)
-    found = walk.found
-    part, fitted = _part(name, found, fit)
-    seen = sorted([*found.not_cut.items(), ("hidden curves", found.hidden_on.total())])
-    said += (
+        return Reading("dxf", (), diagnostics + error.diagnostics)
+    collected = walk.found
+    part, fitted = _part(name, collected, fit)
+    seen = sorted([*collected.not_cut.items(), ("hidden curves", collected.hidden_on.total())])
+    diagnostics += (
         *contradictions(loaded.document, unit, name),
-        *found.said,
+        *collected.said,
         *fitted,
-        *_remarks(found, source),
+        *_remarks(collected, source),
         *verdict(part, seen, None if unit.given else unit.name, source),
     )
-    return Reading("dxf", (part,), said)
+    return Reading("dxf", (part,), diagnostics)
 
 
 def _folded(names: Sequence[str]) -> frozenset[str]:
     return frozenset(name.lower() for name in names)
 
 
-def _part(name: str, found: Collected, fit: Sequence[str]) -> tuple[Part, tuple[Diagnostic, ...]]:
+def _part(
+    name: str, collected: Collected, fit: Sequence[str]
+) -> tuple[Part, tuple[Diagnostic, ...]]:
     """The part of a drawing, polylines on the layers of `fit` as polynomials; what is said."""
-    not_cut = tuple(sorted(found.not_cut.items()))
-    lettered = tuple(sorted(found.lettered.items()))
-    dashed = tuple(found.dashed.values())
-    measures = Measures((), tuple(found.hidden), not_cut, lettered=lettered, dashed=dashed)
-    part, fitted = fit_newton(drawing_part(name, tuple(found.contours), measures), fit)
-    return replace(part, features=(*part.features, *found.texts)), fitted
+    not_cut = tuple(sorted(collected.not_cut.items()))
+    lettered = tuple(sorted(collected.lettered.items()))
+    dashed = tuple(collected.dashed.values())
+    measures = Measures((), tuple(collected.hidden), not_cut, lettered=lettered, dashed=dashed)
+    part, fitted = fit_newton(drawing_part(name, tuple(collected.contours), measures), fit)
+    return replace(part, features=(*part.features, *collected.texts)), fitted
 
 
-def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
+def _remarks(collected: Collected, source: Source) -> list[Diagnostic]:
     """Remarks on entities that are not contours, by kind and count."""
     by_kind = (
-        (rules.NOT_CUT, found.not_cut),
-        (rules.EDGE_ON, found.edge_on),
-        (rules.EMPTY_CURVES, found.empty),
-        (rules.HIDDEN, found.hidden_on),
+        (rules.NOT_CUT, collected.not_cut),
+        (rules.EDGE_ON, collected.edge_on),
+        (rules.EMPTY_CURVES, collected.empty),
+        (rules.HIDDEN, collected.hidden_on),
     )
-    said = [
+    diagnostics = [
         rule.at(source, count=counts.total(), found=counted(sorted(counts.items())))
         for rule, counts in by_kind
         if counts
     ]
-    if found.heights:
-        low, high = min(found.heights), max(found.heights)
+    if collected.heights:
+        low, high = min(collected.heights), max(collected.heights)
         if high - low > FLAT:
-            said.append(rules.NOT_FLAT.at(source, low=low, high=high))
-    return said
+            diagnostics.append(rules.NOT_FLAT.at(source, low=low, high=high))
+    return diagnostics

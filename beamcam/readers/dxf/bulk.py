@@ -67,7 +67,7 @@ class _Rows(Struct, frozen=True):
 
     def entities(self, name: str) -> range | None:
         """Which of `starts` are the entities of a section; None if it is not there just once."""
-        found: range | None = None
+        entities: range | None = None
         open_at: int | None = None
         for k, row in enumerate(self.starts):
             kind = self.lines[2 * row + 1].strip()
@@ -75,10 +75,10 @@ class _Rows(Struct, frozen=True):
                 named = self.codes[row + 1] == 2 and self.value(row + 1) == name
                 open_at = k + 1 if named else None
             elif kind == "ENDSEC" and open_at is not None:
-                if found is not None:
+                if entities is not None:
                     return None
-                found, open_at = range(open_at, k), None
-        return found
+                entities, open_at = range(open_at, k), None
+        return entities
 
     def sequences(self, entities: Iterable[int]) -> Iterator[tuple[int, int, bytes]]:
         """First row, the row behind the last, and the group codes of entities as bytes."""

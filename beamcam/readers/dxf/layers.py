@@ -53,16 +53,16 @@ class Layers(Struct):
     def names(self) -> tuple[str, ...]:
         return tuple(layer.dxf.name for layer in self.document.layers)
 
-    def look(self, said: Attributes, above: Look, inside: bool) -> Look:
-        """How what says `said` shows below `above`; `inside` tells whether it stands in a block.
+    def look(self, attributes: Attributes, above: Look, inside: bool) -> Look:
+        """How what has `attributes` shows below `above`; `inside`: whether it stands in a block.
 
         In a block, layer 0 stands for the layer of the insert, and BYBLOCK for its colour and its
         line type.
         """
-        layer = above.layer if inside and said.layer == "0" else said.layer
+        layer = above.layer if inside and attributes.layer == "0" else attributes.layer
         return Look(
-            layer, self._colour(said, layer, above), above.invisible or said.invisible,
-            self._line_type(said, layer, above),
+            layer, self._colour(attributes, layer, above), above.invisible or attributes.invisible,
+            self._line_type(attributes, layer, above),
         )  # fmt: skip
 
     def hides(self, look: Look) -> bool:
@@ -93,18 +93,18 @@ class Layers(Struct):
             bool(hidden or layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)),
         )
 
-    def _colour(self, said: Attributes, layer: str, above: Look) -> str:
-        if said.true_colour is not None:
-            return _hex(said.true_colour)
-        number = abs(said.colour)
+    def _colour(self, attributes: Attributes, layer: str, above: Look) -> str:
+        if attributes.true_colour is not None:
+            return _hex(attributes.true_colour)
+        number = abs(attributes.colour)
         if number == BYBLOCK:
             return above.colour
         if number == BYLAYER or number > 255:
             return self._layer(layer).colour
         return colour_of_number(number)
 
-    def _line_type(self, said: Attributes, layer: str, above: Look) -> str:
-        name = said.line_type.upper()
+    def _line_type(self, attributes: Attributes, layer: str, above: Look) -> str:
+        name = attributes.line_type.upper()
         if name == TYPE_BY_BLOCK:
             return above.line_type
         return self._layer(layer).line_type if name == TYPE_BY_LAYER else self._with_gaps(name)

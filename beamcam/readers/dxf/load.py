@@ -201,14 +201,14 @@ def _repaired(
     Raises ReadError if nothing helps.
     """
     marked, count = with_subclasses(data)
-    told = (rules.SUBCLASSES.at(source, count=count),) if count else ()
+    remarks = (rules.SUBCLASSES.at(source, count=count),) if count else ()
     if count:
         try:
-            return *_load_text(marked, handles), told
+            return *_load_text(marked, handles), remarks
         except Exception as error:  # as above: any kind of error means that it is damaged besides
             first = error
     document, repair = _recover(marked if count else data, source, first)
-    return document, (), (*told, repair)
+    return document, (), (*remarks, repair)
 
 
 def _recover(data: bytes, source: Source, first: Exception) -> tuple[Document, Diagnostic]:
@@ -281,14 +281,14 @@ def header_number(data: bytes, variable: str) -> int | None:
     name = re.escape(variable.encode("ascii"))
     if is_binary(data):
         # Group codes are two bytes since R13, and the values of group 70 too.
-        found = re.search(rb"\x09\x00" + name + rb"\x00\x46\x00(..)", data, re.DOTALL)
-        return None if found is None else int.from_bytes(found[1], "little", signed=True)
+        match = re.search(rb"\x09\x00" + name + rb"\x00\x46\x00(..)", data, re.DOTALL)
+        return None if match is None else int.from_bytes(match[1], "little", signed=True)
     end = data.find(b"ENDSEC")
     text = data[: end if end >= 0 else len(data)]
-    found = re.search(
+    match = re.search(
         rb"(?:^|[\r\n])[ \t]*9" + _NL + name + _NL + rb"70" + _NL + rb"(-?\d{1,9})", text
     )
-    return None if found is None else int(found[1])
+    return None if match is None else int(match[1])
 
 
 def find_unit(
@@ -315,10 +315,10 @@ def find_unit(
 
 
 def _missing(data: bytes, code: int | None) -> str:
-    said = "no $INSUNITS" if code is None else "$INSUNITS 0 (no unit)"
+    text = "no $INSUNITS" if code is None else "$INSUNITS 0 (no unit)"
     if header_number(data, "$MEASUREMENT") == 0:
-        return said + " but $MEASUREMENT 0 (inches)"
-    return said
+        return text + " but $MEASUREMENT 0 (inches)"
+    return text
 
 
 # --- what dimensions say --------------------------------------------------------------------------
@@ -368,12 +368,12 @@ def _stated_length(dimension: Any) -> tuple[str, float, float] | None:
         post = str(style.get("dimpost", "") or "")
         text = text.replace("<>", (post if "<>" in post else "<>" + post))
         text = text.replace("<>", f"{shown:.9f}")
-    found = _STATED.match(text)
-    if found is None:
+    match = _STATED.match(text)
+    if match is None:
         return None
-    word = found[2].lower()
+    word = match[2].lower()
     mm = _WORDS.get(word) or MM_PER_UNIT[word]
-    return text, float(found[1].replace(",", ".")) * mm, measured
+    return text, float(match[1].replace(",", ".")) * mm, measured
 
 
 def _is_unit_factor(factor: float) -> bool:

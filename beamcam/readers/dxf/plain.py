@@ -109,10 +109,10 @@ class _Rows(Struct, frozen=True):
     def points(self, code: int) -> tuple[int, ...]:
         """The places of x, y and z of all points whose x has group `code`, point by point."""
         after = (*self.codes, 0)
-        found: list[int] = []
+        rows: list[int] = []
         for k in self.places.get(code, ()):
-            found += (k, k + 1, k + 2 if after[k + 2] == code + 20 else NOT_GIVEN)
-        return tuple(found)
+            rows += (k, k + 1, k + 2 if after[k + 2] == code + 20 else NOT_GIVEN)
+        return tuple(rows)
 
     def owner(self) -> int | None:
         """The place of the layout's name, `NOT_SAID` if it has none.
@@ -206,11 +206,11 @@ def _points_are_whole(codes: Codes) -> bool:
 
 def _numbers(texts: Sequence[str]) -> tuple[float, ...]:
     """The numbers in texts. Raises ValueError for what is not a finite number."""
-    found = tuple(map(float, texts))
+    numbers = tuple(map(float, texts))
     # A sum that is finite has no other terms; that of great numbers may be beyond all of them.
-    if not isfinite(sum(found)) and not all(map(isfinite, found)):
+    if not isfinite(sum(numbers)) and not all(map(isfinite, numbers)):
         raise ValueError("found a number that is not finite")
-    return found
+    return numbers
 
 
 # --- the kinds ------------------------------------------------------------------------------------

@@ -265,8 +265,8 @@ class Walk(Struct):
         return Source(self.name, None, f"{kind} {self._seen[kind]}")
 
     def _say_entity(self, source: Source, kind: str, error: Exception) -> None:
-        said = " ".join(str(error).split()) or type(error).__name__
-        self.found.said.append(rules.ENTITY.at(source, kind=kind, found=said))
+        text = " ".join(str(error).split()) or type(error).__name__
+        self.found.said.append(rules.ENTITY.at(source, kind=kind, found=text))
 
     def _count(self, entity: Any, kind: str, above: Look, inside: bool) -> None:
         """Count what is not a curve, unless it is hidden anyway."""
@@ -285,11 +285,11 @@ class Walk(Struct):
 
     def _run(self, run: Run, frame: Frame) -> None:
         """Sort plain entities, which stand in model space."""
-        said: Attributes | None = None
+        attributes: Attributes | None = None
         for plain in run:
-            if plain.says is not said:
-                said = plain.says
-                look = self.layers.look(said, Look(), False)
+            if plain.says is not attributes:
+                attributes = plain.says
+                look = self.layers.look(attributes, Look(), False)
                 hidden = self.layers.hides(look)
             kind = plain.kind
             self._sort(
@@ -324,8 +324,8 @@ class Walk(Struct):
 
         `read` takes the frame, a list that it adds heights to, and the values.
         """
-        found = self.found
-        heights: Heights = [] if hidden else found.heights
+        collected = self.found
+        heights: Heights = [] if hidden else collected.heights
         count = len(heights)
         try:
             chains = read(frame, heights, *values)
@@ -333,22 +333,22 @@ class Walk(Struct):
         except _BAD_NUMBERS as error:
             del heights[count:]
             if not hidden and isinstance(error, EdgeOnError):
-                found.edge_on[kind] += 1
+                collected.edge_on[kind] += 1
             elif not hidden:
                 self._say_entity(source, kind, error)
             return False
         if not chains:
-            found.empty[kind] += 1
+            collected.empty[kind] += 1
         if hidden:
-            found.hidden += (curve for chain in chains for curve in chain)
-            found.hidden_on[look.layer] += 1
+            collected.hidden += (curve for chain in chains for curve in chain)
+            collected.hidden_on[look.layer] += 1
             return False
         for chain in chains:
-            found.contours.append(as_contour(chain, source, look.layer, look.colour))
+            collected.contours.append(as_contour(chain, source, look.layer, look.colour))
         if chains and look.line_type:
             key = look.layer, look.colour, look.line_type
-            before = found.dashed.get(key) or Dashed(*key, 0, source)
-            found.dashed[key] = replace(before, count=before.count + len(chains))
+            before = collected.dashed.get(key) or Dashed(*key, 0, source)
+            collected.dashed[key] = replace(before, count=before.count + len(chains))
         return bool(chains)
 
     def _insert(

@@ -161,31 +161,31 @@ def _drilled(
     `world` is where its member's axes lie.
     """
     holes: list[Hole] = []
-    said: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     for bolt, wall, (x, q), lean in _crossings(bolts, world, part, shaped):
         if lean > SQUARE_DEG:
             texts = {"angle": f"{lean:.1f}", "face": wall.face}
-            said.append(rules.BOLT_SKEW.at(part.source, found=bolt.guid, **texts))
+            diagnostics.append(rules.BOLT_SKEW.at(part.source, found=bolt.guid, **texts))
             continue
         diameter = round(hole_for(bolt.diameter, options.clearance), 6)
         same = (h for h in holes if h.face == wall.face)
         if all(max(abs(x - h.x), abs(q - h.y)) >= IN_LINE for h in same):
             holes.append(Hole(wall.face, x, q, diameter, Source(name, where=bolt.guid)))
-    skew = [*map(rules.forced, said)] if options.force else said
+    skew = [*map(rules.forced, diagnostics)] if options.force else diagnostics
     drilled, in_air = _in_steel(holes, part)
-    said = []
+    diagnostics = []
     for face in dict.fromkeys(h.face for h in in_air):
         places = [f"x {h.x:.1f} y {h.y:.1f}" for h in in_air if h.face == face]
         texts = {"face": face, "places": _some(places)}
-        said.append(rules.BOLT_AIR.at(part.source, found=len(places), **texts))
-    said += skew
+        diagnostics.append(rules.BOLT_AIR.at(part.source, found=len(places), **texts))
+    diagnostics += skew
     if drilled and (options.force or not skew):
         through = {h.source.where for h in drilled}
         sizes = ", ".join(f"{d:g}" for d in sorted({round(h.diameter, 3) for h in drilled}))
         counts = {"found": len(through), "made": len(once := in_order(drilled))}
-        said.append(rules.BOLT_HOLES.at(part.source, **counts, sizes=sizes))
+        diagnostics.append(rules.BOLT_HOLES.at(part.source, **counts, sizes=sizes))
         part = replace(part, features=(*part.features, *once))
-    return part, said
+    return part, diagnostics
 
 
 def _crossings(

@@ -91,16 +91,16 @@ def _is_of_no_arc(extrusion: list[str], curve: list[str]) -> bool:
 
 def _locations(words: Iterator[str]) -> list[Frame]:
     """The locations by their numbers, of which 0 is none at all."""
-    found = [IDENTITY]
+    frames = [IDENTITY]
     for kind in words:
         if kind == "1":
             m = [float(next(words)) for _ in range(12)]
-            found.append(Frame(*((m[i], m[4 + i], m[8 + i]) for i in (3, 0, 1, 2))))
+            frames.append(Frame(*((m[i], m[4 + i], m[8 + i]) for i in (3, 0, 1, 2))))
             continue
         place = IDENTITY
         while number := int(next(words)):
-            one, power = found[number], int(next(words))
+            one, power = frames[number], int(next(words))
             for _ in range(abs(power)):  # each is put to the left of those before it
                 place = (one if power > 0 else one.inverse()).times(place)
-        found.append(place)
-    return found
+        frames.append(place)
+    return frames

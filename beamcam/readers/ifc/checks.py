@@ -112,10 +112,10 @@ def check_kernel(
         found, expected = f"a length of {high - low:.2f} mm", f"{shaped.length:.2f} mm"
         fault = rules.KERNEL.at(source, found=found, expected=expected)
         return Compared((), fault, built.volume)
-    said = differences(shaped, body, stock, FINE, built.volume).said(source)
-    if any(d.severity is Severity.ERROR for d in said):
-        return Compared((), said[0], built.volume)
-    return Compared(said, None, built.volume)
+    diagnostics = differences(shaped, body, stock, FINE, built.volume).said(source)
+    if any(d.severity is Severity.ERROR for d in diagnostics):
+        return Compared((), diagnostics[0], built.volume)
+    return Compared(diagnostics, None, built.volume)
 
 
 def section_said(shaped: Shaped, stock: BareStock, source: Source) -> tuple[Diagnostic, ...]:
@@ -149,12 +149,12 @@ def check_stock(
         stock = stock_of(model, element, shaped, profile)
     except Unreadable:
         return ()  # there is no other section to compare with
-    said = section_said(shaped, stock, source)
+    diagnostics = section_said(shaped, stock, source)
     if shaped.section.code == "SO":
         return tuple(
-            rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in said
+            rules.OUTLINE.at(source, found=d["found"], expected=d["expected"]) for d in diagnostics
         )
-    return said
+    return diagnostics
 
 
 def stock_of(model: Model, element: Entity, shaped: Shaped, profile: Entity | None) -> BareStock:

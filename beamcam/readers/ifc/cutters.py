@@ -218,16 +218,16 @@ def planes_of(cutter: Cutter) -> list[HalfSpace]:
     """The planes that a cutter leaves a member in, where they may be an end of it."""
     match cutter:
         case HalfSpace():
-            found = [cutter]
+            planes = [cutter]
         case Prism():
-            found = cutter.sides
+            planes = cutter.sides
         case Bounded():
-            found = [*planes_of(cutter.first), *planes_of(cutter.second)]
+            planes = [*planes_of(cutter.first), *planes_of(cutter.second)]
         case Less():
-            found = [plane for one in (cutter.first, *cutter.taken) for plane in planes_of(one)]
+            planes = [plane for one in (cutter.first, *cutter.taken) for plane in planes_of(one)]
         case Shell():
-            found = [HalfSpace(p, n) for p, n in cutter.planes_across(ALONG, MIN_LEAN)]
-    return [plane for plane in found if abs(plane.normal[0]) > MIN_LEAN]
+            planes = [HalfSpace(p, n) for p, n in cutter.planes_across(ALONG, MIN_LEAN)]
+    return [plane for plane in planes if abs(plane.normal[0]) > MIN_LEAN]
 
 
 @cached("ifc.spread")

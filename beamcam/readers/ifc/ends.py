@@ -159,7 +159,7 @@ def bevels_of(outer: Chain, wall: Wall, levels: Sequence[tuple[float, Shape]]) -
     from shapely import Point
 
     by_depth = sorted(levels, key=lambda level: -level[0] if wall.outer else level[0])
-    found: list[Bevel] = []
+    bevels: list[Bevel] = []
     for i, curve in enumerate(outer):
         if not isinstance(curve, Line) or curve.length < MIN_EDGE:
             continue
@@ -177,8 +177,8 @@ def bevels_of(outer: Chain, wall: Wall, levels: Sequence[tuple[float, Shape]]) -
             (top, near), (deepest, far) = run[0], run[-1]
             angle = degrees(atan2(max(near, far), deepest - top))
             told = [Bevel(i, angle if near > far else -angle, 0.0)]
-        found += told
-    return tuple(found)
+        bevels += told
+    return tuple(bevels)
 
 
 def _bevel(curve: int, run: Run, thickness: float, way: float) -> Bevel | None:

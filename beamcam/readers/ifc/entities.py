@@ -135,8 +135,8 @@ class Model(Struct):
             axes: tuple[Vec, ...] = along, (-along[1], along[0], 0.0)
         else:
             axes = right_handed(*map(ratios, ways))
-        found = Frame(origin, *axes)
-        return IDENTITY if found == IDENTITY else found  # which costs nothing to multiply with
+        frame = Frame(origin, *axes)
+        return IDENTITY if frame == IDENTITY else frame  # which costs nothing to multiply with
 
     def placement(self, entity: Entity | None) -> Frame:
         """An IfcObjectPlacement in the world, chained placements included."""

@@ -98,12 +98,12 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
             fault = fault or found
             continue
         try:
-            said = _unexplained(found, shell, source, volume)
+            diagnostics = _unexplained(found, shell, source, volume)
         except Unreadable as reason:
             fault = fault or reason
             continue
-        found = replace(found, said=said)
-        if not said:
+        found = replace(found, said=diagnostics)
+        if not diagnostics:
             return found
         if best is None or (_denied(best) and not _denied(found)):
             best = found
@@ -115,15 +115,15 @@ def read_shell(shell: Shell, source: Source, volume: float | None = None) -> Sha
     raise fault or OddSection(f"a shell of {shell.count} faces without a constant section")
 
 
-def _denied(found: Shaped) -> bool:
-    return any(d.severity is Severity.ERROR for d in found.said)
+def _denied(shape: Shaped) -> bool:
+    return any(d.severity is Severity.ERROR for d in shape.said)
 
 
 def _readings(shell: Shell, source: Source) -> Iterator[Shaped | Unreadable]:
     """The members that a shell may be, the likeliest first; or why it is none."""
-    found = _plate(shell, source)
-    if found is not None:
-        yield found
+    shape = _plate(shell, source)
+    if shape is not None:
+        yield shape
     along = longest_direction(shell)
     for axis in (along, *other_axes(shell, along), round_axis(shell, along)):
         if axis is None:
@@ -146,24 +146,24 @@ def _readings(shell: Shell, source: Source) -> Iterator[Shaped | Unreadable]:
 
 
 def _unexplained(
-    found: Shaped, shell: Shell, source: Source, volume: float | None
+    shape: Shaped, shell: Shell, source: Source, volume: float | None
 ) -> tuple[Diagnostic, ...]:
     """What of a shell its member does not explain. Raises Unreadable where that is most of it."""
-    body = shell.moved(found.frame.inverse())
+    body = shell.moved(shape.frame.inverse())
     theirs = volume or body.volume or section_area(body)
-    if abs(theirs - found.volume) > SURELY_OTHER * theirs:  # building the part again takes long
-        raise _not_explained(theirs, found.volume)
-    beyond = _beyond(body, found.section)
+    if abs(theirs - shape.volume) > SURELY_OTHER * theirs:  # building the part again takes long
+        raise _not_explained(theirs, shape.volume)
+    beyond = _beyond(body, shape.section)
     if beyond is not None:
         if kinked(shell) is not None:
             raise OddSection("a kinked member")
         return (rules.UNEXPLAINED.at(source, found=beyond),)
-    stock = found.stock or plain_stock(found.section)
+    stock = shape.stock or plain_stock(shape.section)
     by = MESH if volume is not None else FACES
-    apart = differences(found, body, stock, by, volume)
+    apart = differences(shape, body, stock, by, volume)
     if abs(apart.volume - apart.expected) > EXPLAINED * theirs:
         raise _not_explained(theirs, apart.expected)
-    return (*apart.said(source), *section_said(found, stock, source))
+    return (*apart.said(source), *section_said(shape, stock, source))
 
 
 def _beyond(body: Shell, section: Section) -> str | None:

@@ -121,8 +121,8 @@ def build_both(model: Model, element: Entity) -> Built:
     except BrepError as fault:
         raise Unreadable(f"a solid by the kernel that is not understood ({fault})") from fault
     points = np.unique(built.shell.points, axis=0)
-    found = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
-    kept = tuple(c for c in found if not any(_blunted(c, other) for other in found))
+    cylinders = [one for one in every if np.count_nonzero(one.off(points) < ON_IT) >= MIN_CORNERS]
+    kept = tuple(c for c in cylinders if not any(_blunted(c, other) for other in cylinders))
     shell = replace(built.shell, cylinders=kept)
     return replace(built, shell=shell, log=(*built.log, *_log()), others=others)
 

@@ -255,10 +255,10 @@ def _contradicts(label: str, profile: Profile) -> bool:
 @cached("ifc.said_measures")
 def _said_measures(label: str) -> tuple[float, ...]:
     """The numbers of a name that is made of measures, in mm; none of another name."""
-    found = _MEASURES.fullmatch(label.strip().upper())
-    if found is None:
+    match = _MEASURES.fullmatch(label.strip().upper())
+    if match is None:
         return ()
-    return tuple(float(n.replace(",", ".")) for n in _NUMBER.findall(found[1]))
+    return tuple(float(n.replace(",", ".")) for n in _NUMBER.findall(match[1]))
 
 
 def name_of(profile: Profile) -> str:

@@ -71,10 +71,10 @@ def _stated_section(model: Model, entity: Entity) -> Section:
     if entity.is_a() in MEASURES:
         return _measured(model, entity)
     outline = outline_of(model, entity)
-    found = model.once("form", outline, classify, outline.outer, outline.inner)
-    if found is None:
+    section = model.once("form", outline, classify, outline.outer, outline.inner)
+    if section is None:
         raise OddSection(f"a section that is no rolled form ({entity.is_a()})", final=True)
-    return found
+    return section
 
 
 def outline_of(model: Model, entity: Entity) -> Outline:
@@ -179,12 +179,12 @@ def _measured(model: Model, entity: Entity) -> Section:
     h, b, tf, tw, r = (number(name) * (2 if name == "Radius" else 1) for name in names.split())
     if code == "B":
         tw = min(h, b)
-    found = _standing(
+    section = _standing(
         code, (h, b or h if code == "L" else b, tf, tw, r), model.axes(entity.Position)
     )
     if code == "C":
-        found = replace(found, area=abs(signed_area(_drawn(found, number("Girth")))))
-    return found
+        section = replace(section, area=abs(signed_area(_drawn(section, number("Girth")))))
+    return section
 
 
 def _standing(code: ProfileCode, sizes: Sizes, frame: Frame) -> Section:

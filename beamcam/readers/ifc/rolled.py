@@ -100,19 +100,19 @@ def rolled_stock(shell: Shell, axis: Vec) -> Rolled | None:
             continue
         circles = circles_in(shell.cylinders, axis, u, v)
         outer, inner = chains_of(pieces[0], circles)
-        told = _told(outer, inner, pieces[0]) if outer else None
-        if told is not None and told.code == "SO":
+        section = _told(outer, inner, pieces[0]) if outer else None
+        if section is not None and section.code == "SO":
             box = (*extent(shell, u), *extent(shell, v))
-            last = told.area
+            last = section.area
             areas.append(last)
-            if special is None or told.area > special[0].area * SAME_AREA:
-                special = told, pieces[0], pieces[0]
-            told = _flat(pieces[0]) if _reaches(pieces[0], box) else None
-        if told is None or (told.code == "B" and told.width > 200):
+            if special is None or section.area > special[0].area * SAME_AREA:
+                special = section, pieces[0], pieces[0]
+            section = _flat(pieces[0]) if _reaches(pieces[0], box) else None
+        if section is None or (section.code == "B" and section.width > 200):
             continue
-        if best is None or told.area > best[0].area * SAME_AREA:
+        if best is None or section.area > best[0].area * SAME_AREA:
             exact = polygon_of(outer, inner, Circles()) if circles.known else pieces[0]
-            best = told, exact, pieces[0]
+            best = section, exact, pieces[0]
     slanted = len({round(size, SAME_SIZE) for size in sizes}) > len(STATIONS) // 2
     if slanted and not shell.cylinders:
         for side in (-1, 1):
@@ -130,24 +130,24 @@ def _as_rolled(shell: Shell, best: Best, rough: Rough | None, u: Vec, v: Vec) ->
     """The stock of the best section that stations along a shell show, in axes u and v."""
     from shapely import transform
 
-    found, exact, drawn = best
-    o, y, z = (add(scale(u, p), scale(v, q)) for p, q in (found.origin, found.y, found.z))
+    section, exact, drawn = best
+    o, y, z = (add(scale(u, p), scale(v, q)) for p, q in (section.origin, section.y, section.z))
     frame = Frame(o, cross(y, z), y, z)
     x0, x1 = extent(shell, frame.x)
 
     def turned(points: Any) -> Any:
-        off = points - np.array(found.origin)
-        return np.column_stack((off @ np.array(found.y), off @ np.array(found.z)))
+        off = points - np.array(section.origin)
+        return np.column_stack((off @ np.array(section.y), off @ np.array(section.z)))
 
     shape = transform(exact, turned)
-    if found.is_plain_flat:  # its edges may be bevelled all along
-        found = replace(found, area=found.height * found.width)
-        return Rolled(found, frame, x0, x1, shape, plain_stock(found))
+    if section.is_plain_flat:  # its edges may be bevelled all along
+        section = replace(section, area=section.height * section.width)
+        return Rolled(section, frame, x0, x1, shape, plain_stock(section))
     shown = BareStock(transform(drawn, turned), float(exact.area))
     rise = 0.0
     if rough is not None:
         rise, shown = rough[0], replace(shown, rough=transform(rough[1], turned))
-    return Rolled(found, frame, x0, x1, shape, shown, rise)
+    return Rolled(section, frame, x0, x1, shape, shown, rise)
 
 
 def _same(lines: Segments, others: Segments) -> bool:
@@ -160,14 +160,14 @@ def _told(outer: Chain, inner: tuple[Chain, ...], piece: Any) -> Section | None:
 
     Some roundings of a mesh may lie on circles, and others not.
     """
-    found = classify(outer, inner)
-    if found is not None and found.code != "SO":
-        return found
+    section = classify(outer, inner)
+    if section is not None and section.code != "SO":
+        return section
     drawn = tuple(
         sharpened(chain_of_ring(r, Circles())) for r in (piece.exterior, *piece.interiors)
     )
     again = classify(drawn[0], drawn[1:]) if drawn[0] else None
-    return found if again is None else replace(again, area=float(piece.area))
+    return section if again is None else replace(again, area=float(piece.area))
 
 
 def _end_section(
@@ -190,8 +190,8 @@ def _end_section(
     drawn = [chain_of_ring(ring, Circles()) for ring in rings]
     whole = map(with_arcs, drawn)
     outer, *inner = (w if len(w) == 1 else sharpened(c) for w, c in zip(whole, drawn, strict=True))
-    told = classify(outer, inner) if outer else None
-    if told is None or told.code == "SO":
+    section = classify(outer, inner) if outer else None
+    if section is None or section.code == "SO":
         return None
     most, bands = 0.0, []
     chords = np.array([(c.start, c.end) for chain in drawn for c in chain])
@@ -208,8 +208,8 @@ def _end_section(
         )
         bands += [Polygon([*outside[k : k + 2], *inside[k : k + 2][::-1]]) for k in range(count)]
     shape = polygon_of(outer, tuple(inner), Circles())
-    told = replace(told, area=float(shape.area))
-    return (told, shape, shape), (most, union_all(bands))
+    section = replace(section, area=float(shape.area))
+    return (section, shape, shape), (most, union_all(bands))
 
 
 def round_axis(shell: Shell, along: Vec) -> Vec | None:

@@ -145,12 +145,14 @@ BOLT_SKEW = error("ifc-bolt-skew",
     "A drill comes square to the face; where the bolt is meant to go cannot be guessed.")
 
 
-def of_the_solid(said: Diagnostic) -> str:
+def of_the_solid(diagnostic: Diagnostic) -> str:
     """What a message finds in the solid of a member, as a part of another message."""
-    unit = " cm3 in all" if said.code == VOLUME_OFF.code else ""
-    return f"{said['found']}{unit}"
+    unit = " cm3 in all" if diagnostic.code == VOLUME_OFF.code else ""
+    return f"{diagnostic['found']}{unit}"
 
 
-def forced(said: Diagnostic) -> Diagnostic:
+def forced(diagnostic: Diagnostic) -> Diagnostic:
     """An error as the warning that it becomes where the member is wanted all the same."""
-    return replace(said, severity=Severity.WARNING) if said.severity is Severity.ERROR else said
+    if diagnostic.severity is not Severity.ERROR:
+        return diagnostic
+    return replace(diagnostic, severity=Severity.WARNING)

@@ -142,15 +142,15 @@ def differences(
     except BeamcamError as reason:
         raise Unreadable(str(reason.diagnostics[0])) from reason
     check_member()
-    found = [
+    lumps = [
         lump for more, one in pieces for lump in _by_face(one, more, part, shaped.section, by.slack)
     ]
-    found = sorted(_joined(found), key=lambda one: -one.volume)
-    fillets = tuple(one for one in found if one.face == FILLET)
-    leaning = tuple(one for one in found if one.leans)
+    lumps = sorted(_joined(lumps), key=lambda one: -one.volume)
+    fillets = tuple(one for one in lumps if one.face == FILLET)
+    leaning = tuple(one for one in lumps if one.leans)
     if sum(one.volume for one in leaning) > GROSS * theirs:
         leaning = ()  # too much for a cut whose edge leans
-    rest = tuple(one for one in found if one not in fillets and one not in leaning)
+    rest = tuple(one for one in lumps if one not in fillets and one not in leaning)
     rest, fillets, leaning = (
         kind if sum(one.volume for one in kind) > BOUND else () for kind in (rest, fillets, leaning)
     )
@@ -332,7 +332,7 @@ def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
     if outer:
         whole = rectangle(0.0, 0.0, part.length, wall.width)
         gone.append(whole.difference(union_all(outer)))
-    found = [union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
+    cuts = [union_all(gone).buffer(-TOUCHING).buffer(TOUCHING)]
     for contour in contours:
         for bevel in contour.bevels:
             deep = wall.thickness - bevel.land
@@ -340,22 +340,22 @@ def _cuts_of(wall: Wall, part: Part) -> list[Shape]:
                 deep = bevel.land or wall.thickness
             wide = deep * tan(radians(abs(bevel.angle)))
             edge = contour.curves[bevel.curve]
-            found.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
-    return found
+            cuts.append(LineString([edge.start, edge.end]).buffer(wide, cap_style="square"))
+    return cuts
 
 
 def _arcs(part: Part) -> list[ArcAt]:
     """The arcs of a part's holes, slots and contours."""
-    found: list[ArcAt] = []
+    arcs: list[ArcAt] = []
     for f in part.features:
         axis = 1 if getattr(f, "face", "v") in ("o", "u") else 2
         if isinstance(f, Hole):
-            found.append((axis, f.x, f.y, f.diameter / 2))
+            arcs.append((axis, f.x, f.y, f.diameter / 2))
         elif isinstance(f, Slot):
-            found += [(axis, x, y, f.diameter / 2) for x, y in slot_corners(f)]
+            arcs += [(axis, x, y, f.diameter / 2) for x, y in slot_corners(f)]
         elif isinstance(f, Contour):
-            found += [(axis, *c.centre, c.radius) for c in f.curves if isinstance(c, Arc)]
-    return found
+            arcs += [(axis, *c.centre, c.radius) for c in f.curves if isinstance(c, Arc)]
+    return arcs
 
 
 def _is_of_facets(piece: "Manifold", arcs: Sequence[ArcAt], by: Fineness) -> bool:
@@ -376,10 +376,10 @@ def _rise(radius: float, by: Fineness) -> float:
     return min(by.chord, radius * (1.0 - cos(by.facet_rad / 2)))
 
 
-def _joined(found: Sequence[Lump]) -> list[Lump]:
+def _joined(lumps: Sequence[Lump]) -> list[Lump]:
     """The lumps with those joined that follow one another on a face."""
     out: list[Lump] = []
-    for one in sorted(found, key=lambda lump: lump.x0):
+    for one in sorted(lumps, key=lambda lump: lump.x0):
         for i, known in enumerate(out):
             same = (known.face, known.more, known.leans) == (one.face, one.more, one.leans)
             if same and one.x0 - known.x1 < 5.0:
@@ -391,6 +391,6 @@ def _joined(found: Sequence[Lump]) -> list[Lump]:
     return out
 
 
-def _told(found: Sequence[Lump]) -> str:
-    more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
-    return "; ".join(map(str, found[:SHOWN])) + more
+def _told(lumps: Sequence[Lump]) -> str:
+    more = f"; and {len(lumps) - SHOWN} more" if len(lumps) > SHOWN else ""
+    return "; ".join(map(str, lumps[:SHOWN])) + more

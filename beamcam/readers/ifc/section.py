@@ -72,7 +72,7 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
     @property
     def points(self) -> tuple[SectionPoint, ...]:
         """The corners of a special section's outline, from its zero point (PR)."""
-        found = []
+        section_points = []
         (ox, oy), (yx, yy), (zx, zy) = self.origin, self.y, self.z
         turned = yx * zy - yy * zx  # Y x Z as drawn; the arcs' sense is that of (Y, Z)
         for curve in self.outline:
@@ -80,8 +80,8 @@ class Section(Struct, frozen=True, gc=False, cache_hash=True):
             radius = 0.0
             if isinstance(curve, Arc):
                 radius = curve.radius if (curve.sweep_deg > 0) == (turned > 0) else -curve.radius
-            found.append(SectionPoint("+", x * yx + y * yy, x * zx + y * zy, radius))
-        return tuple(found)
+            section_points.append(SectionPoint("+", x * yx + y * yy, x * zx + y * zy, radius))
+        return tuple(section_points)
 
     def turned(self) -> "Section":
         """The section turned back to front or upside down, if its form is the same then."""

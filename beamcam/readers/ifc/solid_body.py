@@ -78,8 +78,8 @@ def across(body: Shell, x: float) -> Shape:
 
 def section_area(body: Shell) -> float:
     """mm3 of a body by its sections, which crossings measure even where faces lie twice."""
-    found = stretches(body.points[:, 0])
-    return sum(float(across(body, (x0 + x1) / 2).area) * (x1 - x0) for x0, x1 in found)
+    points = stretches(body.points[:, 0])
+    return sum(float(across(body, (x0 + x1) / 2).area) * (x1 - x0) for x0, x1 in points)
 
 
 def by_stations(body: Shell, drawn: "Manifold", slack: float) -> "Iterator[tuple[bool, Manifold]]":

@@ -77,16 +77,16 @@ def plain(text: str) -> str:
     return ESCAPE.sub(_unescaped, text) if "\\" in text else text
 
 
-def _unescaped(found: re.Match[str]) -> str:
-    letters = letters_of(found)
+def _unescaped(match: re.Match[str]) -> str:
+    letters = letters_of(match)
     if re.search(r"[\x00-\x1f]", letters):
-        return found[0]
+        return match[0]
     return letters.replace("'", "''").replace("\\", r"\\")
 
 
-def letters_of(found: re.Match[str]) -> str:
+def letters_of(match: re.Match[str]) -> str:
     """What an escape stands for."""
-    two, four, one, upper, slash = found.groups()
+    two, four, one, upper, slash = match.groups()
     if two is not None:
         return bytes.fromhex(two).decode("utf-16-be", "replace")
     if four is not None:
@@ -125,11 +125,11 @@ def _looked(bare: str, text: str) -> tuple[list[str], bool]:
     first = at = section.end() if section is not None else len(bare)
     sound = True
     while section is not None:
-        found = _SOUND.match(bare, section.end())
-        if found is None or found["end"] is None:
-            sound, found = False, _RECORDS.match(bare, section.end())
-        at = section.end() if found is None else found.end()
-        if found is None or found["end"] is None:
+        match = _SOUND.match(bare, section.end())
+        if match is None or match["end"] is None:
+            sound, match = False, _RECORDS.match(bare, section.end())
+        at = section.end() if match is None else match.end()
+        if match is None or match["end"] is None:
             if at == len(bare):
                 raise Malformed("a DATA section without an end", _line(text, first))
             raise _no_record(text, at)
@@ -156,8 +156,8 @@ def _no_record(text: str, at: int) -> Malformed:
 
 def records(text: str) -> Iterator[Record]:
     """The records of a plain text that was looked over."""
-    for found in _RECORD.finditer(text):
-        yield Record(int(found[1]), found[2], found[3])
+    for match in _RECORD.finditer(text):
+        yield Record(int(match[1]), match[2], match[3])
 
 
 def _line(text: str, at: int) -> int:
@@ -226,13 +226,13 @@ def _held(value: Any) -> Any:
     return tuple(map(_held, value))
 
 
-def _as_json(found: re.Match[str]) -> str:
+def _as_json(match: re.Match[str]) -> str:
     """A token in JSON; of a value with its type a list that begins with it."""
-    token = found[0]
+    token = match[0]
     if token in _BRACKETS:
         return _BRACKETS[token]
     if token[-1] == "(":
-        return f'[{{"kind": "{found[1]}"}},'
+        return f'[{{"kind": "{match[1]}"}},'
     if token in _CONSTANTS:
         return json.dumps(_CONSTANTS[token])
     if token[0] == "#" and token[1:].isdecimal() and len(token) < 20:

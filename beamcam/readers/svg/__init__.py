@@ -42,20 +42,20 @@ def read(
     source = Source(name)
     seen = [*walk.found.not_cut.items(), ("hidden shapes", walk.found.counts["invisible"])]
     unit = "of the page" if units is None and width is None else None
-    said = (
+    diagnostics = (
         *page.remarks, *(rules.HIDING.at(source, found=s) for s in sheet.hiding),
         *(rules.SELECTOR.at(source, found=s) for s in sheet.ignored),
         *unknown_layers(sorted(walk.found.layers - {""}), layers, source), *walk.found.said,
         *fitted, *_remarks(walk.found, source), *verdict(part, seen, unit, source),
     )  # fmt: skip
-    return Reading("svg", (part,), said)
+    return Reading("svg", (part,), diagnostics)
 
 
-def _part(name: str, found: Collected, page: Page) -> Part:
-    grid = page.unit * 10.0**-found.decimals if found.contours else None
-    not_cut = tuple(sorted(found.not_cut.items()))
-    measures = Measures(tuple(found.filled), tuple(found.hidden), not_cut, grid)
-    return drawing_part(name, tuple(found.contours), measures)
+def _part(name: str, collected: Collected, page: Page) -> Part:
+    grid = page.unit * 10.0**-collected.decimals if collected.contours else None
+    not_cut = tuple(sorted(collected.not_cut.items()))
+    measures = Measures(tuple(collected.filled), tuple(collected.hidden), not_cut, grid)
+    return drawing_part(name, tuple(collected.contours), measures)
 
 
 #: Remarks on the counted shapes, in this order.
@@ -66,15 +66,15 @@ _COUNTED: tuple[tuple[str, Rule], ...] = (
 )  # fmt: skip
 
 
-def _remarks(found: Collected, source: Source) -> list[Diagnostic]:
+def _remarks(collected: Collected, source: Source) -> list[Diagnostic]:
     """Remarks on elements that are not contours, by kind and count."""
-    said = []
-    if found.not_cut["text"]:
-        said.append(rules.TEXT.at(source, count=found.not_cut["text"]))
-    others = [(tag, count) for tag, count in sorted(found.not_cut.items()) if tag != "text"]
+    diagnostics = []
+    if collected.not_cut["text"]:
+        diagnostics.append(rules.TEXT.at(source, count=collected.not_cut["text"]))
+    others = [(tag, count) for tag, count in sorted(collected.not_cut.items()) if tag != "text"]
     if others:
-        said.append(rules.NOT_CUT.at(source, found=counted(others)))
+        diagnostics.append(rules.NOT_CUT.at(source, found=counted(others)))
     for key, rule in _COUNTED:
-        if found.counts[key]:
-            said.append(rule.at(source, count=found.counts[key]))
-    return said
+        if collected.counts[key]:
+            diagnostics.append(rule.at(source, count=collected.counts[key]))
+    return diagnostics

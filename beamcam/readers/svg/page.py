@@ -101,13 +101,13 @@ class Fit(NamedTuple):
 
 def fit_of(text: str | None) -> Fit:
     """What preserveAspectRatio says; xMidYMid meet where it says nothing that is known."""
-    found = _ASPECT.fullmatch((text or "").strip())
-    if found is None:
+    match = _ASPECT.fullmatch((text or "").strip())
+    if match is None:
         return Fit()
-    if found["none"]:
+    if match["none"]:
         return Fit("none", said=True)
-    how: Literal["meet", "slice"] = "slice" if found["how"] == "slice" else "meet"
-    return Fit(how, _SHARES[found["x"]], _SHARES[found["y"]], True)
+    how: Literal["meet", "slice"] = "slice" if match["how"] == "slice" else "meet"
+    return Fit(how, _SHARES[match["x"]], _SHARES[match["y"]], True)
 
 
 #: CSS fixes the px at 1/96 inch; lengths with units inside a drawing are counted in these.
@@ -293,9 +293,9 @@ class _Finder:
         if known is None:
             raise ReadError(rules.PIXELS.at(self.source, found=found))
         writer, dpi = known
-        said = rules.PIXELS_BY_WRITER.at(self.source, found=found, dpi=dpi, writer=writer)
+        diagnostic = rules.PIXELS_BY_WRITER.at(self.source, found=found, dpi=dpi, writer=writer)
         px = 25.4 / dpi
-        return self._page(across * px, down * px, px, (said,))
+        return self._page(across * px, down * px, px, (diagnostic,))
 
     def _uniform(self, unit: float) -> Page:
         return self._page(unit, unit, None)
@@ -338,9 +338,9 @@ def _writer(document: Document) -> tuple[str, int] | None:
         return "CorelDRAW", 96
     if "Adobe Illustrator" in comments:
         return "Adobe Illustrator", 72
-    if found := re.search(r"inkscape:version=(\d{1,9})\.(\d{1,9})", foreign):
-        old = (int(found[1]), int(found[2])) < (0, 92)
-        return f"Inkscape {found[1]}.{found[2]}", 90 if old else 96
+    if match := re.search(r"inkscape:version=(\d{1,9})\.(\d{1,9})", foreign):
+        old = (int(match[1]), int(match[2])) < (0, 92)
+        return f"Inkscape {match[1]}.{match[2]}", 90 if old else 96
     if "corel.com/coreldraw" in foreign or any(
         identity.startswith("CorelCorpID") for identity in document.ids
     ):

@@ -78,13 +78,13 @@ def _arc_numbers(text: str) -> list[float]:
     numbers: list[float] = []
     position = 0
     while position < len(text):
-        found = _ARC.match(text, position)
-        if found is None and not text[position:].strip(_SEPARATORS):
+        match = _ARC.match(text, position)
+        if match is None and not text[position:].strip(_SEPARATORS):
             break
-        if found is None:
+        if match is None:
             raise PathError(_short("A" + text[position:]), "two radii, a turn, two flags, a point")
-        numbers += map(float, found.groups())
-        position = found.end()
+        numbers += map(float, match.groups())
+        position = match.end()
     return numbers
 
 
@@ -215,8 +215,8 @@ def arc_curves(start: Point, end: Point, numbers: list[float]) -> list[Curve]:
 
 def decimals(text: str, least: int = 0) -> int:
     """The most digits behind a point in `text`, but not fewer than `least`."""
-    while found := _fraction(least + 1).search(text):
-        least = len(found[0]) - 1
+    while match := _fraction(least + 1).search(text):
+        least = len(match[0]) - 1
     return least
 
 

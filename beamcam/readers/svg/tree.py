@@ -253,24 +253,24 @@ class StyleSheet(Struct):
         """The rules that fit `element`, the weightiest last."""
         classes = (element.get("class") or "").split()
         keys = ["", element.tag, f"#{element.get('id')}", *(f".{name}" for name in classes)]
-        found = [
+        css_rules = [
             rule
             for key in dict.fromkeys(keys)
             for rule in self.by_key.get(key, ())
             if rule.fits(element)
         ]
-        return sorted(found, key=lambda rule: rule.weight)
+        return sorted(css_rules, key=lambda rule: rule.weight)
 
 
 def _compound(text: str) -> Compound | None:
     """What a selector without spaces asks for; None of one that is not understood."""
-    found = _SELECTOR.match(text)
-    if not text or found is None:
+    match = _SELECTOR.match(text)
+    if not text or match is None:
         return None
-    parts = re.findall(r"([.#])([^.#]+)", found[2])
+    parts = re.findall(r"([.#])([^.#]+)", match[2])
     classes = tuple(name for mark, name in parts if mark == ".")
     identity = next((name for mark, name in parts if mark == "#"), "")
-    return Compound("" if found[1] in (None, "*") else found[1], identity, classes)
+    return Compound("" if match[1] in (None, "*") else match[1], identity, classes)
 
 
 def _hides(name: str, value: str, important: bool) -> bool:
@@ -304,12 +304,12 @@ def _without_statements(text: str) -> str:
     """A sheet without `@import ...;` and the like."""
     kept: list[str] = []
     at = begin = 0
-    while (found := _STATEMENT.search(text, begin)) and (
-        end := _STATEMENT_END.search(text, found.end())
+    while (match := _STATEMENT.search(text, begin)) and (
+        end := _STATEMENT_END.search(text, match.end())
     ):
         begin = end.end()
         if end[0] == ";":
-            kept.append(text[at : found.start()])
+            kept.append(text[at : match.start()])
             at = begin
     kept.append(text[at:])
     return " ".join(kept)

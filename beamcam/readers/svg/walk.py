@@ -204,10 +204,10 @@ class Walk(Struct):
 
     def _use(self, element: Element, context: Context) -> None:
         """The content of a use: the element that it names, moved by its x and y."""
-        wanted = element.get("href") or element.get("xlink:href") or ""
-        target = self.document.ids.get(wanted[1:]) if wanted.startswith("#") else None
+        reference = element.get("href") or element.get("xlink:href") or ""
+        target = self.document.ids.get(reference[1:]) if reference.startswith("#") else None
         if target is None:
-            self._say(rules.USE, element, found=wanted)
+            self._say(rules.USE, element, found=reference)
             return
         self.found.counts["uses"] += 1
         if self.found.counts["uses"] > MOST_USES:
